@@ -14,13 +14,13 @@ from babyrobot_levels.library.catalogue import files_in
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_file
 from babyrobot_levels.library.search_path import gallery_place
-from babyrobot_levels.publish.assets import static
 from babyrobot_levels.publish.citation import bibtex, citation
 from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.publish.highlight import python_html, yaml_html
 from babyrobot_levels.publish.level_values import shown_values, values_panel
 from babyrobot_levels.render.page import embedded_json, player_html
 from babyrobot_levels.render.page_data import Guide, TooLargeError, page_data, rounded
+from babyrobot_levels.render.scripts import static
 from babyrobot_levels.render.svg import escaped, number, quoted
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
@@ -66,7 +66,7 @@ def level_html(
         "python": ("Python", _python(facts, answers=answers)),
         "cite": ("Cite", _cite(level, facts)),
     }
-    return Template(static("level.html")).substitute(
+    return Template(static("publish/static/level.html")).substitute(
         page_title=escaped(f"{facts.title} – {title}{' (key)' if key else ''}"),
         gallery=escaped(title),
         key='<span class="key">Key</span>' if key else "",
@@ -126,20 +126,18 @@ def _panel(name: str, label: str, content: str) -> str:
 def _player(level: Level, facts: Facts, guide: Guide | None, *, key: bool) -> tuple[str, str]:
     """Return the game, or why there is none, and the scripts of the page."""
     alt = quoted(describe(level))
-    own = '<script src="../assets/level.js"></script>'
     try:
         data = page_data(level, guide=guide, values=key, arrows=key)
     except TooLargeError as error:
         reason = escaped(str(error))
         picture = _image(facts, facts.files.png, alt)
-        return f"<p>It cannot be played here: {reason}.</p>\n<p>{picture}</p>", own
+        said = f"<p>It cannot be played here: {reason}.</p>\n<p>{picture}</p>"
+        return said, '<script src="../assets/level.js"></script>'
     with suppress(LevelError):
         data["code"] = level.share_code()
     scripts = [
         f'<script type="application/json" id="data">{embedded_json(data)}</script>',
-        '<script src="../assets/common.js"></script>',
         '<script src="../assets/player.js"></script>',
-        own,
     ]
     picture = _image(facts, facts.files.svg, alt)
     return f'<div class="player">\n{player_html(picture)}</div>', "\n".join(scripts)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from string import Template
 
 from babyrobot_levels.language.play import program
-from babyrobot_levels.publish.assets import static
 from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.render.page import embedded_json
+from babyrobot_levels.render.scripts import static
 from babyrobot_levels.render.svg import escaped, quoted
 
 DIFFICULTIES = (("easy", 5), ("medium", 7), ("hard", math.inf))
@@ -133,7 +133,7 @@ def wall_html(
         ]
         for level in facts
     ]
-    return Template(static("wall.html")).substitute(
+    return Template(static("publish/static/wall.html")).substitute(
         page_title=escaped(f"{title} (key)" if key else title),
         title=escaped(title),
         key='<span class="key">Key</span>' if key else "",

@@ -16,12 +16,11 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import re
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from importlib.resources import files
+from functools import cache
 from string import Template
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +42,7 @@ from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, toned
+from babyrobot_levels.render.scripts import put_together, static
 from babyrobot_levels.render.svg import (
     FONT,
     elements,
@@ -58,30 +58,6 @@ from babyrobot_levels.text.errors import LevelError
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-PLAYER = (
-    "random.js",
-    "checks.js",
-    "things.js",
-    "game.js",
-    "result.js",
-    "play.js",
-    "paint.js",
-    "view.js",
-    "gestures.js",
-    "picture.js",
-    "trail.js",
-    "legend.js",
-    "speech.js",
-    "player.js",
-)
-"""The scripts that play a level in the elements of `player_html`; they need `COMMON`."""
-
-SCRIPTS = ("common.js", *PLAYER, "link.js", "page.js")
-"""The parts of the page's script, in the order of their dependencies."""
-
-STYLES = ("picture.css", "player.css", "page.css")
-"""Its style sheets: what the editor shares, those of the player, and the page's own."""
-
 PLAY_VERSIONS = (1, 2)
 """The versions of play parts that a page reads: 2 is for levels with things or a heading."""
 
@@ -90,9 +66,6 @@ MAX_LINK = 30_000
 
 MAX_UNPACKED = 4 << 20
 """The most bytes that a page decompresses."""
-
-_COMMENTS = re.compile(r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$", re.M | re.S)
-"""Comments of scripts and styles that have lines of their own."""
 
 
 def to_html(
@@ -136,15 +109,14 @@ def to_html(
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
-    style = code_of(STYLES)
-    script = f'"use strict";\n{code_of(SCRIPTS)}'
+    style, script = _style(), _script()
     theme = level.resolved_theme
     title = escaped(title_of(level))
-    header = Template(_static("header.html")).substitute(
+    header = Template(static("render/static/header.html")).substitute(
         title=title, description=escaped(data["description"])
     )
     icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
-    return Template(_static("page.html")).substitute(
+    return Template(static("render/static/page.html")).substitute(
         title=title,
         policy=_security_policy(style, script),
         icon="data:image/svg+xml;base64," + base64.b64encode(icon.encode()).decode(),
@@ -158,7 +130,7 @@ def to_html(
 
 
 def player_html(picture: str, header: str = "") -> str:
-    """Return the elements in which `PLAYER` plays a level.
+    """Return the elements in which `player.js` plays a level.
 
     A page has them once, in an element of the class `player` and beside an element `title`.
 
@@ -166,7 +138,7 @@ def player_html(picture: str, header: str = "") -> str:
         picture: what is shown without JavaScript, as HTML.
         header: what stands above the picture, as HTML.
     """
-    return Template(_static("player.html")).substitute(picture=picture, header=header)
+    return Template(static("render/static/player.html")).substitute(picture=picture, header=header)
 
 
 def embedded_json(data: Any) -> str:
@@ -175,6 +147,11 @@ def embedded_json(data: Any) -> str:
     for character in "<>&":
         text = text.replace(character, f"\\u{ord(character):04x}")
     return text
+
+
+def common_module(data: dict[str, Any]) -> dict[str, str]:
+    """Return the module of what is the same for all levels with its data in it, by its path."""
+    return {"render/static/common.js": f"export const COMMON = {embedded_json(data)};"}
 
 
 def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
@@ -204,6 +181,16 @@ def _fact_rows(level: GridWorld) -> Iterator[str]:
         yield f"<dt>{name}</dt><dd><bdi>{escaped(text)}</bdi></dd>"
 
 
+@cache
+def _style() -> str:
+    return put_together("render/static/page.css")
+
+
+@cache
+def _script() -> str:
+    return f'"use strict";\n{put_together("render/static/page.js")}'
+
+
 def _security_policy(style: str, script: str) -> str:
     """Return a content security policy that allows this style and script only, and no loading."""
     style_hash, script_hash = (
@@ -214,21 +201,6 @@ def _security_policy(style: str, script: str) -> str:
         f"default-src 'none'; img-src data:; style-src 'sha256-{style_hash}'; "
         f"script-src 'sha256-{script_hash}'; base-uri 'none'; form-action 'none'"
     )
-
-
-def _static(name: str) -> str:
-    return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
-
-
-def code_of(names: Iterable[str]) -> str:
-    """Return scripts or style sheets as one, without what is only for readers."""
-    return "\n".join(map(_code, names))
-
-
-def _code(name: str) -> str:
-    """Return a script or style without the comments that have lines of their own and indents."""
-    text = _COMMENTS.sub("", _static(name))
-    return "\n".join(line for line in map(str.strip, text.splitlines()) if line)
 
 
 def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = None) -> str:

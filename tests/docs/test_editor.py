@@ -6,7 +6,7 @@ import re
 
 from support.editor_docs import PAGE, TABLE, key_rows
 
-from babyrobot_levels.editor.hosts.front_end import static
+from babyrobot_levels.render.scripts import static
 
 TEXT = PAGE.read_text("utf-8")
 
@@ -28,7 +28,7 @@ def test_the_tools_are_those_of_the_editor() -> None:
     tools = [
         tuple(re.search(rf'\b{field}: "([^"]+)"', entry)[1] for field in ("key", "title"))  # type: ignore[index]
         for name in ("tools.js", "rail.js")
-        for entry in static(name).split("{ name: ")[1:]
+        for entry in static(f"editor/static/{name}").split("{ name: ")[1:]
     ]
     shown = [
         pair

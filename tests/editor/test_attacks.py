@@ -114,7 +114,6 @@ def test_no_other_file_is_served(client: Client, path: str) -> None:
 def test_the_files_of_the_page_are_served_with_a_strict_policy(client: Client) -> None:
     for name, kind in (
         ("", "text/html"),
-        ("served.js", "text/javascript"),
         ("editor.js", "text/javascript"),
         ("editor.css", "text/css"),
     ):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from babyrobot_levels.editor.hosts.front_end import static
+from babyrobot_levels.render.scripts import static
 from support.places import DOCS
 
 PAGE = DOCS / "editor.md"
@@ -16,7 +16,7 @@ TABLE = re.compile(r"(?<=\n\| \| key \| what it does \|\n\|---\|---\|---\|\n)(?:
 
 def key_rows() -> str:
     """Return the rows of the table of keys, from the front end."""
-    script = static("keys.js")
+    script = static("editor/static/keys.js")
     lines = []
     for group in script[script.index("const KEYS") : script.index("];\n\n")].split("{ title: ")[1:]:
         title = group.split('"')[1]

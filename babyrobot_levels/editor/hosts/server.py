@@ -28,9 +28,10 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 
-from babyrobot_levels.editor.hosts.front_end import module, static, style
+from babyrobot_levels.editor.hosts.front_end import served_script, style
 from babyrobot_levels.editor.protocol import answer, prepare
 from babyrobot_levels.editor.session import Session
+from babyrobot_levels.render.scripts import static
 from babyrobot_levels.text.errors import BabyRobotError
 
 LOOPBACK = "127.0.0.1"
@@ -153,13 +154,10 @@ def application(session: Session, token: str, stop: Callable[[], None] = lambda:
             return answer(session, message)
 
     async def page(request: Request) -> Response:
-        return HTMLResponse(static("editor.html"))
-
-    async def start(request: Request) -> Response:
-        return PlainTextResponse(static("served.js"), media_type="text/javascript")
+        return HTMLResponse(static("editor/static/editor.html"))
 
     async def script(request: Request) -> Response:
-        return PlainTextResponse(module(), media_type="text/javascript")
+        return PlainTextResponse(served_script(), media_type="text/javascript")
 
     async def styles(request: Request) -> Response:
         return PlainTextResponse(style(), media_type="text/css")
@@ -179,7 +177,6 @@ def application(session: Session, token: str, stop: Callable[[], None] = lambda:
 
     routes = [
         Route("/", page),
-        Route("/served.js", start),
         Route("/editor.js", script),
         Route("/editor.css", styles),
         Route("/message", message, methods=["POST"]),

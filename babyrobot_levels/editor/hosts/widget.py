@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ import anywidget
 import traitlets
 
 from babyrobot_levels.editor.edited_file import EditedFile
-from babyrobot_levels.editor.hosts.front_end import module, static, style
+from babyrobot_levels.editor.hosts.front_end import widget_script
 from babyrobot_levels.editor.protocol import SLOW, answer, prepare
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.state import state_of
@@ -37,7 +36,7 @@ class Editor(anywidget.AnyWidget):
 
     __module__ = "babyrobot_levels"
 
-    _esm = f"const STYLE = {json.dumps(style())};\n{module()}\n{static('widget.js')}"
+    _esm = widget_script()
 
     yaml = traitlets.Unicode()
     level = traitlets.Instance(Level, allow_none=True, read_only=True)

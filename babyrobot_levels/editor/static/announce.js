@@ -1,8 +1,13 @@
 // What is told to people who do not see the picture: what changed, and what is in a cell.
-const SIDE_NAMES = { N: "north", E: "east", S: "south", W: "west" };
+
+import { listed } from "../../render/static/speech.js";
+import { isSameCell, sidesOfRun } from "./spots.js";
+import { thingsAt, toolNamed, wallAt } from "./tools.js";
+
+export const SIDE_NAMES = { N: "north", E: "east", S: "south", W: "west" };
 
 /** Return a cell as it is written in level files. */
-function cellName([x, y]) {
+export function cellName([x, y]) {
   return `[${x}, ${y}]`;
 }
 
@@ -109,7 +114,7 @@ function written(value) {
 }
 
 /** Says what was done, and what is in the cell of the cursor as it moves. */
-class Announcer {
+export class Announcer {
   constructor(editor, place) {
     this.editor = editor;
     this.place = place;

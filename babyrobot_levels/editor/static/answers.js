@@ -1,5 +1,8 @@
 // The optimum of the level: its return, what the last change did to it, and what the picture shows.
 
+import { formatted } from "../../render/static/game.js";
+import { html } from "./html.js";
+
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
 const SHOWN = [
   ["values", "Values", "V", "The optimal expected returns without a limit"],
@@ -7,7 +10,7 @@ const SHOWN = [
 ];
 
 /** The strip with the best return, and the switches of values and optimal actions. */
-class Answers {
+export class Answers {
   constructor(editor, place) {
     this.editor = editor;
     editor.answers = this;

@@ -1,8 +1,11 @@
 // The bar: what is open and whether it is saved, undo and redo, and the mode.
 
+import { html } from "./html.js";
+import { toolButton } from "./rail.js";
+
 const MODES = [["edit", "Edit"], ["play", "Play"], ["policy", "Policy"]];
 
-class Bar {
+export class Bar {
   constructor(editor, { title, modes, history }) {
     this.editor = editor;
     this.name = html("strong", { class: "name", id: "level-name" });
@@ -34,7 +37,7 @@ class Bar {
 }
 
 /** The tabs of the panels: which one is shown. */
-class Panels {
+export class Panels {
   constructor(editor, tabs, panels) {
     this.editor = editor;
     this.panels = panels;

@@ -1,4 +1,7 @@
 // Controls for the fields of a level, by the types of `editor/entries/forms.py`.
+
+import { button, html } from "./html.js";
+
 const HOLD_PAUSE = 350; // Milliseconds that a stepper is held before it repeats,
 const REPEAT_PAUSE = 160; // and between its first steps, which become ever shorter,
 const SHORTEST_PAUSE = 30; // down to this.
@@ -7,7 +10,7 @@ const SHORTEST_PAUSE = 30; // down to this.
  * Each control has an `element`; `show(value)` shows a value, undefined for one that is not given;
  * `change(value)`, which it is made with, is called when it was changed, null for nothing.
  */
-const CONTROLS = {
+export const CONTROLS = {
   number: numberControl,
   integer: numberControl,
   text: textControl,
@@ -64,7 +67,7 @@ function wordButtons({ choices = [], default: usual }, change) {
 }
 
 /** A number with steppers. */
-function numberControl(field, change) {
+export function numberControl(field, change) {
   const { label, type, minimum, maximum, default: usual } = field;
   const isWhole = type === "integer";
   const step = isWhole || maximum === undefined || maximum > 1 ? 1 : 0.05;
@@ -179,7 +182,7 @@ const PEN = document.createElement("canvas").getContext("2d"); // Knows all colo
 const DIGITS = new Map();
 
 /** Return a CSS colour as `#rrggbb`, without its alpha. */
-function digitsOf(written) {
+export function digitsOf(written) {
   if (!DIGITS.has(written)) {
     PEN.fillStyle = written;
     const channels = PEN.fillStyle.startsWith("#") ? null : PEN.fillStyle.match(/[\d.]+/g).slice(0, 3);
@@ -208,7 +211,7 @@ function namesControl({ label, choices }, change) {
 }
 
 /** A cell or a size: two whole numbers. */
-function pairControl(field, change) {
+export function pairControl(field, change) {
   const { label, type, minimum = type === "size" ? 1 : 0, maximum, default: usual } = field;
   const names = type === "size" ? ["width", "height"] : ["column", "row"];
   let given = null;

@@ -1,7 +1,10 @@
 // Dialogs: what a level is opened from, the forms in which it is handed on, and its file.
 
+import { button, html, prose } from "./html.js";
+import { toolButton } from "./rail.js";
+
 /** Return a modal dialog with a title; it closes with Escape, and by a button. */
-function dialogElement(title, ...content) {
+export function dialogElement(title, ...content) {
   const made = html("dialog", { "aria-label": title },
     html("header", {}, html("h2", {}, title),
       button("✕", { class: "close", "aria-label": "Close", onclick: () => made.close() })),
@@ -23,7 +26,7 @@ async function download(editor) {
 }
 
 /** The buttons of the bar that open, copy and save, and end the editor. */
-class FileButtons {
+export class FileButtons {
   constructor(editor, place, root) {
     this.editor = editor;
     const opening = new OpenDialog(editor);

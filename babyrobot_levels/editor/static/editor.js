@@ -1,5 +1,8 @@
 // The editor: what is shown, and the messages that change it. Everything else listens to it.
 
+import { isSameCell } from "./spots.js";
+import { DEFAULT_OPTIONS, sameRoute } from "./tools.js";
+
 /**
  * The state of one editor. Its parts get it when they are made, and listen:
  *
@@ -17,7 +20,7 @@
  * - "help": the list of keys and gestures is to be shown;
  * - "said": a message for people.
  */
-class Editor {
+export class Editor {
   constructor(connection) {
     this.connection = connection;
     this.state = null;

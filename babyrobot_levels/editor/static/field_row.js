@@ -1,6 +1,9 @@
 // One field of the level or of an entry: its name, its control, and what is wrong with its value.
 
-class FieldRow {
+import { CONTROLS } from "./controls.js";
+import { button, html, prose } from "./html.js";
+
+export class FieldRow {
   /** `field` is one of `editor/entries/forms.py`; `base` the route of its entry, empty for the level. */
   constructor(editor, field, base) {
     this.editor = editor;
@@ -59,7 +62,7 @@ class FieldRow {
 }
 
 /** Return the names of the items and switches of a level. */
-function thingNames({ places = [] }) {
+export function thingNames({ places = [] }) {
   const things = places.filter(({ kind }) => kind === "item" || kind === "switch");
   return [...new Set(things.map(({ label }) => label))];
 }

@@ -1,7 +1,10 @@
 // What is wrong with the level, or could be better: a list that leads to the places.
+
+import { html, prose } from "./html.js";
+
 const SIGNS = { error: "✕", warning: "!", info: "i" };
 
-class Findings {
+export class Findings {
   constructor(editor, place) {
     this.editor = editor;
     this.heading = html("h2", {});

@@ -1,4 +1,11 @@
 // The list of all keys and gestures.
+
+import { dialogElement } from "./dialogs.js";
+import { html } from "./html.js";
+import { KEYS } from "./keys.js";
+import { MODIFIERS, toolButton } from "./rail.js";
+import { TOOLS } from "./tools.js";
+
 const HAND_GESTURES = [
   { title: "Mouse and touch", keys: [
     ["Drag along sides", "build or remove walls"],
@@ -21,7 +28,7 @@ const HAND_GESTURES = [
 ];
 
 /** A dialog that lists the keys and gestures, and a button that opens it. */
-class Help {
+export class Help {
   constructor(editor, place, root, keyboard) {
     const shortcuts = html("input", {
       type: "checkbox",

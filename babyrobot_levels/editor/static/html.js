@@ -4,7 +4,7 @@
  * Return an HTML element. Attributes that are undefined, null or false are left out; functions are
  * listeners, such as `onclick`.
  */
-function html(name, attributes, ...children) {
+export function html(name, attributes, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
     if (typeof value === "function") made.addEventListener(key.slice(2), value);
@@ -16,11 +16,11 @@ function html(name, attributes, ...children) {
 }
 
 /** Return a button; what it shows may be a text or an element. */
-function button(shown, attributes) {
+export function button(shown, attributes) {
   return html("button", { type: "button", ...attributes }, shown);
 }
 
 /** Return the parts of a message; what stands between backticks is code. */
-function prose(message) {
+export function prose(message) {
   return message.split("`").map((part, index) => (index % 2 === 1 ? html("code", {}, part) : part));
 }

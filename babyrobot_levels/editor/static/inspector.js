@@ -1,9 +1,14 @@
 // The fields of what is selected.
+
+import { CONTROLS } from "./controls.js";
+import { FieldRow, thingNames } from "./field_row.js";
+import { button, html } from "./html.js";
+
 const NOTHING = "Click something with the tool Select, press it long, or put the caret into its line of the text. " +
   "The fields of the level are under Level.";
 const FIELDLESS = "It has no fields. Drag it to another cell, or draw another one with its tool.";
 
-class Inspector {
+export class Inspector {
   constructor(editor, place) {
     this.editor = editor;
     this.rows = [];

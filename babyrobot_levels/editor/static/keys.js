@@ -1,4 +1,11 @@
 // The keyboard. One table says which keys there are and what they do; the help lists it.
+
+import { ZOOM_STEP } from "../../render/static/view.js";
+import { cellName, SIDE_NAMES } from "./announce.js";
+import { MODIFIERS } from "./rail.js";
+import { beyond, isSameCell, spotOf } from "./spots.js";
+import { drawnWalls, gestureOf, sizeOf, toolNamed, TOOLS, wallAt } from "./tools.js";
+
 const ARROWS = { ArrowUp: "N", ArrowRight: "E", ArrowDown: "S", ArrowLeft: "W" };
 
 /** Return an action for each arrow together with the keys that are held; it gets the side. */
@@ -21,7 +28,7 @@ function keyOf({ key, ctrlKey, metaKey, altKey, shiftKey }) {
  * Those of a group with a `mode` do something in that mode alone, and while neither a text nor a
  * dialog has the focus.
  */
-const KEYS = [
+export const KEYS = [
   { title: "Cursor", mode: "edit", keys: [
     ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
     ["Ctrl + arrow", "move it to the next wall", arrows(["Ctrl"], (keyboard, side) => keyboard.run(side))],
@@ -112,7 +119,7 @@ const KEYS = [
 ];
 
 /** The keys of one editor. */
-class Keyboard {
+export class KeyBindings {
   constructor(editor, root, overlay) {
     this.editor = editor;
     this.root = root;

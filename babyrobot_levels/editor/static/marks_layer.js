@@ -1,9 +1,13 @@
 // Marks in the picture: findings at their cells and sides, cells that cannot be reached, and those
 // whose values the last change changed.
 
+import { COMMON } from "../../render/static/common.js";
+import { element } from "../../render/static/paint.js";
+import { html, prose } from "./html.js";
+
 const SIGN = 0.3; // The side of a finding's sign, in cells.
 
-class MarksOverlay {
+export class MarksOverlay {
   constructor(editor, place) {
     this.editor = editor;
     this.note = html("p", { class: "finding-note", "aria-hidden": "true", hidden: true });

@@ -1,4 +1,9 @@
 // The maze that the walls begin with.
+
+import { element } from "../../render/static/paint.js";
+import { FieldRow } from "./field_row.js";
+import { button, html, prose } from "./html.js";
+
 const MOST_SEEDS = 10000; // Dice give short seeds.
 
 /** Return how many entries open walls of the maze; null without a maze. */
@@ -7,7 +12,7 @@ function openingsOf({ fields = {}, places = [] }) {
 }
 
 /** Offers to write the maze out as soon as one of its walls is opened, or as it has grown anew. */
-class MazeOffer {
+export class MazeOffer {
   constructor(editor, place) {
     const opening = button("Write the maze out", {
       title: "A wall of the maze was opened, by an entry of openings. Written out, each wall is an entry of its own.",
@@ -33,7 +38,7 @@ class MazeOffer {
 }
 
 /** Grows, changes, removes and writes out the maze. */
-class MazePanel {
+export class MazePanel {
   constructor(editor, form) {
     this.editor = editor;
     this.rows = form.map((field) => new FieldRow(editor, { ...field, label: field.route.at(-1) }, []));

@@ -1,5 +1,28 @@
 // The editor in a place of a document: a shadow root, so that styles neither leave nor enter it.
 
+import { ZOOM_STEP } from "../../render/static/view.js";
+import { Announcer } from "./announce.js";
+import { Answers } from "./answers.js";
+import { Bar, Panels } from "./bar.js";
+import { FileButtons } from "./dialogs.js";
+import { Editor } from "./editor.js";
+import { Findings } from "./findings.js";
+import { Help } from "./help.js";
+import { prose } from "./html.js";
+import { Inspector } from "./inspector.js";
+import { KeyBindings } from "./keys.js";
+import { MarksOverlay } from "./marks_layer.js";
+import { MazeOffer } from "./maze.js";
+import { Overlay } from "./overlay.js";
+import { Playing } from "./playing.js";
+import { Pointer } from "./pointer.js";
+import { PolicyDrawing } from "./policy.js";
+import { Options, Rail, toolButton } from "./rail.js";
+import { Stage } from "./stage.js";
+import { TextPane } from "./text_pane.js";
+import { Fingers } from "./touch.js";
+import { World } from "./world.js";
+
 const LAYOUT = `
 <div class="editor" data-mode="edit">
 <section class="bar" data-part="bar" aria-label="Level and file">
@@ -61,7 +84,7 @@ export function mount(place, connection, style = "") {
   new MarksOverlay(editor, find("view"));
   const overlay = new Overlay(editor, stage);
   editor.pointer = new Pointer(editor, stage, overlay);
-  new Touch(stage, editor.pointer);
+  new Fingers(stage, editor.pointer);
   new Announcer(editor, find("spoken"));
   new Playing(editor, find("playing"));
   new PolicyDrawing(editor, find("policy"));
@@ -76,7 +99,7 @@ export function mount(place, connection, style = "") {
   new Findings(editor, find("findings"));
   new TextPane(editor, find("file"));
   new FileButtons(editor, find("files"), find("editor"));
-  new Help(editor, find("files"), find("editor"), new Keyboard(editor, root, overlay));
+  new Help(editor, find("files"), find("editor"), new KeyBindings(editor, root, overlay));
   editor.on("said", () => {
     find("said").replaceChildren(...prose(editor.said));
     find("said").dataset.kind = editor.saidKind;

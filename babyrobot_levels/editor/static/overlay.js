@@ -1,11 +1,16 @@
 // What lies on the picture while one edits: the preview of a gesture, selection, cursor, handles.
 
+import { COMMON } from "../../render/static/common.js";
+import { element } from "../../render/static/paint.js";
+import { isSameCell, sidesOfRun } from "./spots.js";
+import { sizeOf, toolNamed } from "./tools.js";
+
 const TARGET = matchMedia("(pointer: coarse)").matches ? 44 : 28; // The side of what takes a handle, in pixels,
 const RIM = 16; // and how far its middle is from the border.
 const STRONGEST_WIND = 3; // A click goes on from here to no wind.
 const BLOWS = { N: "north", E: "east", S: "south", W: "west" };
 
-class Overlay {
+export class Overlay {
   constructor(editor, stage) {
     this.editor = editor;
     this.stage = stage;

@@ -1,5 +1,10 @@
 // Playing the level at hand: with the same luck each time, and a trail that stays while one edits.
 
+import { formatted } from "../../render/static/game.js";
+import { element } from "../../render/static/paint.js";
+import { Trail } from "../../render/static/trail.js";
+import { html } from "./html.js";
+
 const STROKE = 28; // Pixels that tell a swipe from a tap.
 const PAD = [
   ["North", "n", 1, "M5 15l7-7 7 7"],
@@ -9,7 +14,7 @@ const PAD = [
   ["South", "s", 3, "M5 9l7 7 7-7"],
 ];
 
-class Playing {
+export class Playing {
   constructor(editor, place) {
     this.editor = editor;
     editor.playing = this;

@@ -1,4 +1,8 @@
 // Drawing: from where a pointer is pressed to where it is released is one gesture, and one message.
+
+import { ZOOM_STEP } from "../../render/static/view.js";
+import { gestureOf, selectAt, sendOrSelect, takenAt, thingsAt, toolAt } from "./tools.js";
+
 const EDGE = 20; // How near to the edge of the stage, in pixels, a pointer scrolls the picture,
 const SCROLLED = 6; // and how far in each frame.
 
@@ -8,7 +12,7 @@ const SCROLLED = 6; // and how far in each frame.
  * A gesture is a function from the spots so far to its message, which is shown while one draws and
  * sent at the end.
  */
-class Pointer {
+export class Pointer {
   constructor(editor, stage, overlay) {
     this.editor = editor;
     this.stage = stage;

@@ -1,10 +1,16 @@
 // A policy drawn by hand: an action for some cells, and what it is worth beside the best one.
 
+import { COMMON } from "../../render/static/common.js";
+import { formatted } from "../../render/static/game.js";
+import { element } from "../../render/static/paint.js";
+import { button, html } from "./html.js";
+import { beyond, cellsAlong } from "./spots.js";
+
 const DRAWN_ORDER = [-1, 1, 2, 3, 4, 0]; // What a click goes through: none, north, …, stay.
 const ACTION_NAMES = ["stay", "north", "east", "south", "west"];
 const ANYTHING = "Anything"; // Arrows for whatever is held and on.
 
-class PolicyDrawing {
+export class PolicyDrawing {
   constructor(editor, place) {
     this.editor = editor;
     editor.policy = this;

@@ -1,26 +1,30 @@
 // The rail of tools, and the options of the one at hand.
 
+import { element } from "../../render/static/paint.js";
+import { html } from "./html.js";
+import { toolNamed, TOOLS } from "./tools.js";
+
 /** Return an icon of strokes in a square of 24 by 24. */
 function iconElement(path) {
   return element("svg", { viewBox: "0 0 24 24", class: "icon", "aria-hidden": true }, element("path", { d: path }));
 }
 
 /** Return a button with an icon, or with a text, and the key that does the same. */
-function toolButton({ icon, key, text, title, ...attributes }, onclick) {
+export function toolButton({ icon, key, text, title, ...attributes }, onclick) {
   const shown = [icon === undefined ? null : iconElement(icon), text ?? null,
     key === undefined ? null : html("kbd", { "aria-hidden": "true" }, key)];
   const label = text === undefined ? title : undefined;
   return html("button", { type: "button", title, "aria-label": label, onclick, ...attributes }, ...shown);
 }
 
-const MODIFIERS = [
+export const MODIFIERS = [
   { name: "rectangle", title: "Rectangle", hint: "Brushes fill rectangles; Shift does the same", key: "R", icon: "M4 6h16v12H4z" },
   { name: "fill", title: "Fill", hint: "Brushes fill all connected cells of the same kind", key: "F",
     icon: "M11 4l8 8-7 7a1.5 1.5 0 0 1-2 0l-6-6a1.5 1.5 0 0 1 0-2zM4 12h14M21 16c1 1.5 1.3 2 1.3 2.7a1.3 1.3 0 0 1-2.6 0c0-.7.3-1.2 1.3-2.7z" },
 ];
 
 /** The buttons of the tools and of what changes brushes: a toolbar that arrow keys move in. */
-class Rail {
+export class Rail {
   constructor(editor, place) {
     this.editor = editor;
     this.tools = TOOLS.map(({ name, title, hint, icon, key }) => toolButton(
@@ -60,7 +64,7 @@ class Rail {
 }
 
 /** What the tool at hand draws, in words, with the fields that can be chosen beforehand. */
-class Options {
+export class Options {
   constructor(editor, place) {
     this.editor = editor;
     this.place = place;

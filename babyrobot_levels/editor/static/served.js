@@ -1,6 +1,6 @@
 // The editor in a window of its own: its messages go to the server that it is from.
 
-import { mount } from "./editor.js";
+import { mount } from "./mount.js";
 
 const UNREACHABLE =
   "The editor's server cannot be reached: it has ended, or the machine was asleep. Copy the text before you close this window.";

@@ -3,11 +3,11 @@
 // null; and `rim`, the side beyond which it is, or null.
 
 const SIDE_SHIFTS = { N: [0, -1], E: [1, 0], S: [0, 1], W: [-1, 0] };
-const REACH = 0.22; // How far from a side, in cells, a mouse means it;
-const FINGER_REACH = 0.32; // and a finger.
+export const REACH = 0.22; // How far from a side, in cells, a mouse means it;
+export const FINGER_REACH = 0.32; // and a finger.
 
 /** Return the spot at a point of the grid. */
-function spotAt([x, y], [width, height], reach = REACH) {
+export function spotAt([x, y], [width, height], reach = REACH) {
   const cell = [Math.floor(x), Math.floor(y)];
   const isInside = x >= 0 && y >= 0 && x < width && y < height;
   const [dx, dy] = [x - cell[0], y - cell[1]];
@@ -24,29 +24,29 @@ function spotAt([x, y], [width, height], reach = REACH) {
 }
 
 /** Return the spot of a cell, or of one of its sides. */
-function spotOf([x, y], side = null) {
+export function spotOf([x, y], side = null) {
   const [dx, dy] = SIDE_SHIFTS[side] ?? [0, 0];
   return { at: [x + 0.5 + dx / 2, y + 0.5 + dy / 2], cell: [x, y], side, rim: null };
 }
 
 /** Return the cell beyond a side of a cell. */
-function beyond([x, y], side) {
+export function beyond([x, y], side) {
   return [x + SIDE_SHIFTS[side][0], y + SIDE_SHIFTS[side][1]];
 }
 
-function isSameCell(one, other) {
+export function isSameCell(one, other) {
   return one[0] === other[0] && one[1] === other[1];
 }
 
 /** Return a side as level files prefer it: of the cell to the north or west, where there is one. */
-function usualSide([x, y], side) {
+export function usualSide([x, y], side) {
   if (side === "N" && y > 0) return [[x, y - 1], "S"];
   if (side === "W" && x > 0) return [[x - 1, y], "E"];
   return [[x, y], side];
 }
 
 /** Return the cells that lines between spots pass through, each once, in their order. */
-function cellsAlong(spots) {
+export function cellsAlong(spots) {
   const cells = new Map();
   const last = spots.reduce((from, spot) => {
     const [dx, dy] = [spot.at[0] - from.at[0], spot.at[1] - from.at[1]];
@@ -65,7 +65,7 @@ function cellsAlong(spots) {
  *
  * It lies along the side of the first spot; at a corner, along the way that was dragged.
  */
-function runAlong(spots, [width, height]) {
+export function runAlong(spots, [width, height]) {
   const [first, last] = [spots[0], spots.at(-1)];
   const shift = first.at.map((place, axis) => Math.abs(last.at[axis] - place));
   const isAtCorner = first.at.every((place) => Math.abs(place - Math.round(place)) <= FINGER_REACH);
@@ -83,7 +83,7 @@ function runAlong(spots, [width, height]) {
 }
 
 /** Return the sides of a run, each as a cell and its side. */
-function sidesOfRun({ at: [x, y], side, length = 1 }) {
+export function sidesOfRun({ at: [x, y], side, length = 1 }) {
   const isHorizontal = "NS".includes(side);
   return Array.from({ length }, (_, step) => [[x + (isHorizontal ? step : 0), y + (isHorizontal ? 0 : step)], side]);
 }

@@ -1,5 +1,12 @@
 // The stage: the picture of the level, which keeps its zoom while the level changes.
 
+import { COMMON } from "../../render/static/common.js";
+import { Game } from "../../render/static/game.js";
+import { element } from "../../render/static/paint.js";
+import { levelPicture, Picture, sprites } from "../../render/static/picture.js";
+import { View } from "../../render/static/view.js";
+import { FINGER_REACH, REACH, spotAt } from "./spots.js";
+
 const MAP_PAUSE = 300; // Milliseconds without a change, after which the map is drawn anew.
 
 /** A view that follows the robot only while one plays, and keeps its part of the picture. */
@@ -43,7 +50,7 @@ class StageView extends View {
 }
 
 /** The picture of the state at hand: `editor.game` and `editor.picture`, drawn anew for each. */
-class Stage {
+export class Stage {
   constructor(editor, place, map, notice) {
     this.editor = editor;
     this.place = place;

@@ -1,4 +1,8 @@
 // The text of the level: typed, and marked where findings and what is selected are.
+
+import { html, prose } from "./html.js";
+import { lineElement, markOf, plainLines } from "./yaml_lines.js";
+
 const TYPING_PAUSE = 150; // Milliseconds after which what was typed is sent.
 const TYPING_STEP = 1000; // Milliseconds without typing between two steps to undo.
 const MOST_COLORED = 60000; // Characters of a text that is coloured.
@@ -8,7 +12,7 @@ const TEXT_INDENT = "  ";
  * A text area without a colour of its own, over a mirror of its lines that has the colours and
  * marks. Both are as large as the text; what is around them scrolls.
  */
-class TextPane {
+export class TextPane {
   constructor(editor, place) {
     this.editor = editor;
     this.shown = []; // What each line of the mirror was made of.

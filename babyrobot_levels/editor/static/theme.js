@@ -1,6 +1,12 @@
 // The theme: one of those that there are, colours of the level's own, and how well they stand out.
 
-class ThemePanel {
+import { COMMON } from "../../render/static/common.js";
+import { element } from "../../render/static/paint.js";
+import { digitsOf } from "./controls.js";
+import { FieldRow } from "./field_row.js";
+import { button, html } from "./html.js";
+
+export class ThemePanel {
   constructor(editor, form) {
     this.editor = editor;
     this.cards = Object.entries({ ...COMMON.themes, ...editor.state.themes }).map(([name, theme]) => this.card(name, theme));

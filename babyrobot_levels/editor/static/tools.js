@@ -2,8 +2,10 @@
 // same: `gestureOf(editor, spots)` returns the message, or null if there is nothing to do. While one
 // still draws, it is the preview of what will be sent.
 
+import { beyond, cellsAlong, isSameCell, runAlong, sidesOfRun, spotOf, usualSide } from "./spots.js";
+
 /** The tools in the order of the rail. `key` is the key that chooses it. */
-const TOOLS = [
+export const TOOLS = [
   { name: "walls", key: "1", title: "Walls", hint: "Drag along the sides of cells, or click one side again and again",
     icon: "M4 20V4h8v8h8v8", gesture: drawnWalls },
   { name: "small", key: "2", title: "Small puddle", hint: "Drag over cells",
@@ -35,14 +37,14 @@ const TOOLS = [
 ];
 
 /** What is drawn with a tool besides its place; the strip of options changes it. */
-const DEFAULT_OPTIONS = {
+export const DEFAULT_OPTIONS = {
   walls: { to: "wall", pass: 0.5 },
   area: { color: "#8fb996" },
   item: { shape: "key" },
 };
 
 /** Return a tool by its name. */
-function toolNamed(name) {
+export function toolNamed(name) {
   return TOOLS.find((tool) => tool.name === name);
 }
 
@@ -51,7 +53,7 @@ function toolNamed(name) {
  *
  * `erases` takes the eraser instead of the tool; `rectangle` and `fill` change what brushes do.
  */
-function gestureOf(editor, spots, { erases = false, ...modifiers } = {}) {
+export function gestureOf(editor, spots, { erases = false, ...modifiers } = {}) {
   const tool = toolNamed(erases ? "erase" : editor.tool);
   if (spots[0].cell === null) return null;
   const isMove = cellsAlong(spots).length > 1 && takenAt(editor, spots[0], tool) !== null;
@@ -65,26 +67,26 @@ function finish(editor, spots, modifiers = {}) {
 }
 
 /** Send a message; if there is none, select what is where one clicked. */
-function sendOrSelect(editor, spots, message) {
+export function sendOrSelect(editor, spots, message) {
   if (message !== null) editor.send(message);
   else if (cellsAlong(spots).length === 1) selectAt(editor, spots[0]);
 }
 
 /** Select the topmost thing at a spot, or the one below that which is selected. */
-function selectAt(editor, spot) {
+export function selectAt(editor, spot) {
   const things = spot.cell === null ? [] : thingsAt(editor, spot);
   const at = things.findIndex((each) => sameRoute(each, editor.selection));
   editor.select(things[(at + 1) % things.length] ?? null);
 }
 
 /** Return what a drag from a spot moves, or null. Start and exit are moved by every tool for cells. */
-function takenAt(editor, spot, tool = toolNamed(editor.tool)) {
+export function takenAt(editor, spot, tool = toolNamed(editor.tool)) {
   if (tool.name === "select") return pickedAt(editor, spot);
   if (["erase", "warp", "path"].includes(tool.name) || (tool.name === "walls" && spot.side !== null)) return null;
   return thingsAt(editor, { ...spot, side: null }).find(({ kind }) => kind === "start" || kind === "exit") ?? null;
 }
 
-function drawnWalls(editor, tool, spots) {
+export function drawnWalls(editor, tool, spots) {
   if (spots[0].side === null) return null;
   const { to, pass } = editor.options.walls;
   const run = runAlong(spots, sizeOf(editor));
@@ -142,7 +144,7 @@ function walked(editor, tool, spots, { rectangle }) {
   return cells.length < 2 ? null : { do: "path", cells };
 }
 
-function sizeOf({ game: { data } }) {
+export function sizeOf({ game: { data } }) {
   return [data.width, data.height];
 }
 
@@ -162,7 +164,7 @@ const ON_TOP = ["item", "switch", "mover", "start", "exit", "warp", "puddle", "b
 const AT_SIDES = ["door", "wall", "opening"];
 
 /** Return the entries of `state.places` at a spot, the topmost first: those of the side, if one is meant. */
-function thingsAt(editor, { cell, side }) {
+export function thingsAt(editor, { cell, side }) {
   const places = editor.state.places ?? [];
   const found = side === null ? [] : places.filter((place) => AT_SIDES.includes(place.kind) && isAtSide(place, cell, side));
   const inside = places
@@ -182,12 +184,12 @@ function pickedAt(editor, spot) {
   return things.find((each) => sameRoute(each, editor.selection)) ?? things[0] ?? null;
 }
 
-function sameRoute(one, other) {
+export function sameRoute(one, other) {
   return one !== null && other !== null && one.route.join("\n") === other.route.join("\n");
 }
 
 /** Return what is at a side: "wall", "glass", "door", or null. Of a maze as well. */
-function wallAt(editor, cell, side) {
+export function wallAt(editor, cell, side) {
   const entry = thingsAt(editor, { cell, side }).find(({ kind }) => kind === "door" || kind === "wall");
   if (entry?.kind === "door") return "door";
   if (entry?.fields?.pass > 0) return "glass";
@@ -202,7 +204,7 @@ function wallAt(editor, cell, side) {
 }
 
 /** Return the tool with which what is at a spot was drawn, and its options; or null. */
-function toolAt(editor, spot) {
+export function toolAt(editor, spot) {
   const [thing] = thingsAt(editor, spot);
   const wall = spot.side === null ? null : wallAt(editor, spot.cell, spot.side);
   if (wall !== null) return { tool: "walls", options: { to: wall, pass: thing?.fields?.pass ?? 0.5 } };

@@ -3,7 +3,7 @@ const LONG_PRESS = 500; // Milliseconds
 const STILL = 10; // and pixels: a finger that stays within them presses.
 
 /** What fingers do on the picture. */
-class Touch {
+export class Fingers {
   constructor(stage, pointer) {
     this.stage = stage;
     this.pointer = pointer;

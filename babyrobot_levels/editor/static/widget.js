@@ -1,5 +1,8 @@
 // The editor in a notebook cell: its messages go to the kernel.
 
+import { mount } from "./mount.js";
+import { STYLE } from "./style.js";
+
 const SILENT = "The kernel does not answer: it is busy, or was restarted. If so, run the cell again.";
 const PATIENCE = 15000;
 let views = 0;

@@ -1,7 +1,11 @@
 // The wind of each column and row.
+
+import { numberControl } from "./controls.js";
+import { button, html } from "./html.js";
+
 const WINDS = { N: "north", E: "east", S: "south", W: "west" };
 
-class WindPanel {
+export class WindPanel {
   constructor(editor) {
     this.editor = editor;
     this.key = "";

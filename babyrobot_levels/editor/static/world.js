@@ -1,8 +1,16 @@
 // The level itself: its size, maze, wind and theme, and all of its other fields.
+
+import { CONTROLS, pairControl } from "./controls.js";
+import { FieldRow, thingNames } from "./field_row.js";
+import { html } from "./html.js";
+import { MazePanel } from "./maze.js";
+import { ThemePanel } from "./theme.js";
+import { WindPanel } from "./wind.js";
+
 const SECTIONS = { text: "About the level", limit: "Episode" }; // Others are called as their fields.
 const OWN_CONTROLS = new Set(["size", "maze", "wind", "theme"]);
 
-class World {
+export class World {
   constructor(editor, place) {
     this.editor = editor;
     this.place = place;

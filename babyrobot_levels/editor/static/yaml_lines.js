@@ -1,9 +1,12 @@
 // The lines of a level file as elements, coloured as YAML.
+
+import { html } from "./html.js";
+
 const TOKENS = /(?<string>"(?:[^"\\]|\\.)*"|'(?:[^']|'')*')|(?<comment>(?<=^|\s)#.*)|(?<key>[\w-]+(?=:(?:\s|$)))|(?<number>(?<![\w.#-])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]))/g;
 const BLOCK = /^( *)(?:- +)*(?:[\w-]+: +)?[|>][-+\d]*(?:\s+#.*)?$/;
 
 /** Return for each line whether it belongs to a text that is written as it is, such as a drawing. */
-function plainLines(lines) {
+export function plainLines(lines) {
   let indent = null;
   return lines.map((line) => {
     const isInside = indent !== null && (line.trim() === "" || line.search(/\S/) > indent);
@@ -13,7 +16,7 @@ function plainLines(lines) {
 }
 
 /** Return a line as an element; `marks` are places in it, from a column to another, with a class. */
-function lineElement(line, marks, isPlain) {
+export function lineElement(line, marks, isPlain) {
   const spans = marks.map(({ from, to, kind }) => ({ from, to, kind }));
   if (!isPlain) {
     for (const { index, 0: found, groups } of line.matchAll(TOKENS)) {
@@ -34,7 +37,7 @@ function lineElement(line, marks, isPlain) {
 }
 
 /** Return the places of a finding in the text: where in its first line. */
-function markOf({ line, column, end_line, end_column, severity }, lines) {
+export function markOf({ line, column, end_line, end_column, severity }, lines) {
   const content = lines[line - 1] ?? "";
   // Python counts characters, JavaScript their halves.
   const units = (count) => [...content].slice(0, count).join("").length;

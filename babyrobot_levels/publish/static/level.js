@@ -1,158 +1,152 @@
 // The page of a level: tabs, texts to copy, and what the visitor has reached.
-"use strict";
-{
-  const STORE = "babyrobot:progress";
-  const COPIED = 2000; // Milliseconds for which a button says so.
-  const byId = (id) => document.getElementById(id);
-  const level = byId("level");
 
-  // -- the game ------------------------------------------------------------------------------
+import { byId } from "../../render/static/dom.js";
+import { storedProgress, storeProgress } from "./progress.js";
 
-  let isStarted = byId("data") === null; // A level that is too large is not played.
+const COPIED = 2000; // Milliseconds for which a button says so.
+const level = byId("level");
 
-  /** Begin the game when it is seen first: its picture is laid out for the room that it has. */
-  function start() {
-    isStarted = true;
-    document.body.classList.add("ready");
-    showLevel(checked(JSON.parse(byId("data").textContent)));
-  }
+// -- tabs ----------------------------------------------------------------------------------
 
-  // -- tabs ----------------------------------------------------------------------------------
+const tabList = byId("tabs");
+const tabs = [...tabList.children];
+const panelOf = (tab) => byId(tab.getAttribute("aria-controls"));
+const nameOf = (tab) => tab.id.replace("tab-", "");
+const isOfGame = (tab) => nameOf(tab) === "play";
 
-  const list = byId("tabs");
-  const tabs = [...list.children];
-  const panelOf = (tab) => byId(tab.getAttribute("aria-controls"));
-  const nameOf = (tab) => tab.id.replace("tab-", "");
-  const isOfGame = (tab) => nameOf(tab) === "play";
+/** Begins the game; null without one, and once it has begun. */
+let beginGame = null;
 
-  function choose(tab) {
-    for (const each of tabs) {
-      each.setAttribute("aria-selected", each === tab);
-      each.tabIndex = each === tab ? 0 : -1;
-      panelOf(each).hidden = each !== tab;
-    }
-    tab.scrollIntoView?.({ block: "nearest", inline: "nearest" });
-    if (isOfGame(tab) && !isStarted) start();
-  }
-
-  /** Show a tab that the visitor chose; the address leads to it. */
-  function open(tab) {
-    choose(tab);
-    history.replaceState(null, "", `#${nameOf(tab)}`);
-  }
-
-  function openAddressed() {
-    choose(tabs.find((tab) => `#${nameOf(tab)}` === location.hash) ?? tabs[0]);
-  }
-
-  for (const tab of tabs) {
-    const panel = panelOf(tab);
-    panel.setAttribute("role", "tabpanel");
-    panel.setAttribute("aria-labelledby", tab.id);
-    tab.addEventListener("click", ({ detail }) => {
-      open(tab);
-      // Whoever points at the game plays next: its keys are not those of tabs.
-      if (isOfGame(tab) && detail > 0) byId("stage")?.focus({ preventScroll: true });
-    });
-  }
-  list.addEventListener("keydown", (event) => {
-    const at = tabs.indexOf(event.target);
-    const last = tabs.length - 1;
-    const next = { ArrowLeft: at === 0 ? last : at - 1, ArrowRight: at === last ? 0 : at + 1,
-      Home: 0, End: last }[event.key];
-    if (next === undefined) return;
-    event.preventDefault();
-    event.stopPropagation();
-    open(tabs[next]);
-    tabs[next].focus();
-  });
-
-  // -- texts to copy -------------------------------------------------------------------------
-
-  async function copy(text, button) {
-    try {
-      await navigator.clipboard.writeText(text);
-    } catch {
-      const field = document.createElement("textarea");
-      field.value = text;
-      field.className = "unseen";
-      button.after(field);
-      field.select();
-      document.execCommand("copy");
-      field.remove();
-      button.focus();
-    }
-    const [label] = button.childNodes;
-    const before = button.dataset.label ??= label.data;
-    label.data = "Copied";
-    byId("copied").textContent = "Copied.";
-    setTimeout(() => {
-      label.data = before;
-      byId("copied").textContent = "";
-    }, COPIED);
-  }
-
-  for (const button of document.querySelectorAll("[data-copy]")) {
-    button.addEventListener("click", () => copy(byId(button.dataset.copy).textContent, button));
-  }
-  byId("copy-link").addEventListener("click", ({ target }) => copy(location.href, target));
-  for (const each of document.querySelectorAll(".with-script")) each.hidden = false;
-  // A file has an address of its own on each computer.
-  byId("copy-link").parentElement.hidden = location.protocol === "file:";
-
-  // -- what the visitor has reached ----------------------------------------------------------
-
-  /** Return the progress in all levels, by digest; nothing if there is none, or no storage. */
-  function progress() {
-    try {
-      const found = JSON.parse(localStorage.getItem(STORE));
-      return found !== null && typeof found === "object" && !Array.isArray(found) ? found : {};
-    } catch {
-      return {};
-    }
-  }
-
-  function keep(entry) {
-    try {
-      const all = JSON.stringify({ ...progress(), [level.dataset.digest]: entry });
-      localStorage.setItem(STORE, all);
-    } catch {
-      // Without storage, the result is shown until the page is left.
-    }
-  }
-
-  function showReached({ best, stars }) {
-    const line = byId("progress");
-    line.hidden = false;
-    const text = Number.isFinite(best) ? `Your best return: ${Number(best.toFixed(2))}` : "Solved";
-    line.replaceChildren(text.replace("-", "\u2212"));
-    if (![1, 2, 3].includes(stars)) return;
-    const mark = document.createElement("span");
-    mark.className = "stars";
-    mark.setAttribute("role", "img");
-    mark.setAttribute("aria-label", `${stars} of 3 stars`);
-    mark.textContent = "\u2605".repeat(stars).padEnd(3, "\u2606");
-    line.append(" ", mark);
-  }
-
-  let reached = progress()[level.dataset.digest];
-  if (reached?.solved === true) showReached(reached);
-  else reached = null;
-
-  document.addEventListener("episodeend", ({ detail: game }) => {
-    if (!game.isGood || game.watched > 0) return;
-    const stars = starsOf(game);
-    reached = {
-      solved: true,
-      best: Math.max(game.total, Number.isFinite(reached?.best) ? reached.best : -Infinity),
-      ...(stars !== null && { stars: Math.max(stars, reached?.stars ?? 0) }),
-    };
-    keep(reached);
-    showReached(reached);
-  });
-
-  list.hidden = false;
-  level.classList.add("tabbed");
-  addEventListener("hashchange", openAddressed);
-  openAddressed();
+/** Have the game begun when it is seen first: its picture is laid out for the room that it has. */
+export function playWhenSeen(begin) {
+  beginGame = begin;
+  beginIfSeen();
 }
+
+function beginIfSeen() {
+  const begin = beginGame;
+  if (begin === null || !tabs.some((tab) => isOfGame(tab) && !panelOf(tab).hidden)) return;
+  beginGame = null;
+  document.body.classList.add("ready");
+  begin();
+}
+
+function choose(tab) {
+  for (const each of tabs) {
+    each.setAttribute("aria-selected", each === tab);
+    each.tabIndex = each === tab ? 0 : -1;
+    panelOf(each).hidden = each !== tab;
+  }
+  tab.scrollIntoView?.({ block: "nearest", inline: "nearest" });
+  beginIfSeen();
+}
+
+/** Show a tab that the visitor chose; the address leads to it. */
+function open(tab) {
+  choose(tab);
+  history.replaceState(null, "", `#${nameOf(tab)}`);
+}
+
+function openAddressed() {
+  choose(tabs.find((tab) => `#${nameOf(tab)}` === location.hash) ?? tabs[0]);
+}
+
+for (const tab of tabs) {
+  const panel = panelOf(tab);
+  panel.setAttribute("role", "tabpanel");
+  panel.setAttribute("aria-labelledby", tab.id);
+  tab.addEventListener("click", ({ detail }) => {
+    open(tab);
+    // Whoever points at the game plays next: its keys are not those of tabs.
+    if (isOfGame(tab) && detail > 0) byId("stage")?.focus({ preventScroll: true });
+  });
+}
+tabList.addEventListener("keydown", (event) => {
+  const at = tabs.indexOf(event.target);
+  const last = tabs.length - 1;
+  const next = { ArrowLeft: at === 0 ? last : at - 1, ArrowRight: at === last ? 0 : at + 1,
+    Home: 0, End: last }[event.key];
+  if (next === undefined) return;
+  event.preventDefault();
+  event.stopPropagation();
+  open(tabs[next]);
+  tabs[next].focus();
+});
+
+// -- texts to copy -------------------------------------------------------------------------
+
+async function copy(text, button) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const field = document.createElement("textarea");
+    field.value = text;
+    field.className = "unseen";
+    button.after(field);
+    field.select();
+    document.execCommand("copy");
+    field.remove();
+    button.focus();
+  }
+  const [label] = button.childNodes;
+  const before = button.dataset.label ??= label.data;
+  label.data = "Copied";
+  byId("copied").textContent = "Copied.";
+  setTimeout(() => {
+    label.data = before;
+    byId("copied").textContent = "";
+  }, COPIED);
+}
+
+for (const button of document.querySelectorAll("[data-copy]")) {
+  button.addEventListener("click", () => copy(byId(button.dataset.copy).textContent, button));
+}
+byId("copy-link").addEventListener("click", ({ target }) => copy(location.href, target));
+for (const each of document.querySelectorAll(".with-script")) each.hidden = false;
+// A file has an address of its own on each computer.
+byId("copy-link").parentElement.hidden = location.protocol === "file:";
+
+// -- what the visitor has reached ----------------------------------------------------------
+
+function keep(entry) {
+  try {
+    storeProgress({ ...storedProgress(), [level.dataset.digest]: entry });
+  } catch {
+    // Without storage, the result is shown until the page is left.
+  }
+}
+
+function showReached({ best, stars }) {
+  const line = byId("progress");
+  line.hidden = false;
+  const text = Number.isFinite(best) ? `Your best return: ${Number(best.toFixed(2))}` : "Solved";
+  line.replaceChildren(text.replace("-", "\u2212"));
+  if (![1, 2, 3].includes(stars)) return;
+  const mark = document.createElement("span");
+  mark.className = "stars";
+  mark.setAttribute("role", "img");
+  mark.setAttribute("aria-label", `${stars} of 3 stars`);
+  mark.textContent = "\u2605".repeat(stars).padEnd(3, "\u2606");
+  line.append(" ", mark);
+}
+
+let reached = storedProgress()[level.dataset.digest];
+if (reached?.solved === true) showReached(reached);
+else reached = null;
+
+/** Keep what an episode has reached; `stars` is null if they are unknown. */
+export function reach(game, stars) {
+  if (!game.isGood || game.watched > 0) return;
+  reached = {
+    solved: true,
+    best: Math.max(game.total, Number.isFinite(reached?.best) ? reached.best : -Infinity),
+    ...(stars !== null && { stars: Math.max(stars, reached?.stars ?? 0) }),
+  };
+  keep(reached);
+  showReached(reached);
+}
+
+tabList.hidden = false;
+level.classList.add("tabbed");
+addEventListener("hashchange", openAddressed);
+openAddressed();

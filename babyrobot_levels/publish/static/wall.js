@@ -1,14 +1,13 @@
-"use strict";
-
 // The wall of a gallery: filters, search, order, films, and the visitor's progress. The address
 // after its `#` holds what is chosen, so that it can be linked and the Back button returns to it.
 
-const STORE = "babyrobot:progress";
+import { byId } from "../../render/static/dom.js";
+import { STORE, storedProgress, storeProgress } from "./progress.js";
+
 const SORTS = ["size", "difficulty", "steps", "return"];
 const FILM_DELAY = 150; // Milliseconds: the pointer passes over tiles on its way to another.
 const TYPING_DELAY = 250;
 
-const byId = (id) => document.getElementById(id);
 const folded = (text) => text.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase();
 
 const wall = byId("wall");
@@ -182,17 +181,8 @@ wall.addEventListener("focusout", () => play(null));
 
 // The visitor's progress, which the pages of levels write.
 
-function stored() {
-  try {
-    const found = JSON.parse(localStorage.getItem(STORE));
-    return found !== null && typeof found === "object" ? found : {};
-  } catch {
-    return {};
-  }
-}
-
 function readProgress() {
-  const progress = stored();
+  const progress = storedProgress();
   for (const tile of tiles) {
     const { solved, stars } = (Object.hasOwn(progress, tile.digest) && progress[tile.digest]) || {};
     tile.isSolved = solved === true;
@@ -226,9 +216,9 @@ function mark(tile, stars) {
 function forget() {
   if (!confirm("Forget which of these levels you have solved?")) return;
   try {
-    const progress = stored();
+    const progress = storedProgress();
     tiles.forEach((tile) => delete progress[tile.digest]);
-    localStorage.setItem(STORE, JSON.stringify(progress));
+    storeProgress(progress);
   } catch {
     // Without storage there is nothing to forget.
   }

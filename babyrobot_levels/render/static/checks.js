@@ -1,45 +1,50 @@
 // Checks of a link's data: only what could be a level is played and painted.
-const MOST_SHAPES = 200000;
-const MOST_PLACES = 6e6; // Numbers in all paths together.
+
+import { COMMON } from "./common.js";
+
+// How many numbers a row of the tables has for each outcome.
+export const OUTCOME_LENGTH = 6;
+export const MOST_SHAPES = 200000;
+export const MOST_PLACES = 6e6; // Numbers in all paths together.
 const MOST_OUTCOMES = 2e7; // Numbers in the rows of all states and actions together.
 const MOST_THINGS = 1000;
 const MOST_QUANTILES = 101;
 const FARTHEST = 1e8; // In tenths of a pixel.
 
 /** A defect of a link, with a message for people. */
-class LinkError extends Error {}
+export class LinkError extends Error {}
 
-const NOT_A_LEVEL = "This link is damaged: its content is not a level.";
+export const NOT_A_LEVEL = "This link is damaged: its content is not a level.";
 
 /** Throw a LinkError unless a condition holds. */
-function need(holds) {
+export function need(holds) {
   if (!holds) throw new LinkError(NOT_A_LEVEL);
 }
 
 /** Return an integer from `least` to `most`. */
-function whole(value, least = -FARTHEST, most = FARTHEST) {
+export function whole(value, least = -FARTHEST, most = FARTHEST) {
   need(Number.isInteger(value) && value >= least && value <= most);
   return value;
 }
 
-function list(value, most = Infinity, least = 0) {
+export function list(value, most = Infinity, least = 0) {
   need(Array.isArray(value) && value.length >= least && value.length <= most);
   return value;
 }
 
-function text(value) {
+export function text(value) {
   need(typeof value === "string");
   return value;
 }
 
 /** Return a colour of six or eight hexadecimal digits. */
-function color(value) {
+export function color(value) {
   need(/^#[0-9a-f]{6}(?:[0-9a-f]{2})?$/.test(text(value)));
   return value;
 }
 
 /** Return the data of a level that can be played. */
-function checked(data) {
+export function checked(data) {
   need(data !== null && typeof data === "object");
   checkTexts(data);
   const cells = whole(data.width, 1, COMMON.max_cells) * whole(data.height, 1, COMMON.max_cells);

@@ -1,2 +1,2 @@
 // What is the same for all levels: see `common_data`.
-const COMMON = JSON.parse(document.getElementById("common").textContent);
+export const COMMON = JSON.parse(document.getElementById("common").textContent);

@@ -1,10 +1,15 @@
 // The simulation: one robot in one level, and what happens in words.
-const SIDES = ["", "north", "east", "south", "west"];
-const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
-const OUTCOME_LENGTH = 6;
+
+import { OUTCOME_LENGTH } from "./checks.js";
+import { COMMON } from "./common.js";
+import { Generator } from "./random.js";
+import { Things } from "./things.js";
+
+export const SIDES = ["", "north", "east", "south", "west"];
+export const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
 
 /** One robot in one level, without a picture. */
-class Game {
+export class Game {
   constructor(data, isTurning = false) {
     this.data = data;
     this.cells = data.width * data.height;
@@ -214,13 +219,13 @@ class Game {
 }
 
 /** Return a number with two decimals, or two digits where it is small. */
-function rounded(number) {
+export function rounded(number) {
   const size = Math.abs(number);
   if (size >= 0.1) return Math.round(number * 100) / 100;
   return size < 1e-6 ? 0 : Number(number.toPrecision(2));
 }
 
 /** Return a rounded number as text, with a minus sign. */
-function formatted(number) {
+export function formatted(number) {
   return String(rounded(number)).replace("-", "\u2212");
 }

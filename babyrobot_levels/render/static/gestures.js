@@ -1,4 +1,7 @@
 // Gestures on the picture: swipes move the robot, pinches zoom, drags scroll.
+
+import { ZOOM_STEP } from "./view.js";
+
 const SWIPE = 28; // Pixels that tell a swipe from a tap.
 
 /**
@@ -7,7 +10,7 @@ const SWIPE = 28; // Pixels that tell a swipe from a tap.
  * A finger that swipes calls `swipe` with the number of a side, once until it is lifted. Two
  * fingers zoom and scroll, and so do a mouse that drags and a wheel with the control key.
  */
-function listenToGestures(view, swipe) {
+export function listenToGestures(view, swipe) {
   const { stage } = view;
   const fingers = new Map();
   let start = null; // Where the swipe began; null after it has been taken.

@@ -1,7 +1,10 @@
 // The legend: the rules of the level, and what is in the cell that is pointed at.
 
+import { COMMON } from "./common.js";
+import { element, painterOf } from "./paint.js";
+
 /** The list of rules, the line about one cell, and the outlines of cells in the picture. */
-class Legend {
+export class Legend {
   constructor(view, rules, line) {
     this.view = view;
     this.rules = rules;

@@ -1,7 +1,11 @@
 // Links: a level after the `#` of the page's address, as a share code and a play part.
 
+import { checked, LinkError, NOT_A_LEVEL } from "./checks.js";
+import { COMMON } from "./common.js";
+import { checksum } from "./play.js";
+
 /** Return the level in a fragment; null if the fragment is not a level link. */
-async function linkedLevel(fragment) {
+export async function linkedLevel(fragment) {
   if (!/^#\s*brl[0-9]/i.test(fragment)) return null;
   const [code, play] = decoded(fragment.slice(1)).replace(/\s/g, "").split("~");
   needVersion(/^brl([0-9]+)/i.exec(code)[1], COMMON.code_versions);

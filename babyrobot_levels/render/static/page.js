@@ -1,12 +1,18 @@
 // A page of its own: plays its level, or the one after the `#` of its address.
-const OWN = JSON.parse(find("data").textContent);
+
+import { checked, LinkError, NOT_A_LEVEL } from "./checks.js";
+import { byId } from "./dom.js";
+import { linkedLevel } from "./link.js";
+import { factElements, showLevel } from "./player.js";
+
+const OWN = JSON.parse(byId("data").textContent);
 
 /** Show a level with its texts; nothing changes if that fails. */
 function showPage(data) {
   showLevel(data);
   document.title = data.title;
-  for (const name of ["title", "description"]) find(name).textContent = data[name];
-  find("facts").replaceChildren(...data.facts.flatMap(factElements));
+  for (const name of ["title", "description"]) byId(name).textContent = data[name];
+  byId("facts").replaceChildren(...data.facts.flatMap(factElements));
 }
 
 /** Show the level of the address, or the page's own level if there is none or it is invalid. */
@@ -33,8 +39,8 @@ function notify(message) {
     element.textContent = part;
     return element;
   });
-  find("notice").replaceChildren(...parts);
-  find("notice").hidden = message === "";
+  byId("notice").replaceChildren(...parts);
+  byId("notice").hidden = message === "";
 }
 
 addEventListener("hashchange", showAddressed);

@@ -1,10 +1,14 @@
 // Paints packed shapes as SVG: six kinds, each with its own attributes.
-const FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif";
+
+import { color, list, MOST_PLACES, MOST_SHAPES, need, text, whole } from "./checks.js";
+import { COMMON } from "./common.js";
+
+export const FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif";
 const ANCHORS = ["start", "middle", "end"];
 const PLACES = { m: 2, l: 2, c: 6, z: 0 };
 
 /** Return an SVG element; attributes that are undefined are left out. */
-function element(name, attributes, ...children) {
+export function element(name, attributes, ...children) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
   for (const [key, value] of Object.entries(attributes)) {
     if (value !== undefined) made.setAttribute(key, value);
@@ -14,12 +18,12 @@ function element(name, attributes, ...children) {
 }
 
 /** Return tenths of a pixel as pixels. */
-function pixels(tenths) {
+export function pixels(tenths) {
   return Math.round(tenths * 10) / 100;
 }
 
 /** Paints the layers of one picture. */
-class Painter {
+export class Painter {
   constructor(palette, scale = []) {
     this.palette = palette;
     this.scale = scale;
@@ -143,7 +147,7 @@ class Painter {
 }
 
 /** Return the painter of a level's picture. */
-function painterOf({ palette, scale = [] }) {
+export function painterOf({ palette, scale = [] }) {
   list(palette, 100000).forEach(color);
   return new Painter(palette, list(scale, 20).length > 1 ? colorsOf(scale) : []);
 }
@@ -159,7 +163,7 @@ function colorsOf(stops) {
 }
 
 /** Return red, green and blue of a colour. */
-function channelsOf(given) {
+export function channelsOf(given) {
   return given.match(/[0-9a-f]{2}/g).slice(0, 3).map((part) => parseInt(part, 16));
 }
 

@@ -1,9 +1,15 @@
 // The picture: the level, and the robot moving in it.
+
+import { need, whole } from "./checks.js";
+import { COMMON } from "./common.js";
+import { channelsOf, element, FONT, Painter, painterOf } from "./paint.js";
+import { MarksLayer, thingElements, ThingsLayer } from "./things.js";
+
 const SHIFTS = [[0, 0], [0, -1], [1, 0], [0, 1], [-1, 0]];
 const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
 
 /** Return the picture of a level as an SVG element; `symbols` are those of the robot. */
-function levelPicture(data, symbols = sprites(data.robot)) {
+export function levelPicture(data, symbols = sprites(data.robot)) {
   const { title, picture, shown } = data;
   need(picture !== null && typeof picture === "object");
   const { layers, palette } = picture;
@@ -53,7 +59,7 @@ function isDark(given) {
 
 /** Return the robot's symbols for all poses and phases, in the colours of a level.
  *  Colours that the level does not change are their own names. */
-function sprites(robot) {
+export function sprites(robot) {
   const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
   const painter = new Painter(palette);
   const group = (numbers) => [0, 0, numbers.map((number) => COMMON.shapes[number])];
@@ -62,7 +68,7 @@ function sprites(robot) {
 }
 
 /** The picture of a game in the view that shows it. */
-class Picture {
+export class Picture {
   constructor(game, svg, view) {
     this.game = game;
     this.view = view;

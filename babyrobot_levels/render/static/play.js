@@ -1,7 +1,9 @@
 // Plays: an episode as a line of a `.brlplay` file, which `babyrobot replay` verifies.
 
+import { COMMON } from "./common.js";
+
 /** Return the episode as a line; null if the page lacks the share code of its level. */
-function playLine(game) {
+export function playLine(game) {
   const { data, isTurning, seed, taken, total, end, hints, undone, watched, number } = game;
   const fact = (name) => data.facts.find(([each]) => each === name)?.[1] ?? null;
   const digest = fact("Digest");
@@ -33,7 +35,7 @@ function playLine(game) {
 }
 
 /** Save the episode as a file. */
-function downloadPlay(game) {
+export function downloadPlay(game) {
   const link = document.createElement("a");
   const file = new Blob([playLine(game)], { type: "application/x-ndjson" });
   link.href = URL.createObjectURL(file);
@@ -43,7 +45,7 @@ function downloadPlay(game) {
 }
 
 /** Return the CRC-32 of bytes; `before` is that of the bytes before them. */
-function checksum(bytes, before = 0) {
+export function checksum(bytes, before = 0) {
   let rest = ~before;
   for (const byte of bytes) {
     rest ^= byte;

@@ -1,8 +1,21 @@
-// The player: a level in the elements of `board.html` and `panel.html`, and how it is controlled.
-const find = (id) => document.getElementById(id);
+// The player: a level in the elements of `player.html`, and how it is controlled.
+
+import { byId } from "./dom.js";
+import { formatted, Game, SIDES } from "./game.js";
+import { listenToGestures } from "./gestures.js";
+import { Legend } from "./legend.js";
+import { element, pixels } from "./paint.js";
+import { levelPicture, Picture } from "./picture.js";
+import { downloadPlay, playLine } from "./play.js";
+import { resultFacts, ruleOf, starsOf, titleOf } from "./result.js";
+import { closedSides, surroundings } from "./speech.js";
+import { lookElement } from "./things.js";
+import { Trail } from "./trail.js";
+import { View, ZOOM_STEP } from "./view.js";
+
 const GOAL = "Move the robot to an exit."; // Of links that do not say it.
-const view = new View(find("stage"), find("map"));
-const legend = new Legend(view, find("rules"), find("cell"));
+const view = new View(byId("stage"), byId("map"));
+const legend = new Legend(view, byId("rules"), byId("cell"));
 
 let game = null;
 let picture = null;
@@ -11,7 +24,7 @@ let isWatching = false;
 let timer = null;
 
 /** Show a level and start to play it; nothing changes if that fails. */
-function showLevel(data) {
+export function showLevel(data) {
   const svg = levelPicture(data);
   watch(false);
   picture?.stop();
@@ -19,14 +32,14 @@ function showLevel(data) {
   picture = new Picture(game, svg, view);
   trail = new Trail(game, svg);
   legend.show(game);
-  find("watched").textContent =
+  byId("watched").textContent =
     data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
   for (const name of ["values", "policy"]) {
-    find(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
+    byId(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
   }
-  find("turning").hidden = data.turns === undefined;
+  byId("turning").hidden = data.turns === undefined;
   const { discount = 1, goal } = data;
-  find("return-name").textContent = discount < 1 ? `Return, discount ${discount}` : "Return";
+  byId("return-name").textContent = discount < 1 ? `Return, discount ${discount}` : "Return";
   showActions();
   showTrail();
   begin(data.seed, goal ?? GOAL + game.things.needs(game.configuration));
@@ -35,20 +48,20 @@ function showLevel(data) {
 /** Show the controls of the robot's actions, and what is known about them. */
 function showActions() {
   const { data, isTurning, known } = game;
-  find("turning").setAttribute("aria-pressed", isTurning);
+  byId("turning").setAttribute("aria-pressed", isTurning);
   for (const place of document.querySelectorAll("[data-mode]")) {
     place.hidden = (place.dataset.mode === "turns") !== isTurning;
   }
   const { walker } = data;
-  find("watch").hidden = walker === null || (walker === "best" && known.policy === null);
-  find("best").textContent = known.best;
-  find("best").parentElement.hidden = known.best === "";
-  find("hint").hidden = known.policy === null;
-  find("show-values").hidden = known.policy === null;
-  find("show-policy").hidden = known.policy === null || isTurning;
+  byId("watch").hidden = walker === null || (walker === "best" && known.policy === null);
+  byId("best").textContent = known.best;
+  byId("best").parentElement.hidden = known.best === "";
+  byId("hint").hidden = known.policy === null;
+  byId("show-values").hidden = known.policy === null;
+  byId("show-policy").hidden = known.policy === null || isTurning;
 }
 
-function factElements([name, value]) {
+export function factElements([name, value]) {
   const [term, detail, text] = ["dt", "dd", "bdi"].map((tag) => document.createElement(tag));
   term.textContent = name;
   text.textContent = value;
@@ -58,9 +71,9 @@ function factElements([name, value]) {
 
 /** Show the numbers of the episode, a message, and the result at the end. */
 function show(message, kind = "") {
-  find("steps").textContent = game.steps;
-  find("return").textContent = formatted(game.total);
-  const line = find("message");
+  byId("steps").textContent = game.steps;
+  byId("return").textContent = formatted(game.total);
+  const line = byId("message");
   line.textContent = message;
   line.dataset.kind = kind;
   speak(message);
@@ -82,7 +95,7 @@ function showButton(button) {
 
 /** Tell screen readers what happened, and which sides are closed now. */
 function speak(message) {
-  const line = find("spoken");
+  const line = byId("spoken");
   const text = game.end === null ? `${message.replace(/[^.!?]$/, "$&.")} ${closedSides(game)}` : message;
   // The same text again is only read out if it differs.
   line.textContent = line.textContent === text ? `${text}\u00a0` : text;
@@ -91,24 +104,24 @@ function speak(message) {
 /** Tell where the robot is, what is around it, and where the exits lie. */
 function lookAround() {
   const text = surroundings(game);
-  find("message").textContent = find("spoken").textContent = text;
-  find("message").dataset.kind = "";
+  byId("message").textContent = byId("spoken").textContent = text;
+  byId("message").dataset.kind = "";
 }
 
 /** Show the card of the episode's result if it has ended. */
 function showResult() {
-  find("result").hidden = game.end === null;
+  byId("result").hidden = game.end === null;
   if (game.end === null) return;
   // The card does not cover the robot.
-  find("result").classList.toggle("high", 2 * game.place(game.state)[1] >= game.data.height);
+  byId("result").classList.toggle("high", 2 * game.place(game.state)[1] >= game.data.height);
   const stars = starsOf(game);
-  find("result-title").textContent = titleOf(game);
-  find("stars").hidden = find("result-help").parentElement.hidden = stars === null;
-  find("stars").textContent = "\u2605".repeat(stars ?? 0).padEnd(3, "\u2606");
-  find("stars").setAttribute("aria-label", `${stars} of 3 stars`);
-  find("result-help").textContent = stars === null ? "" : ruleOf(game);
-  find("download").hidden = playLine(game) === null;
-  find("result-facts").replaceChildren(...resultFacts(game).flatMap(factElements));
+  byId("result-title").textContent = titleOf(game);
+  byId("stars").hidden = byId("result-help").parentElement.hidden = stars === null;
+  byId("stars").textContent = "\u2605".repeat(stars ?? 0).padEnd(3, "\u2606");
+  byId("stars").setAttribute("aria-label", `${stars} of 3 stars`);
+  byId("result-help").textContent = stars === null ? "" : ruleOf(game);
+  byId("download").hidden = playLine(game) === null;
+  byId("result-facts").replaceChildren(...resultFacts(game).flatMap(factElements));
 }
 
 /** Highlight an action in the picture and among the buttons; a negative one highlights none. */
@@ -122,7 +135,7 @@ function showHint(action) {
 
 /** Show or hide the trail, as its switch says. */
 function showTrail() {
-  trail.group.classList.toggle("hidden", !find("trail").checked);
+  trail.group.classList.toggle("hidden", !byId("trail").checked);
 }
 
 /** Show what is held, and which switches are on. */
@@ -130,9 +143,9 @@ function showHeld() {
   const { things, configuration } = game;
   const groups = [["Held", "item", things.held(configuration)],
     ["On", "switch", things.on(configuration)]];
-  find("held").replaceChildren(...groups.flatMap(([title, kind, found]) =>
+  byId("held").replaceChildren(...groups.flatMap(([title, kind, found]) =>
     (things.of(kind).length === 0 ? [] : [heldElement(title, found)])));
-  find("held").hidden = !find("held").hasChildNodes();
+  byId("held").hidden = !byId("held").hasChildNodes();
 }
 
 function heldElement(title, found) {
@@ -157,7 +170,7 @@ function heldElement(title, found) {
 function watch(wanted) {
   isWatching = wanted;
   clearTimeout(timer);
-  find("watch").setAttribute("aria-pressed", wanted);
+  byId("watch").setAttribute("aria-pressed", wanted);
   if (!wanted) return;
   if (game.end !== null) begin(game.nextSeed);
   takeAdvice();
@@ -194,7 +207,7 @@ function take(action) {
 /** Begin the episode of a seed. */
 function begin(seed, message = `An episode begins with seed ${seed}.`) {
   game.begin(seed);
-  find("seed").value = seed;
+  byId("seed").value = seed;
   stand(message);
 }
 
@@ -217,7 +230,7 @@ function undo() {
 }
 
 function hint() {
-  if (find("hint").hidden) return;
+  if (byId("hint").hidden) return;
   watch(false);
   const action = game.hint();
   show(action < 0 ? "There is no hint: the episode has ended." : game.describeHint(action));
@@ -225,19 +238,19 @@ function hint() {
 }
 
 function toggle(name) {
-  const button = find(`show-${name}`);
+  const button = byId(`show-${name}`);
   if (button.hidden) return;
   const isShown = button.getAttribute("aria-pressed") !== "true";
   button.setAttribute("aria-pressed", isShown);
   for (const layer of name === "values" ? ["heat", name] : [name]) {
-    find(layer).classList.toggle("hidden", !isShown);
+    byId(layer).classList.toggle("hidden", !isShown);
   }
   picture.showAnswers();
 }
 
 /** Let the robot turn, or move to all sides again: from the start. */
 function turn() {
-  if (find("turning").hidden) return;
+  if (byId("turning").hidden) return;
   watch(false);
   game.isTurning = !game.isTurning;
   showActions();
@@ -263,15 +276,15 @@ const CONTROLS = {
   hint,
   retry: () => restart(game.seed),
   "new-luck": () => restart(game.nextSeed),
-  watch: () => find("watch").hidden || watch(!isWatching),
+  watch: () => byId("watch").hidden || watch(!isWatching),
   values: () => toggle("values"),
   policy: () => toggle("policy"),
   turning: turn,
   look: lookAround,
   download: () => downloadPlay(game),
   close: () => {
-    find("result").hidden = true;
-    find("stage").focus();
+    byId("result").hidden = true;
+    byId("stage").focus();
   },
   fit: () => view.fit(),
   larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
@@ -299,7 +312,7 @@ document.addEventListener("keydown", (event) => {
   const { target } = event;
   if (target.matches("[type=text]")) return;
   if (event.key === " " && target.matches("button, input, summary")) return;
-  if (event.key.length === 1 && !find("shortcuts").checked) return;
+  if (event.key.length === 1 && !byId("shortcuts").checked) return;
   const control = KEYS[event.key.toLowerCase()];
   if (control === undefined) return;
   event.preventDefault();
@@ -313,8 +326,8 @@ listenToGestures(view, (side) => game !== null && move(SIDES[side]));
 for (const button of document.querySelectorAll("[data-control]")) {
   button.addEventListener("click", () => CONTROLS[button.dataset.control]());
 }
-find("seed").addEventListener("change", ({ target }) => {
+byId("seed").addEventListener("change", ({ target }) => {
   if (!target.checkValidity() || target.value === "") return;
   restart(target.value);
 });
-find("trail").addEventListener("change", showTrail);
+byId("trail").addEventListener("change", showTrail);

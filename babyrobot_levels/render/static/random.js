@@ -1,6 +1,6 @@
 // NumPy's default generator (PCG64, seeded by a SeedSequence), so that a seed and the same actions
 // give the same episode here and in the environments.
-class Generator {
+export class Generator {
   constructor(seed) {
     const [a, b, c, d] = seedWords(BigInt(seed));
     this.increment = BigInt.asUintN(128, (((c << 64n) | d) << 1n) | 1n);

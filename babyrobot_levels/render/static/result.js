@@ -1,15 +1,18 @@
 // The result of an episode: how good it is, and how lucky.
+
+import { formatted, rounded } from "./game.js";
+
 const WAY_TO_TWO_STARS = 0.9;
 
 /** Return how the episode ended, as a title. */
-function titleOf({ end, isGood }) {
+export function titleOf({ end, isGood }) {
   if (end === "time") return "Time limit reached";
   const how = end === "exit" ? "Exit reached" : "Episode ended";
   return isGood ? `${how}!` : how;
 }
 
 /** Return how many of three stars an episode earns; null if the level's returns are unknown. */
-function starsOf({ known, total, isGood }) {
+export function starsOf({ known, total, isGood }) {
   if (known.returns === undefined) return null;
   const { best, random } = known.returns;
   if (rounded(total) >= rounded(best)) return 3;
@@ -19,7 +22,7 @@ function starsOf({ known, total, isGood }) {
 }
 
 /** Describe how stars are given. */
-function ruleOf({ known }) {
+export function ruleOf({ known }) {
   const { best, random } = known.returns;
   const three = `Three stars: a return of at least the best average (${formatted(best)}).`;
   if (random === null) return `${three} One: a good end.`;
@@ -51,7 +54,7 @@ function helpOf({ hints, undone, watched }) {
 }
 
 /** Return what the card of a result tells, as pairs of a name and a text. */
-function resultFacts(game) {
+export function resultFacts(game) {
   const { known, total, steps } = game;
   return [
     ["Return", formatted(total)],

@@ -1,20 +1,23 @@
 // What is told to people who do not see the picture.
+
+import { SIDES } from "./game.js";
+
 const MOST_EXITS = 3;
 
 /** Return a list in words. */
-function listed(words, last = "and") {
+export function listed(words, last = "and") {
   return words.join(", ").replace(/, ([^,]*)$/, ` ${last} $1`);
 }
 
 /** Return which sides of the robot's cell are closed. */
-function closedSides(game) {
+export function closedSides(game) {
   const sides = [1, 2, 3, 4].filter((move) => !((game.data.possible[game.state] >> move) & 1));
   if (sides.length === 0) return "No side is closed.";
   return `Closed: ${listed(sides.map((side) => SIDES[side]))}.`;
 }
 
 /** Return where the robot is, what is around it, and where the exits lie. */
-function surroundings(game) {
+export function surroundings(game) {
   const { width, height } = game.data;
   const [x, y] = game.place(game.state);
   const facing = game.isTurning ? ` and faces ${SIDES[game.heading + 1]}` : "";

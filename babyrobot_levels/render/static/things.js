@@ -1,7 +1,11 @@
 // Things: items, doors, switches, movers and exits, whose values make up a configuration.
 
+import { list } from "./checks.js";
+import { COMMON } from "./common.js";
+import { element } from "./paint.js";
+
 /** The things of one level, without a picture. */
-class Things {
+export class Things {
   constructor({ things = [], exits }) {
     this.all = things;
     this.exits = exits;
@@ -72,7 +76,7 @@ function isLast({ values, looks }, configuration) {
 }
 
 /** The pictures of things in a level's picture. */
-class ThingsLayer {
+export class ThingsLayer {
   constructor(game, svg) {
     this.game = game;
     this.movers = game.things.of("mover");
@@ -130,12 +134,12 @@ class ThingsLayer {
   }
 }
 
-function lookElement(number) {
+export function lookElement(number) {
   return element("use", { href: `#look-${number}` });
 }
 
 /** Return the definitions of a picture with things, and the groups that show them. */
-function thingElements({ things = [], picture }, painter) {
+export function thingElements({ things = [], picture }, painter) {
   const looks = list(picture.looks ?? []).map((look, index) =>
     element("g", { id: `look-${index}` }, ...painter.layer(look)));
   const marks = list(picture.marks ?? []).map((mark) => element("g", {}, ...painter.layer(mark)));
@@ -159,7 +163,7 @@ function thingElements({ things = [], picture }, painter) {
 }
 
 /** The values and optimal actions in a level's picture: of the configuration at hand. */
-class MarksLayer {
+export class MarksLayer {
   constructor(game, svg) {
     this.game = game;
     this.shapes = [...svg.querySelector("#marks").children];

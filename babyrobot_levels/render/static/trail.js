@@ -1,8 +1,13 @@
 // The trail: the way that the robot came, and the arrow of a hint.
+
+import { COMMON } from "./common.js";
+import { FORWARD } from "./game.js";
+import { element } from "./paint.js";
+
 const LONGEST_TRAIL = 2000; // Steps.
 
 /** The layers of a picture below and above the robot that belong to an episode. */
-class Trail {
+export class Trail {
   constructor(game, svg) {
     this.game = game;
     const [color] = game.data.robot;

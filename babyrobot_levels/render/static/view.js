@@ -1,13 +1,16 @@
 // The view: which part of the picture is seen, and how large.
+
+import { COMMON } from "./common.js";
+
 const LARGEST_CELL = 128; // In pixels, while the whole picture is seen.
 const LEAST_CELL = 20; // In pixels: of larger levels a part is seen at first,
 const CELL_OF_PART = 32; // with cells of this size.
 const MOST_ZOOM = 12;
-const ZOOM_STEP = 1.4;
+export const ZOOM_STEP = 1.4;
 const MAP_SIDE = 120; // The longer side of the map, in pixels.
 
 /** The stage, in which a picture is zoomed and scrolled, and a map that shows which part. */
-class View {
+export class View {
   constructor(stage, map) {
     this.stage = stage;
     this.map = map;

@@ -1,0 +1,10 @@
+// The page of a level that can be played.
+
+import { checked } from "../../render/static/checks.js";
+import { byId } from "../../render/static/dom.js";
+import { showLevel } from "../../render/static/player.js";
+import { starsOf } from "../../render/static/result.js";
+import { playWhenSeen, reach } from "./level.js";
+
+document.addEventListener("episodeend", ({ detail: game }) => reach(game, starsOf(game)));
+playWhenSeen(() => showLevel(checked(JSON.parse(byId("data").textContent))));
