@@ -5,6 +5,8 @@ from .analysis.certificate import ComparisonError as ComparisonError
 from .analysis.compare import compare as compare
 from .analysis.diff import Difference as Difference
 from .analysis.diff import diff as diff
+from .analysis.facts import Facts as Facts
+from .analysis.facts import show as show
 from .analysis.learning.episodes import monte_carlo as monte_carlo
 from .analysis.learning.episodes import q_learning as q_learning
 from .analysis.learning.episodes import sarsa as sarsa
@@ -15,6 +17,9 @@ from .analysis.learning.sweeps import policy_iteration as policy_iteration
 from .analysis.learning.sweeps import value_iteration as value_iteration
 from .analysis.metrics import Metrics as Metrics
 from .analysis.metrics import metrics as metrics
+from .analysis.previews import Preview as Preview
+from .analysis.previews import play as play
+from .analysis.previews import preview as preview
 from .analysis.solver.distribution import ReturnDistribution as ReturnDistribution
 from .analysis.solver.distribution import return_distribution as return_distribution
 from .analysis.solver.evaluation import evaluate as evaluate
@@ -44,6 +49,7 @@ from .language.play import PlayError as PlayError
 from .library.catalogue import LevelInfo as LevelInfo
 from .library.catalogue import levels as levels
 from .library.catalogue import load as load
+from .library.catalogue import make as make
 from .library.level import Level as Level
 from .library.reading import loads as loads
 from .linter.linting import lint as lint

@@ -24,7 +24,7 @@ from babyrobot_levels.cli.console import (
     write_table,
 )
 from babyrobot_levels.cli.inputs import load_level
-from babyrobot_levels.cli.levels import each_loaded, levels_named
+from babyrobot_levels.cli.levels import levels_named
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
 from babyrobot_levels.cli.solve import ActionSet
@@ -189,7 +189,7 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
         # The command itself notes that episodes are few.
         warnings.filterwarnings("ignore", "of an agent with memory")
         try:
-            agent = _agent(word, levels, options, trust=trust)
+            agent = _agent(word, trust=trust)
             return scores_of(agent, levels, **options)
         except (UndefinedReturnError, EpisodeTooLongError) as error:
             fail(str(error))
@@ -204,14 +204,12 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
             )
 
 
-def _agent(word: str, levels: Any, options: dict[str, Any], *, trust: bool) -> Any:
+def _agent(word: str, *, trust: bool) -> Any:
     """Return the agent that an argument names."""
     from babyrobot_levels.scoring.saved import AgentError, load_model, load_policy
 
-    if word == _RANDOM:
+    if word in (_RANDOM, _BEST):
         return word
-    if word == _BEST:
-        return _best_policies(levels, options)
     path = Path(word)
     suffix = path.suffix.lower()
     if suffix not in (*_TABLES, _MODEL):
@@ -227,19 +225,6 @@ def _agent(word: str, levels: Any, options: dict[str, Any], *, trust: bool) -> A
         fail(str(error), error.help)
     except OSError as error:
         fail(f"{word} cannot be read ({error.strerror or error})")
-
-
-def _best_policies(levels: Any, options: dict[str, Any]) -> dict[str, Any]:
-    """Return an optimal policy without a time limit for each level, by digest."""
-    from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.suites.suite import Suite
-
-    split = options["split"]
-    members = levels.split(split) if isinstance(levels, Suite) and split is not None else levels
-    return {
-        each.digest: solve(each, options["discount"], actions=options["actions"])
-        for each in each_loaded(members)
-    }
 
 
 def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -121,15 +120,15 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
     if citation:
         cite(loaded, level, as_json=report_format is TableFormat.JSON)
         return
-    facts = _facts(loaded)
-    if report_format is TableFormat.JSON:
-        write_json({**facts, "drawing": None if loaded.has_random_maze else loaded.draw()})
-        return
+    from babyrobot_levels.analysis.facts import show as facts_of
     from babyrobot_levels.analysis.metrics import UNLIMITED
     from babyrobot_levels.render.words.phrases import with_limit
 
-    facts |= facts.pop("metrics") or {}
-    texts = {name: printable(_text(value)) for name, value in facts.items()}
+    facts = facts_of(loaded)
+    if report_format is TableFormat.JSON:
+        write_json(facts)
+        return
+    texts = {name: printable(text) for name, text in facts.lines().items()}
     for name in UNLIMITED:
         if texts.get(name):
             texts[name] = with_limit(texts[name], None, loaded.max_steps)
@@ -162,80 +161,10 @@ def _show_suite(path: Path, citation: bool, report_format: TableFormat) -> None:
     if report_format is TableFormat.JSON:
         write_json(facts)
         return
+    from babyrobot_levels.analysis.facts import text_of
+
     facts["splits"] = ", ".join(f"{name} {count:,}" for name, count in sizes.items())
-    write(fact_lines({name: printable(_text(value)) for name, value in facts.items()}))
-
-
-def _facts(level: Level) -> dict[str, Any]:
-    """Return the facts, in the order in which they are shown."""
-    facts: dict[str, Any] = {
-        "name": level.name,
-        "title": level.title,
-        "description": level.description.strip() if level.description else None,
-        "author": level.author,
-        "license": level.license,
-        "source": level.source,
-        "tags": list(level.tags),
-        "size": list(level.size),
-        "starts": [list(cell) for cell in level.starts],
-        "exits": [list(cell) for cell in level.exits],
-        "max_steps": level.max_steps,
-        "discount": level.discount,
-        "theme": level.theme if isinstance(level.theme, str) else None,
-        "random_maze": level.has_random_maze,
-        "states": None,
-        "outcomes": None,
-        "chance": None,
-        "digest": None,
-        "metrics": None,
-    }
-    if not level.has_random_maze:
-        from babyrobot_levels.analysis.solver.space import space_of
-
-        mdp = level.compile()
-        happens = mdp.probability > 0
-        facts["states"] = int((~level.grid().blocked).sum())
-        facts["outcomes"] = int(happens.sum())
-        if level.has_things:
-            # Of the pairs of configuration and cell, those that an episode reaches.
-            reached = ~space_of(level, "all").without_value
-            facts["states"], facts["outcomes"] = int(reached.sum()), int(happens[reached].sum())
-        facts["chance"] = bool(happens[~mdp.is_terminal].sum(axis=2).max(initial=0) > 1)
-        facts["digest"] = level.digest
-        facts["metrics"] = _metrics(level)
-    return facts
-
-
-def _metrics(level: Level) -> dict[str, Any]:
-    """Return the metrics for JSON: strings for infinities, null for what is unknown."""
-    from babyrobot_levels.analysis.metrics import metrics
-    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
-
-    found = metrics(level)
-    states = level.compile().num_states if level.has_things else found.cells
-    numbers = found.to_dict(solve=states <= MAX_SOLVED)
-    return {name: _number(value) for name, value in numbers.items()}
-
-
-def _number(value: float | None) -> float | str | None:
-    if not isinstance(value, float):
-        return value
-    # Nine digits are the same on every platform; the last ones are not.
-    return float(f"{value:.9g}") if math.isfinite(value) else str(value)
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, list) and value and isinstance(value[0], list):
-        return ", ".join(f"[{x}, {y}]" for x, y in value)
-    if isinstance(value, list) and value and isinstance(value[0], int):
-        return f"{value[0]} x {value[1]}"
-    if isinstance(value, list):
-        return ", ".join(value)
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    return "" if value is None else str(value)
+    write(fact_lines({name: printable(text_of(value)) for name, value in facts.items()}))
 
 
 def cite(level: Level, argument: str, *, as_json: bool) -> None:

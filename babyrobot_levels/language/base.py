@@ -29,6 +29,9 @@ FORM_PREFIX = "form:"
 """Marks the segment that pydantic puts into an error's location for the form of a union."""
 
 
+_OF_PYDANTIC = frozenset(dir(BaseModel))
+
+
 class Model(BaseModel):
     """A frozen model that refuses fields that it does not know."""
 
@@ -42,6 +45,10 @@ class Model(BaseModel):
         # Most models are only parts of a level, whose validator has theirs built in.
         defer_build=True,
     )
+
+    def __dir__(self) -> list[str]:
+        """Return what the model itself has; the many names of pydantic are no part of it."""
+        return [name for name in super().__dir__() if name not in _OF_PYDANTIC]
 
 
 def _whole(value: Any) -> Any:

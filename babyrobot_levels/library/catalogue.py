@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from html import escape
 from itertools import chain
 from pathlib import Path
-from typing import Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 from babyrobot_levels.analysis.shown import Shown
 from babyrobot_levels.language.documents import slug
@@ -22,6 +22,11 @@ from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNo
 from babyrobot_levels.text.files import SUFFIXES, is_file, read_source
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.words import nearest
+
+if TYPE_CHECKING:
+    import gymnasium
+
+    Env = gymnasium.Env[Any, Any]
 
 MAX_THUMBNAILS = 50
 """How many levels of a list a notebook shows with a picture."""
@@ -183,6 +188,18 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
     if isinstance(level, str) and is_code(level):
         return load_code(level)
     return load_file(level_path(level))
+
+
+def make(level: str | os.PathLike[str] | Mapping[str, Any] | Level, **kwargs: Any) -> Env:
+    """Return a level as a Gymnasium environment; its `max_steps` becomes the time limit.
+
+    Args:
+        level: what `load` takes.
+        kwargs: the arguments of `level.make`: `observation`, `actions`, `render_mode`, …
+
+    Errors are those of `load`.
+    """
+    return load(level).make(**kwargs)
 
 
 def level_path(level: str | os.PathLike[str]) -> Path:

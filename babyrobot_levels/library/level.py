@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import ValidationError
 
 from babyrobot_levels.analysis import pictures
 from babyrobot_levels.analysis.environments import make
@@ -13,6 +16,10 @@ from babyrobot_levels.mdp.gridworld import GridWorld
 
 if TYPE_CHECKING:
     import gymnasium
+
+    from babyrobot_levels.analysis.facts import Facts
+    from babyrobot_levels.analysis.previews import Preview
+    from babyrobot_levels.analysis.solver.results import Solution
 
 Made = TypeVar("Made", str, bytes)
 
@@ -26,6 +33,19 @@ class Level(GridWorld):
 
     __module__ = "babyrobot_levels"
 
+    if not TYPE_CHECKING:
+
+        def __init__(self, **fields: Any) -> None:
+            with suppress(ValidationError):
+                super().__init__(**fields)
+                return
+            # Tells what is wrong as of a file; NumPy's numbers and other levels' parts are right.
+            checked = type(self).from_fields(fields)
+            super().__init__(**checked.to_dict())
+
+        # pydantic would call it for the levels that it makes, too.
+        __init__.__pydantic_base_init__ = True
+
     def __hash__(self) -> int:
         # Some fields are mappings, which have none; equal levels are alike in these.
         return hash((self.name, self.title, self.size, self.start))
@@ -37,6 +57,30 @@ class Level(GridWorld):
         return f"<Level{name}: {width}x{height}>"
 
     __str__ = __repr__
+
+    @property
+    def width(self) -> int:
+        """The number of columns."""
+        return self.size[0]
+
+    @property
+    def height(self) -> int:
+        """The number of rows."""
+        return self.size[1]
+
+    # -- what it comes to ------------------------------------------------------------------
+
+    def solve(self, discount: float | None = None, **options: Any) -> Solution:
+        """Return an optimal policy and its values; see `brl.solve` for arguments and errors."""
+        from babyrobot_levels.analysis.solver.optimum import solve
+
+        return solve(self, discount, **options)
+
+    def show(self) -> Facts:
+        """Return the facts about the level: texts, numbers, digest, metrics; see `brl.show`."""
+        from babyrobot_levels.analysis.facts import show
+
+        return show(self)
 
     # -- as text ---------------------------------------------------------------------------
 
@@ -267,6 +311,18 @@ class Level(GridWorld):
             answers=answers,
         )
         return _saved(page, path)
+
+    def preview(self, path: str | os.PathLike[str] | None = None, **shown: Any) -> Preview:
+        """Return a picture, a film or a page; see `brl.preview` for arguments and errors."""
+        from babyrobot_levels.analysis.previews import preview
+
+        return preview(self, path, **shown)
+
+    def play(self, path: str | os.PathLike[str] | None = None, **shown: Any) -> Preview:
+        """Return a page on which the level can be played; see `brl.play`."""
+        from babyrobot_levels.analysis.previews import play
+
+        return play(self, path, **shown)
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         from babyrobot_levels.render.notebook.html import level_mimebundle

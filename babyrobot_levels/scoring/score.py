@@ -66,6 +66,7 @@ def score(
     Args:
         agent: one of
 
+            - `"best"`, an optimal policy without a time limit for each level;
             - a policy, as `brl.evaluate` takes it (`"random"`, a `Solution`, an array; within a
               limit also one for each step), or a mapping from names or digests of levels to
               policies;
@@ -101,6 +102,10 @@ def score(
     own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
     members, extent = _levels(levels, split, turns=ACTION_SETS[actions].turns)
     problems = [_problem(level, within, discount, own) for level in members]
+    if isinstance(agent, str) and agent == "best":
+        agent = {
+            each.level.digest: solve(each.level, each.discount, actions=own) for each in problems
+        }
     taken = read_agent(
         agent, ACTION_SETS[actions].num_actions, deterministic=deterministic, batched=batched
     )

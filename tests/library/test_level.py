@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from support.each import for_each
 from support.reports import GOOD
 from support.worlds import (
@@ -574,3 +574,50 @@ def test_in_a_line() -> None:
 def test_a_text_is_a_text() -> None:
     with pytest.raises(TypeError, match="the text of a level is a str, not bytes"):
         brl.loads(b"version: 1")  # type: ignore[arg-type]
+
+
+# -- what one guesses ------------------------------------------------------------------------
+
+
+def test_what_one_guesses_is_there() -> None:
+    level = brl.load("frozen-lake")
+    assert (level.width, level.height) == level.size
+    assert level.solve().expected_return == brl.solve(level).expected_return
+    assert level.solve(0.9, actions="moves").discount == 0.9
+    assert (
+        brl.make(level, observation="index").observation_space
+        == level.make(observation="index").observation_space
+    )
+
+
+def test_completion_shows_the_level_and_nothing_of_pydantic() -> None:
+    level = brl.load("frozen-lake")
+    shown = {name for name in dir(level) if not name.startswith("_")}
+    assert not {name for name in shown if name in dir(BaseModel)}
+    assert not {name for name in shown if name.startswith("model_")}
+    assert {*type(level).model_fields} <= shown
+    own = {"solve", "show", "play", "preview", "make", "save", "width", "digest", "to_svg", "draw"}
+    assert own <= shown
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"size": (4, 4)}, "missing field `version`"),
+        ({"version": 1, "siz": (4, 4)}, "unknown field `siz`; did you mean `size`"),
+        ({"version": 1, "size": (4, 4), "start": (9, 9)}, r"the start \[9, 9\] is off the grid"),
+    ],
+)
+def test_wrong_fields_are_told_as_of_a_file(fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(brl.LevelError, match=message) as caught:
+        brl.Level(**fields)
+    assert caught.value.diagnostics
+    assert caught.value.__context__ is None
+    with pytest.raises(ValidationError):
+        brl.Level.model_validate(fields)
+
+
+def test_numpy_has_numbers_too() -> None:
+    import numpy as np
+
+    assert brl.Level(version=1, size=np.array([3, 4])).size == (3, 4)

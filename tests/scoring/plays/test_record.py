@@ -95,7 +95,7 @@ def test_of_several_time_limits_the_first_to_end_counts(
     env.close()
     (play,) = brl.read_plays(path)
     assert (play.steps, play.max_steps, play.end) == (2, 2, "truncated")
-    assert brl.verify_play(play).is_valid
+    assert verify_play(play).is_valid
 
 
 def test_a_chosen_start(path: Path) -> None:

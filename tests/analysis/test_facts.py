@@ -1,0 +1,34 @@
+"""`show`: the facts about a level, as data, as lines and as a table."""
+
+from __future__ import annotations
+
+import json
+
+import babyrobot_levels as brl
+
+
+def test_the_facts_are_plain_data() -> None:
+    facts = brl.show("final-maze")
+    level = brl.load("final-maze")
+    assert json.loads(json.dumps(facts)) == facts
+    assert (facts["name"], facts["digest"]) == ("final-maze", level.digest)
+    assert facts["drawing"] == level.draw()
+    assert facts["metrics"]["path_length"] == brl.metrics(level).path_length
+    assert level.show() == facts
+
+
+def test_they_show_themselves() -> None:
+    facts = brl.show("final-maze")
+    lines = repr(facts).splitlines()
+    assert lines[0].split() == ["name:", "final-maze"]
+    assert lines[-1] == brl.load("final-maze").draw().splitlines()[-1]
+    table = facts._repr_mimebundle_()["text/html"]
+    assert '<th style="text-align: left">size</th>' in table
+    assert "<img " in table
+
+
+def test_a_random_maze_has_no_tables() -> None:
+    facts = brl.show("random-maze")
+    assert facts["random_maze"] is True
+    assert facts["digest"] is facts["metrics"] is facts["drawing"] is None
+    assert "digest" not in repr(facts)
