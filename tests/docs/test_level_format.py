@@ -26,6 +26,7 @@ from support.reading import read_level
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import Colors, Theme, Widths
+from babyrobot_levels.language.moves import PRECEDENCE
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
@@ -234,6 +235,13 @@ def test_a_start_can_be_hidden_as_shown() -> None:
     level = level_of(block)
     pictures = [to_rgb(build_scene(level.replace(start=cell))) for cell in ([0, 0], [1, 1])]
     assert np.array_equal(pictures[0], pictures[1])
+
+
+def test_rewards_are_listed_by_their_precedence() -> None:
+    first = next(number for number, line in enumerate(LINES) if "is the first of these" in line)
+    lines = [line for line in LINES[first : first + 12] if re.match(r"\d\. ", line)]
+    words = [name for line in lines for name in PRECEDENCE if re.search(rf"\b{name}\b", line)]
+    assert [*dict.fromkeys(words)] == [*PRECEDENCE]
 
 
 @of_kind("same digest")

@@ -71,6 +71,7 @@ class _Maker:
             self.needs_of_exits()
             if self.chance(0.2):
                 self.fields["heading"] = random.choice("NESW")
+        self.openings()
 
     def chance(self, probability: float) -> bool:
         return self.random.random() < probability
@@ -214,6 +215,19 @@ class _Maker:
             entries.append(entry)
             self.walls |= set(run_of(cell, side, length))
         self.fields["walls"] = entries
+
+    def openings(self) -> None:
+        """Take a part of some walls away again."""
+        walls = self.fields.get("walls", [])
+        if not walls or not self.chance(0.3):
+            return
+        entries = []
+        for wall in self.random.sample(walls, self.random.randint(1, len(walls))):
+            entry: Fields = {"at": wall["at"], "side": wall["side"]}
+            if "length" in wall and self.chance(0.5):
+                entry["length"] = wall["length"]
+            entries.append(entry)
+        self.fields["openings"] = entries
 
     def warps(self) -> None:
         """Place warps that do not form circles."""

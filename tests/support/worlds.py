@@ -110,11 +110,9 @@ def add_cells(draw: DrawFn, world: World, width: int, height: int, free: list[Ce
             {"at": list(cell)} | draw(st.sampled_from([{}, {"size": "small"}, {"size": "large"}]))
             for cell in cells
         ]
-    if sometimes(draw, 3):
+    if sometimes(draw):
         kind = st.fixed_dictionaries({}, optional={"reward": numbers, "skid": skids})
-        world["puddle_types"] = draw(
-            st.fixed_dictionaries({}, optional={"small": kind, "large": kind})
-        )
+        world["puddle_types"] = draw(st.fixed_dictionaries({"small": kind, "large": kind}))
     if sometimes(draw):
         traits = st.fixed_dictionaries(
             {},
