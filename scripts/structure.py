@@ -1,12 +1,11 @@
 """Print how the package is built: its rooms, their imports, its sizes, the route of a load.
 
-Usage: python scripts/structure.py [CHECKOUT] [--picture FILE]
+Usage: python scripts/structure.py [CHECKOUT]
 
 A room is a folder or a loose module at the top of the package. Everything is read from the
 sources, imports inside functions and for type checkers included; only the stops of
 `babyrobot_levels.load` come from running it once, with the libraries of this Python.
-`--picture` writes the rooms and their imports as an SVG as well: that of ARCHITECTURE.md is made
-with `python scripts/structure.py --picture docs/images/structure.svg`.
+The picture of ARCHITECTURE.md is made from it by `python scripts/renew.py`.
 """
 
 from __future__ import annotations
@@ -343,7 +342,6 @@ def main() -> None:
     parser.add_argument(
         "checkout", nargs="?", type=Path, default=Path(__file__).resolve().parents[1]
     )
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="write the rooms as an SVG")
     options = parser.parse_args()
     structure = Structure(options.checkout.resolve())
     stops = structure.stops()
@@ -368,8 +366,6 @@ def main() -> None:
         print("circle:", ", ".join(circle))
     for caller, called in stops:
         print("climb:" if (caller, called) in climbs else "stop: ", f"{caller} -> {called}")
-    if options.picture:
-        options.picture.write_text(picture(rooms_to_draw(structure)), "utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""`cli.md`, made from the commands themselves: `python -m babyrobot_levels.cli.reference > cli.md`.
+"""`cli.md`, made from the commands themselves.
 
 It reads the commands' own signatures, so that the version of typer does not show.
 """
@@ -6,7 +6,6 @@ It reads the commands' own signatures, so that the version of typer does not sho
 from __future__ import annotations
 
 import inspect
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -19,7 +18,7 @@ from babyrobot_levels.cli.commands import COMMANDS
 _HEAD = """\
 # The command line
 
-<!-- Generated from the commands: python -m babyrobot_levels.cli.reference > cli.md -->
+<!-- Generated from the commands: python scripts/renew.py cli.md -->
 
 `babyrobot COMMAND --help` shows the same in the terminal.
 
@@ -125,7 +124,3 @@ def _parameters(command: Callable[..., Any]) -> Iterator[_Parameter]:
 
 def _cell(text: str) -> str:
     return text.replace("|", "\\|")
-
-
-if __name__ == "__main__":
-    sys.stdout.write(reference())

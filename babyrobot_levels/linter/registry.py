@@ -89,6 +89,12 @@ def titles() -> dict[str, str]:
     return {rule.code: rule.summary for rule in all_pages()}
 
 
+def documents() -> dict[str, str]:
+    """Return the pages of all codes, by the names of their files in `docs/rules`."""
+    pages = {f"{rule.name}.md": as_markdown(rule) for rule in all_pages()}
+    return {"README.md": index(), **pages}
+
+
 def as_markdown(rule: Rule) -> str:
     """Return a page of the documentation."""
     kind = {

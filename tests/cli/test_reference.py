@@ -71,7 +71,7 @@ def examples() -> list[str]:
 
 
 def test_it_is_up_to_date() -> None:
-    assert reference() == TEXT, "python -m babyrobot_levels.cli.reference > cli.md"
+    assert reference() == TEXT, "python scripts/renew.py cli.md"
 
 
 def test_every_command_is_in_it_and_no_other() -> None:

@@ -57,16 +57,6 @@ def test_every_file_of_a_list_exists(section: str) -> None:
         assert list(ROOT.glob(re.sub(r"NAME", "*", path))), path
 
 
-def test_every_generated_file_exists() -> None:
-    table = TEXT.partition("### Generated files")[2].partition("\n##")[0]
-    for row in re.findall(r"^\| (`.*?) \| (.*?) \|$", table, re.MULTILINE):
-        for path in re.findall(r"`([^`]+)`", row[0]):
-            assert (ROOT / path).exists(), path
-        for module in re.findall(r"-m ([\w.]+)", row[1]):
-            name = module.replace(".", "/") + ".py"
-            assert (ROOT / name).exists() or (ROOT / "tests" / name).exists(), module
-
-
 def test_the_scripts_accept_what_is_shown() -> None:
     script = (ROOT / "scripts" / "check.sh").read_text(encoding="utf-8")
     for word in re.findall(r"bash scripts/check\.sh (\w+)", TEXT):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
-from support.editor_docs import PAGE, TABLE, key_rows
+from renew import editor_page
+from support.places import DOCS
 
 from babyrobot_levels.render.scripts import static
 
-TEXT = PAGE.read_text("utf-8")
+TEXT = (DOCS / "editor.md").read_text("utf-8")
 
 
 def rows(heading: str) -> list[list[str]]:
@@ -19,9 +20,9 @@ def rows(heading: str) -> list[list[str]]:
 
 
 def test_the_keys_are_those_of_the_editor() -> None:
-    expected = key_rows()
-    assert expected.count("\n") > 20
-    assert TABLE.findall(TEXT) == [expected]
+    # `python scripts/renew.py docs/editor.md` writes them.
+    assert len(rows("Keys")) > 20
+    assert editor_page() == TEXT
 
 
 def test_the_tools_are_those_of_the_editor() -> None:

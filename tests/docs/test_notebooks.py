@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.places import ROOT, TESTS
+from support.places import ROOT
 
-NOTEBOOKS = sorted((TESTS.parent / "notebooks").glob("*.ipynb"))
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 RUN = [path for path in NOTEBOOKS if path.stem != "jax"]
 """Those that need no library that learns; tests/jax_levels/test_docs.py runs the other."""
 
@@ -43,15 +43,15 @@ def test_there_is_a_tour() -> None:
 
 @pytest.mark.parametrize("path", RUN, ids=lambda path: path.stem)
 def test_a_notebook_runs_and_puts_out_what_is_stored(path: Path, tmp_path: Path) -> None:
-    """Renew what is stored with `PYTHONPATH=tests python -m renew.notebooks`."""
+    """Renew what is stored with `python scripts/renew.py notebooks`."""
     # In a process of its own: kernels leave sockets open, of which this one would be warned.
     done = subprocess.run(
-        [sys.executable, "-m", "renew.notebooks", path, "--into", tmp_path],
+        [sys.executable, ROOT / "scripts/renew.py", path.relative_to(ROOT), "--into", tmp_path],
         env={
             **os.environ,
             "HOME": str(tmp_path),
             "IPYTHONDIR": str(tmp_path / "ipython"),
-            "PYTHONPATH": os.pathsep.join([str(TESTS), str(ROOT)]),
+            "PYTHONPATH": str(ROOT),
         },
         capture_output=True,
         text=True,
@@ -60,7 +60,7 @@ def test_a_notebook_runs_and_puts_out_what_is_stored(path: Path, tmp_path: Path)
         check=False,
     )
     assert done.returncode == 0, done.stderr[-4000:]
-    run = read(tmp_path / path.name)
+    run = read(tmp_path / path.relative_to(ROOT))
     assert [output for output in outputs(run) if output.get("name") == "stderr"] == []
     assert run == read(path)
 

@@ -138,7 +138,7 @@ def test_the_picture_shows_the_rooms_as_they_are() -> None:
     assert picture(aged[::-1]) == drawn, RENEW
 
 
-RENEW = f"python scripts/structure.py --picture {PICTURE.relative_to(CHECKOUT)}"
+RENEW = f"python scripts/renew.py {PICTURE.relative_to(CHECKOUT)}"
 
 
 def test_public_classes_name_the_package_as_their_module() -> None:

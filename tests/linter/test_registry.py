@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 import babyrobot_levels
-from babyrobot_levels.cli.rule_pages import documents
 from babyrobot_levels.linter.finding import Needs
 from babyrobot_levels.linter.fixer import apply
-from babyrobot_levels.linter.registry import all_pages, all_rules, titles
+from babyrobot_levels.linter.registry import all_pages, all_rules, documents, titles
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic, Fix, Severity
@@ -46,7 +45,7 @@ def fixes(page: Rule, text: str) -> list[Fix]:
 
 
 def test_the_documentation_has_these_pages_and_no_others() -> None:
-    # `python -m babyrobot_levels.cli.rule_pages docs/rules` writes them.
+    # `python scripts/renew.py docs/rules` writes them.
     assert {path.name: path.read_text("utf-8") for path in DOCS.iterdir()} == documents()
 
 

@@ -31,7 +31,7 @@ def of(rule: Rule, paths: list[Path]) -> list[Path]:
 
 @pytest.mark.parametrize("rule", PLAY, ids=lambda rule: rule.name)
 def test_a_rule_reports_its_bad_files_as_expected_and_no_good_ones(rule: Rule) -> None:
-    """`renew.reports` writes the expectations."""
+    """`python scripts/renew.py tests/linter` writes the expectations."""
     assert of(rule, LINT_BAD)
     assert of(rule, LINT_GOOD)
     for path in of(rule, LINT_BAD):

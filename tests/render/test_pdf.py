@@ -9,7 +9,7 @@ import numpy as np
 import pypdfium2 as pdfium
 import pytest
 from numpy.typing import NDArray
-from renew.golden import pictures
+from support.golden import pictures
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.helvetica import CODES, cut, width_of, wrapped

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from renew.golden import FOLDER, pictures, svg
+from support.golden import FOLDER, pictures, svg
 from support.places import GALLERY_FOLDER
 
 from babyrobot_levels.library.catalogue import load
@@ -35,7 +35,7 @@ def level(**fields: Any) -> Any:
 @pytest.mark.parametrize("name", pictures())
 def test_the_picture_is_the_one_that_was_looked_at(name: str) -> None:
     expected = (FOLDER / f"{name}.svg").read_text(encoding="utf-8")
-    assert svg(name) == expected, "if that is meant: PYTHONPATH=tests python -m renew.golden"
+    assert svg(name) == expected, "if that is meant: python scripts/renew.py tests/render"
 
 
 def test_every_picture_that_was_looked_at_is_compared() -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from renew.golden import FOLDER
+from support.golden import FOLDER
 from support.scenes import without_legend
 
 from babyrobot_levels.library.catalogue import load

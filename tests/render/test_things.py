@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from renew.golden import FOLDER
+from support.golden import FOLDER
 from support.scenes import without_legend
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors

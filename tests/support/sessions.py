@@ -7,9 +7,7 @@ session knows `cat`, `ls`, `mkdir` and `touch`; a command may begin with `NAME=v
 `< FILE`.
 `FOLDER/user` is the folder of a user who has packs.
 
-To write all files anew after a change that is meant, and then to read the difference:
-
-    PYTHONPATH=tests python -m support.sessions
+`python scripts/renew.py tests/cli` writes them anew after a change that is meant.
 """
 
 from __future__ import annotations
@@ -192,13 +190,3 @@ def _told(result: Result, folder: Path) -> str:
         text = text.replace(place.as_uri(), f"file:///{name}").replace(str(place), name)
     text = _PICTURE_SIZE.sub(r"\1SIZE)", text)
     return text.replace("\x1b", "\\e")
-
-
-def renew() -> None:
-    """Write all session files anew."""
-    for path in sorted(FOLDER.glob("*.txt")):
-        path.write_text(played(path.read_text(encoding="utf-8")), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    renew()

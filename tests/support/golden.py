@@ -1,11 +1,6 @@
-"""Write the expected SVG texts of `golden` anew. Look at the pictures before you keep them.
-
-From the top of the repository: `PYTHONPATH=tests python -m renew.golden`
-"""
+"""The pictures of which `tests/render/golden` has the expected SVG texts."""
 
 from __future__ import annotations
-
-from support.places import TESTS
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.things import SHAPES
@@ -26,6 +21,7 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape
 from babyrobot_levels.render.scene.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
+from support.places import TESTS
 
 FOLDER = TESTS / "render" / "golden"
 
@@ -83,9 +79,3 @@ def poses() -> Scene:
 def svg(name: str) -> str:
     """Return the picture of that name."""
     return to_svg(pictures()[name])
-
-
-if __name__ == "__main__":
-    for name in pictures():
-        (FOLDER / f"{name}.svg").write_text(svg(name), encoding="utf-8", newline="\n")
-    print(f"{len(pictures())} pictures")
