@@ -95,9 +95,9 @@ def editor_page() -> str:
 
     script = static("editor/static/keys.js")
     lines = []
-    for group in script[script.index("const KEYS") : script.index("];\n\n")].split("{ title: ")[1:]:
+    for group in script[script.index("const KEYS") : script.index("];\n\n")].split(" title: ")[1:]:
         title = group.split('"')[1]
-        for keys, what in re.findall(r'\["([^"]+)", "([^"]+)",', group):
+        for keys, what in re.findall(r'\[\s*"([^"]+)",\s*"([^"]+)",', group):
             lines.append(f"| {title} | {keys} | {what} |\n".replace("|  |", "| |"))
             title = ""
     table = r"(?<=\n\| \| key \| what it does \|\n\|---\|---\|---\|\n)(?:\|.*\|\n)*"

@@ -24,6 +24,8 @@ _IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";$|^@import "([^"]+)";$
 _EXPORT = re.compile(r"^export (?=(?:const|let|class|function|async function) (\w+))", re.M)
 _NAMES = re.compile(r"^(?:const|let|class|(?:async )?function) (?:(\w+)|[\[{]([^=]*)[\]}] =)", re.M)
 _LEFT = re.compile(r"^(?:import\b|export (?!default )|@import\b).*", re.M)
+_NEEDLESS = re.compile(r"^((?:(?!//).)*),\n(?=[)\]}])", re.M)
+"""A comma and a break after the last of several lines."""
 _COMMENTS = re.compile(
     r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$|/\*\* @type (?:(?!\*/).)*\*/ ?", re.M | re.S
 )
@@ -91,7 +93,7 @@ def _read(path: str, text: str) -> _Module:
         raise ValueError(f"{path}: this form is not understood: {left[0]}")
     names = frozenset[str]().union(*map(_words, map(" ".join, _NAMES.findall(code))))
     lines = filter(None, map(str.strip, code.splitlines()))
-    return _Module(imports, exports, names, "\n".join(lines))
+    return _Module(imports, exports, names, _NEEDLESS.sub(r"\1", "\n".join(lines)))
 
 
 def _check_names(modules: Mapping[str, _Module]) -> None:

@@ -73,6 +73,11 @@ function act(one) {
     assert together(page=page) == expected
 
 
+def test_the_last_of_several_lines_needs_no_comma_and_no_break() -> None:
+    page = "act(\n  1,\n  [\n    2, // two,\n  ],\n);\n"
+    assert together(page=page) == "act(\n1,\n[\n2, // two,\n]);"
+
+
 def test_style_sheets_import_others() -> None:
     sheets = {"a/page.css": '/* Page. */\n@import "../b/part.css";\n\np { color: red }\n'}
     sheets["b/part.css"] = "b { color: blue }\n"

@@ -60,17 +60,20 @@ function capital(words) {
 /** What messages to Python did, in words; without any for what is typed, which is its own. */
 const DONE = {
   walls: (editor, run) => wallsInWords(editor, run),
-  paint: (editor, { brush, cells, rectangle }) => brush === "erase" ?
-    `Erased ${cellsInWords(cells, rectangle)}` :
-    `${toolNamed(brush).title} in ${cellsInWords(cells, rectangle)}`,
-  fill: (editor, { brush, at }) => brush === "erase" ?
-    `Erased ${cellName(at)} and all cells like it around it` :
-    `${toolNamed(brush).title} in ${cellName(at)} and all cells like it around it`,
+  paint: (editor, { brush, cells, rectangle }) =>
+    brush === "erase"
+      ? `Erased ${cellsInWords(cells, rectangle)}`
+      : `${toolNamed(brush).title} in ${cellsInWords(cells, rectangle)}`,
+  fill: (editor, { brush, at }) =>
+    brush === "erase"
+      ? `Erased ${cellName(at)} and all cells like it around it`
+      : `${toolNamed(brush).title} in ${cellName(at)} and all cells like it around it`,
   warp: (editor, { at, to }) => `Warp from ${cellName(at)} to ${cellName(to)}`,
   path: (editor, { cells, rectangle }) => `Mover ${rectangle ? "in" : "through"} ${cellsInWords(cells, rectangle)}`,
   move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
   remove: () => "Removed",
-  set: (editor, { route, value }) => value === null ? `${fieldInWords(route)} removed` : `${fieldInWords(route)} set${written(value)}`,
+  set: (editor, { route, value }) =>
+    value === null ? `${fieldInWords(route)} removed` : `${fieldInWords(route)} set${written(value)}`,
   resize: (editor, { size: [columns, rows] }) => `The level is ${columns} by ${rows} cells`,
   wind: (editor, gesture) => windInWords(gesture),
   resolve: () => "The maze is written out as walls",
@@ -134,7 +137,13 @@ export class Announcer {
     const done = DONE[editor.done.do]?.(editor, editor.done);
     const grown = editor.state.maze_regrown ? "The maze has grown anew" : undefined;
     const words = [done, grown, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
-    if (done !== undefined) editor.say(words.filter((each) => each !== undefined).map((each) => `${each}.`).join(" "));
+    if (done !== undefined)
+      editor.say(
+        words
+          .filter((each) => each !== undefined)
+          .map((each) => `${each}.`)
+          .join(" "),
+      );
     else if (editor.saidKind === "refused") editor.say(""); // It was about what was before.
     this.count = count;
   }

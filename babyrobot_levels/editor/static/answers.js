@@ -20,8 +20,13 @@ export class Answers {
     this.change = html("span", { class: "change" });
     this.reason = html("p", { class: "reason" });
     this.switches = SHOWN.map(([name, title, key, hint]) =>
-      html("button", { type: "button", "data-shown": name, title: hint, onclick: () => this.toggle(name) },
-        `${title} `, html("kbd", {}, key)));
+      html(
+        "button",
+        { type: "button", "data-shown": name, title: hint, onclick: () => this.toggle(name) },
+        `${title} `,
+        html("kbd", {}, key),
+      ),
+    );
     place.append(
       html("div", { class: "best-line" }, this.name, this.best, this.change),
       this.reason,
@@ -58,14 +63,16 @@ export class Answers {
       each.disabled = answers.status === "none";
     }
     clearTimeout(this.timer);
-    if ((isPending || hasMoreFindings) && this.asked !== revision) this.timer = setTimeout(() => this.ask(revision), IDLE);
+    if ((isPending || hasMoreFindings) && this.asked !== revision)
+      this.timer = setTimeout(() => this.ask(revision), IDLE);
   }
 
   /** Ask for the optimum and the findings that take longer, beside all other messages. */
   async ask(revision) {
     this.asked = revision;
     const { state } = await this.editor.ask({ do: "answers" });
-    if (state === undefined) this.asked = null; // The next change asks again, or tells that nobody answers.
+    if (state === undefined)
+      this.asked = null; // The next change asks again, or tells that nobody answers.
     else if (state.revision === this.editor.state.revision) this.editor.show(state);
   }
 }

@@ -3,7 +3,11 @@
 import { html } from "./html.js";
 import { toolButton } from "./rail.js";
 
-const MODES = [["edit", "Edit"], ["play", "Play"], ["policy", "Policy"]];
+const MODES = [
+  ["edit", "Edit"],
+  ["play", "Play"],
+  ["policy", "Policy"],
+];
 
 export class Bar {
   constructor(editor, { title, modes, history }) {
@@ -11,10 +15,16 @@ export class Bar {
     this.name = html("strong", { class: "name", id: "level-name" });
     this.file = html("span", { class: "file-state" });
     title.append(this.name, this.file);
-    this.modes = MODES.map(([mode, text]) => toolButton({ text, "data-mode": mode }, () => editor.set("mode", { mode })));
+    this.modes = MODES.map(([mode, text]) =>
+      toolButton({ text, "data-mode": mode }, () => editor.set("mode", { mode })),
+    );
     modes.append(...this.modes);
-    this.undo = toolButton({ title: "Undo (Ctrl+Z)", icon: "M9 5L4 10l5 5M4 10h10a5.5 5.5 0 0 1 0 11h-3" }, () => editor.send({ do: "undo" }));
-    this.redo = toolButton({ title: "Redo (Ctrl+Shift+Z)", icon: "M15 5l5 5-5 5M20 10H10a5.5 5.5 0 0 0 0 11h3" }, () => editor.send({ do: "redo" }));
+    this.undo = toolButton({ title: "Undo (Ctrl+Z)", icon: "M9 5L4 10l5 5M4 10h10a5.5 5.5 0 0 1 0 11h-3" }, () =>
+      editor.send({ do: "undo" }),
+    );
+    this.redo = toolButton({ title: "Redo (Ctrl+Shift+Z)", icon: "M15 5l5 5-5 5M20 10H10a5.5 5.5 0 0 0 0 11h3" }, () =>
+      editor.send({ do: "redo" }),
+    );
     history.append(this.undo, this.redo);
     editor.on("state", () => this.showState());
     editor.on("mode", () => this.showMode());
@@ -43,7 +53,9 @@ export class Panels {
     this.panels = panels;
     this.tabs = [...panels.querySelectorAll(":scope > [data-tab]")].map((panel) => {
       const name = panel.classList[0];
-      const tab = toolButton({ text: panel.dataset.tab, role: "tab", "data-panel": name }, () => editor.set("panel", { panel: name }));
+      const tab = toolButton({ text: panel.dataset.tab, role: "tab", "data-panel": name }, () =>
+        editor.set("panel", { panel: name }),
+      );
       panel.setAttribute("role", "tabpanel");
       panel.setAttribute("aria-label", panel.dataset.tab);
       return tab;

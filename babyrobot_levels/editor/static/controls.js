@@ -59,7 +59,8 @@ function holdButton(shown, label, step, done) {
 /** Return buttons for the words that may stand in the place of a value, and how to show which does. */
 function wordButtons({ choices = [], default: usual }, change) {
   const buttons = choices.map((word) =>
-    button(word, { class: "word", onclick: ({ currentTarget }) => change(word, currentTarget.ariaPressed === "true") }));
+    button(word, { class: "word", onclick: ({ currentTarget }) => change(word, currentTarget.ariaPressed === "true") }),
+  );
   const show = (value) => {
     for (const each of buttons) each.ariaPressed = String(each.textContent === (value ?? usual));
   };
@@ -102,14 +103,24 @@ export function numberControl(field, change) {
   });
   input.addEventListener("keyup", ({ key }) => key in arrows && done());
   const words = wordButtons(field, (word, isChosen) => change(isChosen ? (minimum ?? 0) : word));
-  const element = html("span", { class: "number-control" },
-    html("span", { class: "stepper" }, less, input, more), ...words.buttons);
+  const element = html(
+    "span",
+    { class: "number-control" },
+    html("span", { class: "stepper" }, less, input, more),
+    ...words.buttons,
+  );
   const show = (value) => {
     given = value;
     input.value = value ?? "";
     words.show(value);
   };
-  return { element, show, get value() { return read(); } };
+  return {
+    element,
+    show,
+    get value() {
+      return read();
+    },
+  };
 }
 
 function textControl({ label, name, default: usual }, change) {
@@ -135,7 +146,8 @@ function textControl({ label, name, default: usual }, change) {
 /** Several texts in one line, such as tags. */
 function textsControl(field, change) {
   const control = textControl(field, (written) =>
-    change(written === null ? null : written.split(/[\s,]+/).filter((word) => word !== "")));
+    change(written === null ? null : written.split(/[\s,]+/).filter((word) => word !== "")),
+  );
   return { ...control, show: (value) => control.show(value === undefined ? value : [value].flat().join(", ")) };
 }
 
@@ -215,13 +227,15 @@ export function pairControl(field, change) {
   const { label, type, minimum = type === "size" ? 1 : 0, maximum, default: usual } = field;
   const names = type === "size" ? ["width", "height"] : ["column", "row"];
   let given = null;
-  const one = (index) => numberControl(
-    { label: `${label}: ${names[index]}`, type: "integer", minimum, maximum, default: usual?.[index] },
-    (number) => {
-      const pair = [0, 1].map((each) => given?.[each] ?? usual?.[each] ?? minimum);
-      pair[index] = number ?? usual?.[index] ?? minimum;
-      change(pair);
-    });
+  const one = (index) =>
+    numberControl(
+      { label: `${label}: ${names[index]}`, type: "integer", minimum, maximum, default: usual?.[index] },
+      (number) => {
+        const pair = [0, 1].map((each) => given?.[each] ?? usual?.[each] ?? minimum);
+        pair[index] = number ?? usual?.[index] ?? minimum;
+        change(pair);
+      },
+    );
   const pair = [one(0), one(1)];
   const words = wordButtons(field, (word, isChosen) => change(isChosen ? [minimum, minimum] : word));
   const element = html("span", { class: "pair" }, ...pair.map((each) => each.element), ...words.buttons);

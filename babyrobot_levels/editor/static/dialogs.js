@@ -5,10 +5,17 @@ import { toolButton } from "./rail.js";
 
 /** Return a modal dialog with a title; it closes with Escape, and by a button. */
 export function dialogElement(title, ...content) {
-  const made = html("dialog", { "aria-label": title },
-    html("header", {}, html("h2", {}, title),
-      button("✕", { class: "close", "aria-label": "Close", onclick: () => made.close() })),
-    ...content);
+  const made = html(
+    "dialog",
+    { "aria-label": title },
+    html(
+      "header",
+      {},
+      html("h2", {}, title),
+      button("✕", { class: "close", "aria-label": "Close", onclick: () => made.close() }),
+    ),
+    ...content,
+  );
   return made;
 }
 
@@ -36,7 +43,8 @@ export class FileButtons {
     place.append(
       toolButton({ title: "Open another level", icon: "M3 19V6h6l2 2h8v3M3 19l3-8h16l-3 8z" }, () => opening.show()),
       toolButton({ title: "Copy or download", icon: "M9 9h11v11H9zM5 15H4V4h11v1" }, () => copying.show()),
-      toolButton({ title: "Save (Ctrl+S)", icon: "M5 4h11l4 4v12H5zM8 4v5h7V4M8 20v-6h8v6" }, () => this.save()));
+      toolButton({ title: "Save (Ctrl+S)", icon: "M5 4h11l4 4v12H5zM8 4v5h7V4M8 20v-6h8v6" }, () => this.save()),
+    );
     if (editor.connection.ends) {
       place.append(toolButton({ title: "End the editor", icon: "M12 3v9M6.3 7a8 8 0 1 0 11.4 0" }, () => this.leave()));
     }
@@ -64,7 +72,12 @@ export class FileButtons {
 class OpenDialog {
   constructor(editor) {
     this.editor = editor;
-    this.filter = html("input", { type: "search", "aria-label": "Name of the level", placeholder: "Search", oninput: () => this.sift() });
+    this.filter = html("input", {
+      type: "search",
+      "aria-label": "Name of the level",
+      placeholder: "Search",
+      oninput: () => this.sift(),
+    });
     this.list = html("ul", { class: "levels" });
     this.file = html("input", { type: "file", "aria-label": "File", onchange: () => this.read() });
     this.source = html("textarea", {
@@ -75,14 +88,24 @@ class OpenDialog {
     });
     this.format = html("select", { "aria-label": "Format" });
     this.error = html("p", { class: "field-error", role: "alert" });
-    this.dialog = dialogElement("Open a level",
-      html("h3", {}, "By name"), this.filter, this.list,
-      html("h3", {}, "From a file"), this.file,
-      html("h3", {}, "From a text"), this.source,
-      html("p", { class: "buttons" }, this.format,
-        button("Open the text", { class: "chief", onclick: () => this.open(this.source.value, this.format.value) })),
+    this.dialog = dialogElement(
+      "Open a level",
+      html("h3", {}, "By name"),
+      this.filter,
+      this.list,
+      html("h3", {}, "From a file"),
+      this.file,
+      html("h3", {}, "From a text"),
+      this.source,
+      html(
+        "p",
+        { class: "buttons" },
+        this.format,
+        button("Open the text", { class: "chief", onclick: () => this.open(this.source.value, this.format.value) }),
+      ),
       this.error,
-      html("p", { class: "field-help" }, "It takes the place of the level at hand. Undo brings that back."));
+      html("p", { class: "field-help" }, "It takes the place of the level at hand. Undo brings that back."),
+    );
   }
 
   async show() {
@@ -90,14 +113,23 @@ class OpenDialog {
     this.dialog.showModal();
     this.filter.focus();
     const { levels = [], formats = [] } = await this.editor.send({ do: "levels" });
-    this.list.replaceChildren(...levels.map(({ name, title, size }) =>
-      html("li", { "data-search": `${name} ${title}`.toLowerCase() }, button(html("strong", {}, title ?? name), {
-        class: "level",
-        "data-about": `${name} · ${size.join(" × ")}`,
-        onclick: () => this.open(name),
-      }))));
-    this.format.replaceChildren(html("option", { value: "" }, "Recognise the format"),
-      ...formats.map(({ name, title }) => html("option", { value: name }, title)));
+    this.list.replaceChildren(
+      ...levels.map(({ name, title, size }) =>
+        html(
+          "li",
+          { "data-search": `${name} ${title}`.toLowerCase() },
+          button(html("strong", {}, title ?? name), {
+            class: "level",
+            "data-about": `${name} · ${size.join(" × ")}`,
+            onclick: () => this.open(name),
+          }),
+        ),
+      ),
+    );
+    this.format.replaceChildren(
+      html("option", { value: "" }, "Recognise the format"),
+      ...formats.map(({ name, title }) => html("option", { value: name }, title)),
+    );
     this.sift();
   }
 
@@ -131,16 +163,34 @@ const COPY_FORMS = [
 class CopyDialog {
   constructor(editor) {
     this.editor = editor;
-    this.forms = COPY_FORMS.map(([form, title]) => button(title, { "data-form": form, onclick: () => this.choose(form) }));
-    this.shown = html("textarea", { class: "copied", rows: "12", readonly: true, wrap: "off", "aria-label": "What is copied" });
+    this.forms = COPY_FORMS.map(([form, title]) =>
+      button(title, { "data-form": form, onclick: () => this.choose(form) }),
+    );
+    this.shown = html("textarea", {
+      class: "copied",
+      rows: "12",
+      readonly: true,
+      wrap: "off",
+      "aria-label": "What is copied",
+    });
     this.help = html("p", { class: "field-help" });
     this.error = html("p", { class: "field-error", role: "alert" });
     this.copied = html("span", { role: "status" });
     this.download = button("Download", { onclick: () => download(editor) });
-    this.dialog = dialogElement("Copy the level",
+    this.dialog = dialogElement(
+      "Copy the level",
       html("div", { class: "choices", role: "group", "aria-label": "Form" }, ...this.forms),
-      this.shown, this.error, this.help,
-      html("p", { class: "buttons" }, button("Copy", { class: "chief", onclick: () => this.copy() }), this.download, this.copied));
+      this.shown,
+      this.error,
+      this.help,
+      html(
+        "p",
+        { class: "buttons" },
+        button("Copy", { class: "chief", onclick: () => this.copy() }),
+        this.download,
+        this.copied,
+      ),
+    );
   }
 
   show() {
@@ -176,17 +226,30 @@ class ConflictDialog {
   constructor(editor) {
     this.editor = editor;
     this.message = html("p", {});
-    const pane = (title) => html("textarea", { class: "copied", rows: "14", readonly: true, wrap: "off", "aria-label": title });
+    const pane = (title) =>
+      html("textarea", { class: "copied", rows: "14", readonly: true, wrap: "off", "aria-label": title });
     this.ours = pane("Here");
     this.theirs = pane("In the file");
-    this.both = html("div", { class: "both" },
-      html("div", {}, html("h3", {}, "Here"), this.ours), html("div", {}, html("h3", {}, "In the file"), this.theirs));
+    this.both = html(
+      "div",
+      { class: "both" },
+      html("div", {}, html("h3", {}, "Here"), this.ours),
+      html("div", {}, html("h3", {}, "In the file"), this.theirs),
+    );
     this.compare = button("Show both", { onclick: () => this.both.toggleAttribute("hidden") });
     this.reload = button("Take the file's text", { onclick: () => this.decide({ do: "reload" }) });
-    this.dialog = dialogElement("The file has changed", this.message, this.both,
-      html("p", { class: "buttons" },
+    this.dialog = dialogElement(
+      "The file has changed",
+      this.message,
+      this.both,
+      html(
+        "p",
+        { class: "buttons" },
         button("Overwrite the file", { class: "chief", onclick: () => this.decide({ do: "save", force: true }) }),
-        this.reload, this.compare));
+        this.reload,
+        this.compare,
+      ),
+    );
   }
 
   /** `content` is what the file holds now, null if it cannot be read. */
@@ -202,7 +265,8 @@ class ConflictDialog {
   async decide(message) {
     this.dialog.close();
     const { error } = await this.editor.send(message);
-    if (error === undefined) this.editor.say(message.do === "save" ? "Saved." : "This is the text of the file. Undo brings the other back.");
+    if (error === undefined)
+      this.editor.say(message.do === "save" ? "Saved." : "This is the text of the file. Undo brings the other back.");
   }
 }
 
@@ -211,12 +275,17 @@ class LeaveDialog {
   constructor(editor, save) {
     this.editor = editor;
     this.save = save;
-    this.dialog = dialogElement("End the editor?",
+    this.dialog = dialogElement(
+      "End the editor?",
       html("p", {}, "The level has changes that are not saved."),
-      html("p", { class: "buttons" },
+      html(
+        "p",
+        { class: "buttons" },
         button("Save and end", { class: "chief", onclick: () => this.saveAndEnd() }),
         button("End without saving", { onclick: () => editor.send({ do: "quit", force: true }) }),
-        button("Go on editing", { onclick: () => this.dialog.close() })));
+        button("Go on editing", { onclick: () => this.dialog.close() }),
+      ),
+    );
   }
 
   show() {

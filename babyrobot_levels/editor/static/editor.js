@@ -116,8 +116,10 @@ export class Editor {
     const { selection } = this;
     const places = (state.places ?? []).filter(({ kind }) => kind === selection?.kind);
     const isMoved = message?.do === "move" && sameRoute(message, selection);
-    this.selection = places.find((place) => sameRoute(place, selection)) ??
-      places.find(({ cells }) => isMoved && cells.some((cell) => isSameCell(cell, message.to))) ?? null;
+    this.selection =
+      places.find((place) => sameRoute(place, selection)) ??
+      places.find(({ cells }) => isMoved && cells.some((cell) => isSameCell(cell, message.to))) ??
+      null;
     this.set("state", { state });
     if (selection !== null && this.selection === null) this.tell("selection");
   }

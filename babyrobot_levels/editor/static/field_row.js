@@ -19,11 +19,14 @@ export class FieldRow {
       onclick: () => this.change(null),
     });
     this.error = html("p", { class: "field-error", role: "alert" });
-    this.element = html("div", { class: "field" },
+    this.element = html(
+      "div",
+      { class: "field" },
       html("span", { class: "field-name" }, label),
       html("span", { class: "field-control" }, this.control.element, this.reset),
       html("p", { class: "field-help" }, ...prose(field.description ?? "")),
-      this.error);
+      this.error,
+    );
     this.element.dataset.name = field.name;
   }
 
@@ -46,9 +49,7 @@ export class FieldRow {
 
   async send(route, value) {
     this.isSending = true;
-    const { error = "" } = await this.editor
-      .send({ do: "set", route, value })
-      .finally(() => (this.isSending = false));
+    const { error = "" } = await this.editor.send({ do: "set", route, value }).finally(() => (this.isSending = false));
     // What was refused stays, to be corrected.
     if (error === "") this.editor.tell("state");
     this.fail(error);

@@ -26,24 +26,37 @@ export class Findings {
 
   item(finding) {
     const { code, severity, title, message, help, line } = finding;
-    const said = html("span", { class: "finding-text" },
+    const said = html(
+      "span",
+      { class: "finding-text" },
       html("span", { class: "finding-message" }, ...prose(message)),
       help === null ? null : html("span", { class: "finding-help" }, ...prose(help)),
-      html("span", { class: "finding-code" }, `${code} · line ${line}`));
+      html("span", { class: "finding-code" }, `${code} · line ${line}`),
+    );
     const sign = html("span", { class: "sign", role: "img", "aria-label": severity }, SIGNS[severity]);
-    const place = html("button", { type: "button", class: "finding", title, onclick: () => this.goTo(finding) }, sign, said);
+    const place = html(
+      "button",
+      { type: "button", class: "finding", title, onclick: () => this.goTo(finding) },
+      sign,
+      said,
+    );
     const state = finding.is_outdated ? `${severity} outdated` : severity;
     return html("li", { class: state }, place, finding.fix === null ? null : this.fixButton(finding));
   }
 
   fixButton({ code, line, column, fix: { message, safe } }) {
-    return html("button", {
-      type: "button",
-      class: "fix",
-      title: message,
-      "aria-label": `Fix: ${message}${safe ? "" : " (changes the level)"}`,
-      onclick: () => this.editor.send({ do: "fix", code, line, column }),
-    }, "Fix", safe ? null : html("small", {}, "changes the level"));
+    return html(
+      "button",
+      {
+        type: "button",
+        class: "fix",
+        title: message,
+        "aria-label": `Fix: ${message}${safe ? "" : " (changes the level)"}`,
+        onclick: () => this.editor.send({ do: "fix", code, line, column }),
+      },
+      "Fix",
+      safe ? null : html("small", {}, "changes the level"),
+    );
   }
 
   /** Show the cell of a finding in the picture, and its place in the text. */

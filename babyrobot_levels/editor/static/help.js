@@ -7,24 +7,34 @@ import { MODIFIERS, toolButton } from "./rail.js";
 import { TOOLS } from "./tools.js";
 
 const HAND_GESTURES = [
-  { title: "Mouse and touch", keys: [
-    ["Drag along sides", "build or remove walls"],
-    ["Click at a side", "none, wall, glass, door, one after the other"],
-    ["Drag over cells", "use the tool"],
-    ["Drag start or exit", "move it, with any tool"],
-    ["Drag at the rim", "change the size"],
-  ] },
-  { title: "Mouse", needsKeys: true, keys: [
-    ["Shift + drag", "use the tool in a rectangle"],
-    ["Right button", "erase"],
-    ["Alt + click", "take the tool of what is there"],
-    ["Ctrl + wheel", "zoom"],
-    ["Escape", "give up what is being drawn"],
-  ] },
-  { title: "Touch", keys: [
-    ["Two fingers", "scroll and zoom"],
-    ["Long press", "select what is there"],
-  ] },
+  {
+    title: "Mouse and touch",
+    keys: [
+      ["Drag along sides", "build or remove walls"],
+      ["Click at a side", "none, wall, glass, door, one after the other"],
+      ["Drag over cells", "use the tool"],
+      ["Drag start or exit", "move it, with any tool"],
+      ["Drag at the rim", "change the size"],
+    ],
+  },
+  {
+    title: "Mouse",
+    needsKeys: true,
+    keys: [
+      ["Shift + drag", "use the tool in a rectangle"],
+      ["Right button", "erase"],
+      ["Alt + click", "take the tool of what is there"],
+      ["Ctrl + wheel", "zoom"],
+      ["Escape", "give up what is being drawn"],
+    ],
+  },
+  {
+    title: "Touch",
+    keys: [
+      ["Two fingers", "scroll and zoom"],
+      ["Long press", "select what is there"],
+    ],
+  },
 ];
 
 /** A dialog that lists the keys and gestures, and a button that opens it. */
@@ -36,11 +46,16 @@ export class Help {
       onchange: () => (keyboard.hasShortcuts = shortcuts.checked),
     });
     const tools = { title: "Tools", keys: [...TOOLS, ...MODIFIERS].map(({ key, title }) => [key, title]) };
-    const dialog = dialogElement("Keys and gestures",
+    const dialog = dialogElement(
+      "Keys and gestures",
       html("label", { class: "check with-keys" }, shortcuts, " Letters, digits and signs are shortcuts"),
-      html("div", { class: "help-groups" },
+      html(
+        "div",
+        { class: "help-groups" },
         ...HAND_GESTURES.map((group) => helpGroup(group)),
-        ...[tools, ...KEYS].map((group) => helpGroup({ ...group, needsKeys: true }, keyElements))));
+        ...[tools, ...KEYS].map((group) => helpGroup({ ...group, needsKeys: true }, keyElements)),
+      ),
+    );
     dialog.classList.add("help");
     root.append(dialog);
     place.append(toolButton({ title: "Keys and gestures (?)", icon: HELP_ICON }, () => dialog.showModal()));
@@ -48,12 +63,14 @@ export class Help {
   }
 }
 
-const HELP_ICON = "M12 3a9 9 0 1 1 0 18a9 9 0 0 1 0-18zM9.5 9.5a2.5 2.5 0 1 1 3.600 2.200c-.7.4-1.100.9-1.100 1.800M12 16.500v.5";
+const HELP_ICON =
+  "M12 3a9 9 0 1 1 0 18a9 9 0 0 1 0-18zM9.5 9.5a2.5 2.5 0 1 1 3.600 2.200c-.7.4-1.100.9-1.100 1.800M12 16.500v.5";
 
 /** Return a group of the list; `shown` makes elements of the keys, else they are words. */
 function helpGroup({ title, keys, needsKeys }, shown = (pressed) => [pressed]) {
   const rows = keys.map(([pressed, words]) =>
-    html("div", {}, html("dt", {}, ...shown(pressed)), html("dd", {}, words)));
+    html("div", {}, html("dt", {}, ...shown(pressed)), html("dd", {}, words)),
+  );
   return html("section", { class: needsKeys && "with-keys" }, html("h3", {}, title), html("dl", {}, ...rows));
 }
 

@@ -4,7 +4,8 @@ import { CONTROLS } from "./controls.js";
 import { FieldRow, thingNames } from "./field_row.js";
 import { button, html } from "./html.js";
 
-const NOTHING = "Click something with the tool Select, press it long, or put the caret into its line of the text. " +
+const NOTHING =
+  "Click something with the tool Select, press it long, or put the caret into its line of the text. " +
   "The fields of the level are under Level.";
 const FIELDLESS = "It has no fields. Drag it to another cell, or draw another one with its tool.";
 
@@ -38,9 +39,10 @@ export class Inspector {
   build(selection) {
     const { kind, route } = selection ?? { kind: null, route: [] };
     // What the exits need is a field of the level: the same for all of them.
-    const [form, base] = kind === "exit"
-      ? [this.forms.level.filter(({ name }) => name === "exit_needs"), []]
-      : [this.forms[kind] ?? [], route];
+    const [form, base] =
+      kind === "exit"
+        ? [this.forms.level.filter(({ name }) => name === "exit_needs"), []]
+        : [this.forms[kind] ?? [], route];
     this.rows = form.filter(({ type }) => type in CONTROLS).map((field) => new FieldRow(this.editor, field, base));
     const help = html("p", { class: "field-help" }, selection === null ? NOTHING : FIELDLESS);
     this.body.replaceChildren(...(this.rows.length === 0 ? [help] : this.rows.map((row) => row.element)));
@@ -50,7 +52,8 @@ export class Inspector {
   showOthers(selection) {
     const cells = new Set((selection?.cells ?? []).map(String));
     const others = (this.editor.state.places ?? []).filter(
-      (place) => place !== selection && place.cells.some((cell) => cells.has(String(cell))));
+      (place) => place !== selection && place.cells.some((cell) => cells.has(String(cell))),
+    );
     const buttons = others.map((place) => button(place.label, { onclick: () => this.editor.select(place) }));
     this.others.replaceChildren(...(buttons.length === 0 ? [] : ["Also here: ", ...buttons]));
   }

@@ -10,15 +10,20 @@ const ARROWS = { ArrowUp: "N", ArrowRight: "E", ArrowDown: "S", ArrowLeft: "W" }
 
 /** Return an action for each arrow together with the keys that are held; it gets the side. */
 function arrows(held, action) {
-  return Object.fromEntries(Object.entries(ARROWS).map(([arrow, side]) =>
-    [[...held, arrow].join("+"), (keyboard) => action(keyboard, side)]));
+  return Object.fromEntries(
+    Object.entries(ARROWS).map(([arrow, side]) => [[...held, arrow].join("+"), (keyboard) => action(keyboard, side)]),
+  );
 }
 
 /** Return the name of a pressed key, such as "Ctrl+Shift+Z". Signs are named without Shift. */
 function keyOf({ key, ctrlKey, metaKey, altKey, shiftKey }) {
   const isSign = key.length === 1 && key !== " " && key.toLowerCase() === key.toUpperCase();
   const name = key === " " ? "Space" : key.length === 1 ? key.toUpperCase() : key;
-  const held = [[ctrlKey || metaKey, "Ctrl"], [altKey, "Alt"], [shiftKey && !isSign, "Shift"]];
+  const held = [
+    [ctrlKey || metaKey, "Ctrl"],
+    [altKey, "Alt"],
+    [shiftKey && !isSign, "Shift"],
+  ];
   return [...held.filter(([isHeld]) => isHeld).map(([, word]) => word), name].join("+");
 }
 
@@ -29,93 +34,182 @@ function keyOf({ key, ctrlKey, metaKey, altKey, shiftKey }) {
  * dialog has the focus.
  */
 export const KEYS = [
-  { title: "Cursor", mode: "edit", keys: [
-    ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
-    ["Ctrl + arrow", "move it to the next wall", arrows(["Ctrl"], (keyboard, side) => keyboard.run(side))],
-    ["Home, End, Page up, Page down", "move it to the end of the row or column", {
-      Home: (keyboard) => keyboard.jump(0, null),
-      End: (keyboard) => keyboard.jump(Infinity, null),
-      PageUp: (keyboard) => keyboard.jump(null, 0),
-      PageDown: (keyboard) => keyboard.jump(null, Infinity),
-    }],
-    ["L", "tell what is in the cell and at its sides", { L: ({ editor }) => editor.tell("look") }],
-    ["I", "select what is in the cell, and go to its fields", { I: (keyboard) => keyboard.inspect() }],
-  ] },
-  { title: "Drawing", mode: "edit", keys: [
-    ["Space, Enter", "use the tool in the cell", {
-      Space: (keyboard) => keyboard.use(),
-      Enter: (keyboard) => keyboard.use(),
-    }],
-    ["Shift + arrow", "change the wall at that side; with the tool of wind, blow to it",
-      arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side))],
-    ["M", "begin to drag here; Space ends at the cursor, Shift + arrow ends a run of walls",
-      { M: (keyboard) => keyboard.hold() }],
-    ["Shift + Space", "use the tool in the rectangle between where the drag began and the cursor",
-      { "Shift+Space": (keyboard) => keyboard.useStraight({ rectangle: true }) }],
-    ["Delete", "erase the cell, or remove what is selected", {
-      Delete: (keyboard) => keyboard.erase(),
-      Backspace: (keyboard) => keyboard.erase(),
-    }],
-    ["Escape", "end a drag without a change; select nothing", { Escape: (keyboard) => keyboard.cancel() }],
-  ] },
-  { title: "Level", mode: "edit", keys: [
-    ["Alt + arrow", "add a column or row at that side", arrows(["Alt"], (keyboard, side) => keyboard.resize(side, 1))],
-    ["Alt + Shift + arrow", "remove the column or row at that side",
-      arrows(["Alt", "Shift"], (keyboard, side) => keyboard.resize(side, -1))],
-  ] },
-  { title: "Playing", mode: "play", keys: [
-    ["← ↑ → ↓ or W A S D", "move the robot", {
-      ...arrows([], ({ editor }, side) => editor.playing.go(side)),
-      ...Object.fromEntries([..."WDSA"].map((key, at) => [key, ({ editor }) => editor.playing.go("NESW"[at])])),
-    }],
-    ["Space", "stay", { Space: ({ editor }) => editor.playing.take(0) }],
-    ["Z", "undo an action", { Z: ({ editor }) => editor.playing.undo() }],
-    ["R", "retry with the same luck", { R: ({ editor }) => editor.playing.begin() }],
-    ["N", "take new luck", { N: ({ editor }) => editor.playing.newLuck() }],
-    ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
-  ] },
-  { title: "Policy", mode: "policy", keys: [
-    ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
-    ["Shift + arrow", "draw an arrow in the cell, and go on", arrows(["Shift"], ({ editor }, side) => editor.policy.step(side))],
-    ["Space, Enter", "give the cell the next action", {
-      Space: ({ editor }) => editor.policy.turn(editor.cursor.cell),
-      Enter: ({ editor }) => editor.policy.turn(editor.cursor.cell),
-    }],
-    ["Delete", "clear the cell", {
-      Delete: ({ editor }) => editor.policy.erase(editor.cursor.cell),
-      Backspace: ({ editor }) => editor.policy.erase(editor.cursor.cell),
-    }],
-    ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
-  ] },
-  { title: "Answers and modes", keys: [
-    ["V", "show the values, or no longer", { V: ({ editor }) => editor.answers.toggle("values") }],
-    ["B", "show the optimal actions, or no longer", { B: ({ editor }) => editor.answers.toggle("policy") }],
-    ["P", "play the level, or edit it again", { P: ({ editor }) => editor.playing.toggle() }],
-  ] },
-  { title: "Anywhere", keys: [
-    ["Ctrl + Z", "undo", { "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }) }],
-    ["Ctrl + Y, Ctrl + Shift + Z", "redo", {
-      "Ctrl+Y": ({ editor }) => editor.send({ do: "redo" }),
-      "Ctrl+Shift+Z": ({ editor }) => editor.send({ do: "redo" }),
-    }],
-    ["+ − 0", "zoom in, zoom out, show the whole level", {
-      "+": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
-      "=": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
-      "-": (keyboard) => keyboard.zoomBy(1 / ZOOM_STEP),
-      0: (keyboard) => keyboard.zoomBy(0),
-    }],
-    ["Ctrl + S", "save", { "Ctrl+S": ({ editor }) => editor.tell("save") }],
-    ["F6, Shift + F6", "go to the next or previous part of the editor", {
-      F6: (keyboard) => keyboard.goOn(1),
-      "Shift+F6": (keyboard) => keyboard.goOn(-1),
-    }],
-    ["?, F1", "list the keys and gestures", { "?": ({ editor }) => editor.tell("help"), F1: ({ editor }) => editor.tell("help") }],
-  ] },
+  {
+    title: "Cursor",
+    mode: "edit",
+    keys: [
+      ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
+      ["Ctrl + arrow", "move it to the next wall", arrows(["Ctrl"], (keyboard, side) => keyboard.run(side))],
+      [
+        "Home, End, Page up, Page down",
+        "move it to the end of the row or column",
+        {
+          Home: (keyboard) => keyboard.jump(0, null),
+          End: (keyboard) => keyboard.jump(Infinity, null),
+          PageUp: (keyboard) => keyboard.jump(null, 0),
+          PageDown: (keyboard) => keyboard.jump(null, Infinity),
+        },
+      ],
+      ["L", "tell what is in the cell and at its sides", { L: ({ editor }) => editor.tell("look") }],
+      ["I", "select what is in the cell, and go to its fields", { I: (keyboard) => keyboard.inspect() }],
+    ],
+  },
+  {
+    title: "Drawing",
+    mode: "edit",
+    keys: [
+      [
+        "Space, Enter",
+        "use the tool in the cell",
+        {
+          Space: (keyboard) => keyboard.use(),
+          Enter: (keyboard) => keyboard.use(),
+        },
+      ],
+      [
+        "Shift + arrow",
+        "change the wall at that side; with the tool of wind, blow to it",
+        arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side)),
+      ],
+      [
+        "M",
+        "begin to drag here; Space ends at the cursor, Shift + arrow ends a run of walls",
+        { M: (keyboard) => keyboard.hold() },
+      ],
+      [
+        "Shift + Space",
+        "use the tool in the rectangle between where the drag began and the cursor",
+        { "Shift+Space": (keyboard) => keyboard.useStraight({ rectangle: true }) },
+      ],
+      [
+        "Delete",
+        "erase the cell, or remove what is selected",
+        {
+          Delete: (keyboard) => keyboard.erase(),
+          Backspace: (keyboard) => keyboard.erase(),
+        },
+      ],
+      ["Escape", "end a drag without a change; select nothing", { Escape: (keyboard) => keyboard.cancel() }],
+    ],
+  },
+  {
+    title: "Level",
+    mode: "edit",
+    keys: [
+      [
+        "Alt + arrow",
+        "add a column or row at that side",
+        arrows(["Alt"], (keyboard, side) => keyboard.resize(side, 1)),
+      ],
+      [
+        "Alt + Shift + arrow",
+        "remove the column or row at that side",
+        arrows(["Alt", "Shift"], (keyboard, side) => keyboard.resize(side, -1)),
+      ],
+    ],
+  },
+  {
+    title: "Playing",
+    mode: "play",
+    keys: [
+      [
+        "← ↑ → ↓ or W A S D",
+        "move the robot",
+        {
+          ...arrows([], ({ editor }, side) => editor.playing.go(side)),
+          ...Object.fromEntries([..."WDSA"].map((key, at) => [key, ({ editor }) => editor.playing.go("NESW"[at])])),
+        },
+      ],
+      ["Space", "stay", { Space: ({ editor }) => editor.playing.take(0) }],
+      ["Z", "undo an action", { Z: ({ editor }) => editor.playing.undo() }],
+      ["R", "retry with the same luck", { R: ({ editor }) => editor.playing.begin() }],
+      ["N", "take new luck", { N: ({ editor }) => editor.playing.newLuck() }],
+      ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
+    ],
+  },
+  {
+    title: "Policy",
+    mode: "policy",
+    keys: [
+      ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
+      [
+        "Shift + arrow",
+        "draw an arrow in the cell, and go on",
+        arrows(["Shift"], ({ editor }, side) => editor.policy.step(side)),
+      ],
+      [
+        "Space, Enter",
+        "give the cell the next action",
+        {
+          Space: ({ editor }) => editor.policy.turn(editor.cursor.cell),
+          Enter: ({ editor }) => editor.policy.turn(editor.cursor.cell),
+        },
+      ],
+      [
+        "Delete",
+        "clear the cell",
+        {
+          Delete: ({ editor }) => editor.policy.erase(editor.cursor.cell),
+          Backspace: ({ editor }) => editor.policy.erase(editor.cursor.cell),
+        },
+      ],
+      ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
+    ],
+  },
+  {
+    title: "Answers and modes",
+    keys: [
+      ["V", "show the values, or no longer", { V: ({ editor }) => editor.answers.toggle("values") }],
+      ["B", "show the optimal actions, or no longer", { B: ({ editor }) => editor.answers.toggle("policy") }],
+      ["P", "play the level, or edit it again", { P: ({ editor }) => editor.playing.toggle() }],
+    ],
+  },
+  {
+    title: "Anywhere",
+    keys: [
+      ["Ctrl + Z", "undo", { "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }) }],
+      [
+        "Ctrl + Y, Ctrl + Shift + Z",
+        "redo",
+        {
+          "Ctrl+Y": ({ editor }) => editor.send({ do: "redo" }),
+          "Ctrl+Shift+Z": ({ editor }) => editor.send({ do: "redo" }),
+        },
+      ],
+      [
+        "+ − 0",
+        "zoom in, zoom out, show the whole level",
+        {
+          "+": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
+          "=": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
+          "-": (keyboard) => keyboard.zoomBy(1 / ZOOM_STEP),
+          0: (keyboard) => keyboard.zoomBy(0),
+        },
+      ],
+      ["Ctrl + S", "save", { "Ctrl+S": ({ editor }) => editor.tell("save") }],
+      [
+        "F6, Shift + F6",
+        "go to the next or previous part of the editor",
+        {
+          F6: (keyboard) => keyboard.goOn(1),
+          "Shift+F6": (keyboard) => keyboard.goOn(-1),
+        },
+      ],
+      [
+        "?, F1",
+        "list the keys and gestures",
+        { "?": ({ editor }) => editor.tell("help"), F1: ({ editor }) => editor.tell("help") },
+      ],
+    ],
+  },
   // The text area itself does these.
-  { title: "Text", keys: [
-    ["Tab", "insert two spaces", {}],
-    ["Escape, Tab", "go to the next control", {}],
-  ] },
+  {
+    title: "Text",
+    keys: [
+      ["Tab", "insert two spaces", {}],
+      ["Escape, Tab", "go to the next control", {}],
+    ],
+  },
 ];
 
 /** The keys of one editor. */
@@ -161,8 +255,7 @@ export class KeyBindings {
     const current = this.editor.game ? this.editor.mode : null; // Without a picture none works.
     const chosen = [...TOOLS, ...MODIFIERS].find((each) => each.key === key);
     if (chosen !== undefined && current === "edit") return () => this.choose(chosen);
-    return KEYS
-      .filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
+    return KEYS.filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
       .flatMap(({ keys }) => keys)
       .map(([, , actions]) => actions[key])
       .find((action) => action !== undefined);

@@ -27,12 +27,16 @@ export class MarksOverlay {
     const { unreachable, findings, answers, revision } = editor.state;
     const isEditing = editor.mode === "edit";
     this.draw("unreachable", this.hatched(isEditing ? unreachable : []));
-    this.draw("found", isEditing ? findings.filter(({ cells, sides }) => cells.length + sides.length > 0) : [],
-      (finding) => this.sign(finding));
+    this.draw(
+      "found",
+      isEditing ? findings.filter(({ cells, sides }) => cells.length + sides.length > 0) : [],
+      (finding) => this.sign(finding),
+    );
     // Each change is shown once.
     const isNew = this.flashed !== revision && editor.answers.shown.has("values");
-    this.draw("changed", isNew && answers.changed.length > 0 ? [boxes(editor.game, answers.changed)] : [],
-      (d) => element("path", { d }));
+    this.draw("changed", isNew && answers.changed.length > 0 ? [boxes(editor.game, answers.changed)] : [], (d) =>
+      element("path", { d }),
+    );
     if (answers.status === "done") this.flashed = revision;
   }
 
@@ -58,21 +62,35 @@ export class MarksOverlay {
     const { game } = this.editor;
     const side = COMMON.cell;
     const lines = sides.map((each) => sideLine(game, each)).join("");
-    const [x, y] = sides.length > 0 ? middleOfSide(game, sides[0]) :
-      game.corner(cells[0][0] + 1 - SIGN / 1.6, cells[0][1] + SIGN / 1.6);
+    const [x, y] =
+      sides.length > 0
+        ? middleOfSide(game, sides[0])
+        : game.corner(cells[0][0] + 1 - SIGN / 1.6, cells[0][1] + SIGN / 1.6);
     const size = (SIGN * side) / 2;
-    return element("g", { class: `finding-mark ${severity}${isOutdated ? " outdated" : ""}` },
+    return element(
+      "g",
+      { class: `finding-mark ${severity}${isOutdated ? " outdated" : ""}` },
       element("path", { d: (cells.length > 1 ? boxes(game, cells, 2) : "") + lines, class: "where" }),
-      element("g", { transform: `translate(${x} ${y}) scale(${size / 10})`, class: "sign" },
+      element(
+        "g",
+        { transform: `translate(${x} ${y}) scale(${size / 10})`, class: "sign" },
         element("circle", { r: 10 }),
-        element("path", { d: severity === "info" ? "M0 -1v6M0 -5v.1" : "M0 -5v6M0 5v.1" })));
+        element("path", { d: severity === "info" ? "M0 -1v6M0 -5v.1" : "M0 -5v6M0 5v.1" }),
+      ),
+    );
   }
 
   /** Tell the findings of a cell, or none. */
   point(cell) {
-    const found = cell === null || this.editor.mode !== "edit" ? [] : this.editor.state.findings.filter(
-      ({ cells, sides }) => [...cells, ...sides].some(([x, y]) => x === cell[0] && y === cell[1]));
-    const isUnreachable = cell !== null && this.editor.mode === "edit" &&
+    const found =
+      cell === null || this.editor.mode !== "edit"
+        ? []
+        : this.editor.state.findings.filter(({ cells, sides }) =>
+            [...cells, ...sides].some(([x, y]) => x === cell[0] && y === cell[1]),
+          );
+    const isUnreachable =
+      cell !== null &&
+      this.editor.mode === "edit" &&
       this.editor.state.unreachable.some(([x, y]) => x === cell[0] && y === cell[1]);
     const words = found.map(({ message }) => prose(message));
     if (isUnreachable && words.length === 0) words.push(["no episode can come here"]);
@@ -84,10 +102,12 @@ export class MarksOverlay {
 /** Return the outline of cells as a path. */
 function boxes(game, cells, inset = 0) {
   const side = COMMON.cell - 2 * inset;
-  return cells.map((cell) => {
-    const [x, y] = game.corner(...cell);
-    return `M${x + inset} ${y + inset}h${side}v${side}h${-side}z`;
-  }).join("");
+  return cells
+    .map((cell) => {
+      const [x, y] = game.corner(...cell);
+      return `M${x + inset} ${y + inset}h${side}v${side}h${-side}z`;
+    })
+    .join("");
 }
 
 function sideLine(game, [x, y, side]) {

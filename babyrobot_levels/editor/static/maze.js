@@ -19,7 +19,8 @@ export class MazeOffer {
       onclick: () => editor.send({ do: "resolve" }),
     });
     const growing = button("Keep the walls of the maze", {
-      title: "The maze has grown anew, since it begins at the first start and leaves out blocked cells. Written out as walls, it stays as it was.",
+      title:
+        "The maze has grown anew, since it begins at the first start and leaves out blocked cells. Written out as walls, it stays as it was.",
       onclick: () => editor.send({ do: "keep_maze" }),
     });
     place.prepend(opening, growing);
@@ -44,13 +45,26 @@ export class MazePanel {
     this.rows = form.map((field) => new FieldRow(editor, { ...field, label: field.route.at(-1) }, []));
     const seed = this.rows.find(({ field }) => field.route.at(-1) === "seed");
     seed?.control.element.append(dice(() => this.roll()));
-    this.note = html("p", { class: "field-help" }, ...prose(
-      "The level removes walls of the maze: see `openings` in the text. They stay where they are if the " +
-      "maze changes. Written out as walls, the maze can be changed wall by wall."));
-    this.inner = html("div", { class: "fields" }, ...this.rows.map(({ element }) => element), this.note,
-      html("p", { class: "buttons" },
+    this.note = html(
+      "p",
+      { class: "field-help" },
+      ...prose(
+        "The level removes walls of the maze: see `openings` in the text. They stay where they are if the " +
+          "maze changes. Written out as walls, the maze can be changed wall by wall.",
+      ),
+    );
+    this.inner = html(
+      "div",
+      { class: "fields" },
+      ...this.rows.map(({ element }) => element),
+      this.note,
+      html(
+        "p",
+        { class: "buttons" },
         button("Write out as walls", { onclick: () => editor.send({ do: "resolve" }) }),
-        button("Remove the maze", { onclick: () => editor.send({ do: "remove", route: ["maze"] }) })));
+        button("Remove the maze", { onclick: () => editor.send({ do: "remove", route: ["maze"] }) }),
+      ),
+    );
     this.add = button("Grow a maze", { onclick: () => this.set(["maze"], { seed: randomSeed() }) });
     this.element = html("div", {}, this.inner, this.add);
     editor.on("state", () => this.show());
@@ -81,8 +95,18 @@ function randomSeed() {
 
 /** Return a button with dice. */
 function dice(onclick) {
-  const dots = [[8, 8], [16, 8], [12, 12], [8, 16], [16, 16]].map(([cx, cy]) => element("circle", { cx, cy, r: 1.7 }));
-  const icon = element("svg", { viewBox: "0 0 24 24", class: "dice", "aria-hidden": "true" },
-    element("rect", { x: 3, y: 3, width: 18, height: 18, rx: 4 }), ...dots);
+  const dots = [
+    [8, 8],
+    [16, 8],
+    [12, 12],
+    [8, 16],
+    [16, 16],
+  ].map(([cx, cy]) => element("circle", { cx, cy, r: 1.7 }));
+  const icon = element(
+    "svg",
+    { viewBox: "0 0 24 24", class: "dice", "aria-hidden": "true" },
+    element("rect", { x: 3, y: 3, width: 18, height: 18, rx: 4 }),
+    ...dots,
+  );
   return button(icon, { class: "step", title: "Another maze", "aria-label": "Another seed", onclick });
 }

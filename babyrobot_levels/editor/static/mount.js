@@ -92,7 +92,9 @@ export function mount(place, connection, style = "") {
   new Options(editor, find("options"));
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
   new Panels(editor, find("tabs"), find("panels"));
-  find("zoom").append(...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))));
+  find("zoom").append(
+    ...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))),
+  );
   new Inspector(editor, find("inspector"));
   new World(editor, find("world"));
   new MazeOffer(editor, find("zoom").parentElement);
@@ -104,7 +106,10 @@ export function mount(place, connection, style = "") {
     find("said").replaceChildren(...prose(editor.said));
     find("said").dataset.kind = editor.saidKind;
   });
-  editor.on("pointed", () => (find("pointed").textContent = editor.pointed === null ? "" : `[${editor.pointed.join(", ")}]`));
+  editor.on(
+    "pointed",
+    () => (find("pointed").textContent = editor.pointed === null ? "" : `[${editor.pointed.join(", ")}]`),
+  );
   editor.on("state", () => (find("editor").dataset.revision = editor.state.revision));
   editor.on("mode", () => (find("editor").dataset.mode = editor.mode));
   editor.send({ do: "state" });

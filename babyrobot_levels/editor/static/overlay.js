@@ -51,10 +51,17 @@ export class Overlay {
   previewOfWalls(run) {
     const [width, height] = sizeOf(this.editor);
     const sides = sidesOfRun(run);
-    const isOutside = ({ at: [x, y], side }) => (side === "N" && y === 0) || (side === "W" && x === 0) ||
-      (side === "E" && x === width - 1) || (side === "S" && y === height - 1);
+    const isOutside = ({ at: [x, y], side }) =>
+      (side === "N" && y === 0) ||
+      (side === "W" && x === 0) ||
+      (side === "E" && x === width - 1) ||
+      (side === "S" && y === height - 1);
     if (isOutside(run)) return [];
-    return this.outlined(sides.map((side) => this.line(...side)).join(""), run.to === "none" ? "remove" : "build", "wall");
+    return this.outlined(
+      sides.map((side) => this.line(...side)).join(""),
+      run.to === "none" ? "remove" : "build",
+      "wall",
+    );
   }
 
   previewOfPaint({ brush, cells, rectangle }) {
@@ -106,7 +113,10 @@ export class Overlay {
   boxes(cells, kind) {
     return cells.flatMap((cell) => {
       const box = this.box(cell);
-      return [element("rect", { ...box, class: `ghost ${kind}` }), ...(cells.length === 1 ? this.outlined(boxPath(box), kind) : [])];
+      return [
+        element("rect", { ...box, class: `ghost ${kind}` }),
+        ...(cells.length === 1 ? this.outlined(boxPath(box), kind) : []),
+      ];
     });
   }
 
@@ -114,7 +124,11 @@ export class Overlay {
     const middles = cells.map(([x, y]) => this.corner(x + 0.5, y + 0.5));
     const [[fromX, fromY], [toX, toY]] = middles.slice(-2);
     const turn = (Math.atan2(toY - fromY, toX - fromX) * 180) / Math.PI;
-    const head = element("path", { d: "M0 0L-16 -9V9z", transform: `translate(${toX} ${toY}) rotate(${turn})`, class: "head" });
+    const head = element("path", {
+      d: "M0 0L-16 -9V9z",
+      transform: `translate(${toX} ${toY}) rotate(${turn})`,
+      class: "head",
+    });
     return [...this.outlined(`M${middles.map((each) => each.join(" ")).join("L")}`, "build"), head];
   }
 
@@ -130,9 +144,14 @@ export class Overlay {
   label(words, [x, y], pixels = 15) {
     const { unit } = this.stage;
     const [wide, high] = [words.length * 0.62 * pixels + 12, pixels + 8];
-    return [element("g", { transform: `translate(${x} ${y}) scale(${unit})`, class: "label" },
-      element("rect", { x: -wide / 2, y: -high / 2, width: wide, height: high, rx: 6 }),
-      element("text", { y: 0.36 * pixels, "text-anchor": "middle", "font-size": pixels }, words))];
+    return [
+      element(
+        "g",
+        { transform: `translate(${x} ${y}) scale(${unit})`, class: "label" },
+        element("rect", { x: -wide / 2, y: -high / 2, width: wide, height: high, rx: 6 }),
+        element("text", { y: 0.36 * pixels, "text-anchor": "middle", "font-size": pixels }, words),
+      ),
+    ];
   }
 
   selected() {
@@ -175,26 +194,39 @@ export class Overlay {
     const [width, height] = sizeOf(this.editor);
     const [right, bottom] = this.ends();
     const { rim } = this;
-    return [-1, 0, 1].flatMap((dx) => [-1, 0, 1].map((dy) => {
-      if (dx === 0 && dy === 0) return null;
-      const at = [dx, dy].map((way, axis) => {
-        if (way === 0) return [width, height][axis] / 2;
-        return way < 0 ? -rim : [right, bottom][axis];
-      });
-      const [x, y] = this.corner(...at);
-      const shape = dx !== 0 && dy !== 0 ? "M-5 -5h10v10h-10z" : dx === 0 ? "M-12 -3.5h24v7h-24z" : "M-3.5 -12h7v24h-7z";
-      return element("g", { class: "grip", "data-handle": "size", "data-way": `${dx} ${dy}`,
-        transform: `translate(${x} ${y}) scale(${this.stage.unit})` },
-        element("rect", { x: -TARGET / 2, y: -TARGET / 2, width: TARGET, height: TARGET, class: "target" }),
-        element("path", { d: shape }));
-    })).filter((each) => each !== null);
+    return [-1, 0, 1]
+      .flatMap((dx) =>
+        [-1, 0, 1].map((dy) => {
+          if (dx === 0 && dy === 0) return null;
+          const at = [dx, dy].map((way, axis) => {
+            if (way === 0) return [width, height][axis] / 2;
+            return way < 0 ? -rim : [right, bottom][axis];
+          });
+          const [x, y] = this.corner(...at);
+          const shape =
+            dx !== 0 && dy !== 0 ? "M-5 -5h10v10h-10z" : dx === 0 ? "M-12 -3.5h24v7h-24z" : "M-3.5 -12h7v24h-7z";
+          return element(
+            "g",
+            {
+              class: "grip",
+              "data-handle": "size",
+              "data-way": `${dx} ${dy}`,
+              transform: `translate(${x} ${y}) scale(${this.stage.unit})`,
+            },
+            element("rect", { x: -TARGET / 2, y: -TARGET / 2, width: TARGET, height: TARGET, class: "target" }),
+            element("path", { d: shape }),
+          );
+        }),
+      )
+      .filter((each) => each !== null);
   }
 
   winds() {
     const [width, height] = sizeOf(this.editor);
     const [right, bottom] = this.ends();
     const { rim } = this;
-    const arrows = (count, side, at) => Array.from({ length: count }, (_, index) => this.wind(side, index, this.corner(...at(index + 0.5))));
+    const arrows = (count, side, at) =>
+      Array.from({ length: count }, (_, index) => this.wind(side, index, this.corner(...at(index + 0.5))));
     return [
       ...arrows(width, "N", (along) => [along, -rim]),
       ...arrows(width, "S", (along) => [along, bottom]),
@@ -206,11 +238,19 @@ export class Overlay {
   wind(side, index, [x, y]) {
     const strength = this.strengthOf(side, index);
     const turn = 90 * "NESW".indexOf(side);
-    return element("g", { class: `wind ${strength > 0 ? "on" : ""}`, "data-handle": "wind", "data-side": side, "data-index": index,
-      transform: `translate(${x} ${y}) scale(${this.stage.unit})` },
+    return element(
+      "g",
+      {
+        class: `wind ${strength > 0 ? "on" : ""}`,
+        "data-handle": "wind",
+        "data-side": side,
+        "data-index": index,
+        transform: `translate(${x} ${y}) scale(${this.stage.unit})`,
+      },
       element("rect", { x: -13, y: -13, width: 26, height: 26, class: "target" }),
       element("path", { d: "M0 -10l9 9h-5v8h-8v-8h-5z", transform: `rotate(${turn})` }),
-      ...(strength > 0 ? [element("text", { y: 4, "text-anchor": "middle", "font-size": 11 }, String(strength))] : []));
+      ...(strength > 0 ? [element("text", { y: 4, "text-anchor": "middle", "font-size": 11 }, String(strength))] : []),
+    );
   }
 
   strengthOf(side, index) {
@@ -227,7 +267,8 @@ export class Overlay {
     }
     const ways = dataset.way.split(" ").map(Number);
     const size = sizeOf(this.editor);
-    return (spots) => resized(size, ways, isClick(spots) ? ways.map((way) => Math.abs(way) * (isLess ? -1 : 1)) : added(ways, spots));
+    return (spots) =>
+      resized(size, ways, isClick(spots) ? ways.map((way) => Math.abs(way) * (isLess ? -1 : 1)) : added(ways, spots));
   }
 
   /** Return a path of strokes, dark below and bright above, which are seen on any colours. */

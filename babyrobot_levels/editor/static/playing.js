@@ -23,16 +23,35 @@ export class Playing {
     this.walked = []; // The cells of the last episode, in their order.
     this.facts = html("dl", { class: "episode" });
     this.message = html("p", { class: "episode-told", role: "status" });
-    this.pad = PAD.map(([name, area, action, d]) => html("button", {
-      type: "button", class: `to-${area}`, "aria-label": name, "data-action": action, onclick: () => this.take(action),
-    }, element("svg", { viewBox: "0 0 24 24", "aria-hidden": true }, element("path", { d }))));
-    const quick = [["Undo", "Z", () => this.undo()], ["Retry", "R", () => this.begin()], ["New luck", "N", () => this.newLuck()]];
+    this.pad = PAD.map(([name, area, action, d]) =>
+      html(
+        "button",
+        {
+          type: "button",
+          class: `to-${area}`,
+          "aria-label": name,
+          "data-action": action,
+          onclick: () => this.take(action),
+        },
+        element("svg", { viewBox: "0 0 24 24", "aria-hidden": true }, element("path", { d })),
+      ),
+    );
+    const quick = [
+      ["Undo", "Z", () => this.undo()],
+      ["Retry", "R", () => this.begin()],
+      ["New luck", "N", () => this.newLuck()],
+    ];
     place.append(
       this.facts,
       this.message,
       html("div", { class: "pad", role: "group", "aria-label": "Actions" }, ...this.pad),
-      html("div", { class: "quick" }, ...quick.map(([name, key, onclick]) =>
-        html("button", { type: "button", onclick }, `${name} `, html("kbd", {}, key)))),
+      html(
+        "div",
+        { class: "quick" },
+        ...quick.map(([name, key, onclick]) =>
+          html("button", { type: "button", onclick }, `${name} `, html("kbd", {}, key)),
+        ),
+      ),
     );
     editor.on("state", () => this.follow());
     editor.on("mode", () => this.changeMode());
@@ -139,8 +158,10 @@ export class Playing {
     this.trail.stand();
     const step = game.step(action);
     const isOver = game.end !== null;
-    this.tell(isOver ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
-      isOver ? game.end : step.event);
+    this.tell(
+      isOver ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
+      isOver ? game.end : step.event,
+    );
     this.editor.picture.go(step, () => this.trail.stand());
   }
 
@@ -150,13 +171,22 @@ export class Playing {
     this.message.textContent = message;
     this.message.dataset.kind = kind;
     this.walked = [...game.past.map(({ state }) => state), game.state].map((state) => game.place(state));
-    const facts = [["Steps", String(game.steps)], ["Return", formatted(game.total)], ["Seed", this.seed]];
-    for (const [name, kind, found] of [["Held", "item", "held"], ["On", "switch", "on"]]) {
+    const facts = [
+      ["Steps", String(game.steps)],
+      ["Return", formatted(game.total)],
+      ["Seed", this.seed],
+    ];
+    for (const [name, kind, found] of [
+      ["Held", "item", "held"],
+      ["On", "switch", "on"],
+    ]) {
       if (game.things.of(kind).length === 0) continue;
       const names = game.things[found](game.configuration).map((thing) => thing.name);
       facts.push([name, names.join(", ") || "nothing"]);
     }
-    this.facts.replaceChildren(...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))));
+    this.facts.replaceChildren(
+      ...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))),
+    );
     for (const each of this.pad) {
       const isShut = game.end === null && !game.isPossible(Number(each.dataset.action));
       each.classList.toggle("shut", isShut);

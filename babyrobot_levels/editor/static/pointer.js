@@ -80,8 +80,10 @@ export class Pointer {
     cancelAnimationFrame(this.scrolling);
     const { place, view } = this.stage;
     const { left, top, right, bottom } = place.getBoundingClientRect();
-    const ways = [[left, event.clientX, right], [top, event.clientY, bottom]]
-      .map(([low, at, high]) => Number(at > high - EDGE) - Number(at < low + EDGE));
+    const ways = [
+      [left, event.clientX, right],
+      [top, event.clientY, bottom],
+    ].map(([low, at, high]) => Number(at > high - EDGE) - Number(at < low + EDGE));
     if (view.zoom === 1 || ways.every((way) => way === 0)) return;
     place.scrollBy(...ways.map((way) => SCROLLED * way));
     this.scrolling = requestAnimationFrame(() => this.dragTo(event));
@@ -100,7 +102,8 @@ export class Pointer {
     const { spots } = this;
     const message = this.messageOf(spots);
     this.spots = null;
-    if (spots[0].cell !== null) this.editor.set("cursor", { cursor: { cell: spots.at(-1).cell ?? spots[0].cell, side: null } });
+    if (spots[0].cell !== null)
+      this.editor.set("cursor", { cursor: { cell: spots.at(-1).cell ?? spots[0].cell, side: null } });
     if (message === null) this.overlay.preview(null);
     sendOrSelect(this.editor, spots, message);
   }
@@ -162,7 +165,11 @@ export class Pointer {
       event.preventDefault();
       const { view } = this.stage;
       view.zoomTo(view.zoom * ZOOM_STEP ** (-event.deltaY / 100), [event.clientX, event.clientY]);
-    } else if (selection?.fields.pass > 0 && this.isDrawing && thingsAt(this.editor, this.stage.spotAt(event)).includes(selection)) {
+    } else if (
+      selection?.fields.pass > 0 &&
+      this.isDrawing &&
+      thingsAt(this.editor, this.stage.spotAt(event)).includes(selection)
+    ) {
       event.preventDefault();
       const pass = Math.min(0.95, Math.max(0.05, selection.fields.pass - Math.sign(event.deltaY) * 0.05));
       this.editor.send({ do: "set", route: [...selection.route, "pass"], value: Number(pass.toFixed(2)) });

@@ -29,8 +29,12 @@ export class PolicyDrawing {
       this.facts,
       this.told,
       this.holding,
-      html("p", { class: "hint" },
-        "Drag through cells to draw arrows; a click turns one. Cells without an arrow act at random.", this.moving),
+      html(
+        "p",
+        { class: "hint" },
+        "Drag through cells to draw arrows; a click turns one. Cells without an arrow act at random.",
+        this.moving,
+      ),
       html("div", { class: "quick" }, this.optimal, this.clear),
     );
     editor.on("state", () => this.follow());
@@ -77,20 +81,26 @@ export class PolicyDrawing {
   findSituations(game) {
     this.game = game;
     const { things, cells, data } = game;
-    this.words = Array.from({ length: data.possible.length / cells }, (_, configuration) => [
-      ...things.held(configuration).map(({ name }) => name),
-      ...things.on(configuration).map(({ name }) => `${name} on`),
-    ].join(", ") || "Nothing");
+    this.words = Array.from(
+      { length: data.possible.length / cells },
+      (_, configuration) =>
+        [
+          ...things.held(configuration).map(({ name }) => name),
+          ...things.on(configuration).map(({ name }) => `${name} on`),
+        ].join(", ") || "Nothing",
+    );
     this.situations = new Map(this.words.map((words, at) => [words, at]).reverse());
     this.begun = this.words[game.configurationOf(data.starts[0])];
     const count = (held) => held.split(",").length;
-    const names = [...this.situations.keys()].sort((one, other) =>
-      count(one) - count(other) || this.situations.get(one) - this.situations.get(other));
+    const names = [...this.situations.keys()].sort(
+      (one, other) => count(one) - count(other) || this.situations.get(one) - this.situations.get(other),
+    );
     if (!this.situations.has(this.held)) this.held = ANYTHING;
     this.moving.hidden = things.of("mover").length === 0;
     this.holding.hidden = names.length < 2;
-    this.chips.replaceChildren(...[ANYTHING, ...names].map((held) =>
-      button(held, { onclick: () => this.change(() => (this.held = held)) })));
+    this.chips.replaceChildren(
+      ...[ANYTHING, ...names].map((held) => button(held, { onclick: () => this.change(() => (this.held = held)) })),
+    );
   }
 
   /** Return the action of a cell, by default in what is shown; -1 for none. */
@@ -228,7 +238,9 @@ export class PolicyDrawing {
     try {
       const { game } = this.editor;
       const cells = Array.from({ length: game.cells }, (_, cell) => game.place(cell));
-      const rows = new Map([...this.situations.keys()].map((held) => [held, cells.map((cell) => this.actionAt(cell, held))]));
+      const rows = new Map(
+        [...this.situations.keys()].map((held) => [held, cells.map((cell) => this.actionAt(cell, held))]),
+      );
       const actions = this.words.flatMap((held) => rows.get(held));
       const { policy } = await this.editor.ask({ do: "policy", actions });
       if (policy !== undefined) this.tell(policy);
@@ -245,7 +257,9 @@ export class PolicyDrawing {
       ["Beside random actions", share === null ? "–" : shareInWords(share)],
       ["Reaches an exit", exits === null ? "–" : percent(exits)],
     ];
-    this.facts.replaceChildren(...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))));
+    this.facts.replaceChildren(
+      ...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))),
+    );
     this.told.textContent = reason && `${reason[0].toUpperCase()}${reason.slice(1)}.`;
     this.told.hidden = reason === "";
   }

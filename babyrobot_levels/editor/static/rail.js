@@ -11,27 +11,54 @@ function iconElement(path) {
 
 /** Return a button with an icon, or with a text, and the key that does the same. */
 export function toolButton({ icon, key, text, title, ...attributes }, onclick) {
-  const shown = [icon === undefined ? null : iconElement(icon), text ?? null,
-    key === undefined ? null : html("kbd", { "aria-hidden": "true" }, key)];
+  const shown = [
+    icon === undefined ? null : iconElement(icon),
+    text ?? null,
+    key === undefined ? null : html("kbd", { "aria-hidden": "true" }, key),
+  ];
   const label = text === undefined ? title : undefined;
   return html("button", { type: "button", title, "aria-label": label, onclick, ...attributes }, ...shown);
 }
 
 export const MODIFIERS = [
-  { name: "rectangle", title: "Rectangle", hint: "Brushes fill rectangles; Shift does the same", key: "R", icon: "M4 6h16v12H4z" },
-  { name: "fill", title: "Fill", hint: "Brushes fill all connected cells of the same kind", key: "F",
-    icon: "M11 4l8 8-7 7a1.5 1.5 0 0 1-2 0l-6-6a1.5 1.5 0 0 1 0-2zM4 12h14M21 16c1 1.5 1.3 2 1.3 2.7a1.3 1.3 0 0 1-2.6 0c0-.7.3-1.2 1.3-2.7z" },
+  {
+    name: "rectangle",
+    title: "Rectangle",
+    hint: "Brushes fill rectangles; Shift does the same",
+    key: "R",
+    icon: "M4 6h16v12H4z",
+  },
+  {
+    name: "fill",
+    title: "Fill",
+    hint: "Brushes fill all connected cells of the same kind",
+    key: "F",
+    icon: "M11 4l8 8-7 7a1.5 1.5 0 0 1-2 0l-6-6a1.5 1.5 0 0 1 0-2zM4 12h14M21 16c1 1.5 1.3 2 1.3 2.7a1.3 1.3 0 0 1-2.6 0c0-.7.3-1.2 1.3-2.7z",
+  },
 ];
 
 /** The buttons of the tools and of what changes brushes: a toolbar that arrow keys move in. */
 export class Rail {
   constructor(editor, place) {
     this.editor = editor;
-    this.tools = TOOLS.map(({ name, title, hint, icon, key }) => toolButton(
-      { icon, key, title: `${title} (${key}): ${hint}`, "aria-label": title, "aria-keyshortcuts": key, "data-tool": name },
-      () => editor.choose(name)));
-    this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) => toolButton(
-      { icon, key, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name }, () => editor.toggle(name)));
+    this.tools = TOOLS.map(({ name, title, hint, icon, key }) =>
+      toolButton(
+        {
+          icon,
+          key,
+          title: `${title} (${key}): ${hint}`,
+          "aria-label": title,
+          "aria-keyshortcuts": key,
+          "data-tool": name,
+        },
+        () => editor.choose(name),
+      ),
+    );
+    this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) =>
+      toolButton({ icon, key, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name }, () =>
+        editor.toggle(name),
+      ),
+    );
     const line = html("span", { class: "divider", role: "separator" });
     place.append(...this.tools, line, ...this.modifiers);
     place.addEventListener("keydown", (event) => this.step(event));
@@ -73,12 +100,16 @@ export class Options {
   }
 
   show() {
-    const { tool, options } = this.editor;
+    const { tool } = this.editor;
     if (this.shown === tool) return this.refresh();
     this.shown = tool;
     const { title, hint } = toolNamed(tool);
     const fields = { walls: () => this.walls(), area: () => this.area(), item: () => this.item() }[tool]?.() ?? [];
-    this.place.replaceChildren(html("strong", {}, title), ...fields, html("span", { class: "hint", title: hint }, hint));
+    this.place.replaceChildren(
+      html("strong", {}, title),
+      ...fields,
+      html("span", { class: "hint", title: hint }, hint),
+    );
     return this.refresh();
   }
 
@@ -95,24 +126,30 @@ export class Options {
   choose(name, value) {
     const { tool, options } = this.editor;
     const { [name]: before, ...others } = options[tool];
-    this.editor.set("tool", { options: { ...options, [tool]: value === undefined ? others : { ...others, [name]: value } } });
+    this.editor.set("tool", {
+      options: { ...options, [tool]: value === undefined ? others : { ...others, [name]: value } },
+    });
   }
 
   choices(name, title, values) {
-    const buttons = values.map((value) => toolButton(
-      { text: value[0].toUpperCase() + value.slice(1), value, "data-option": name }, () => this.choose(name, value)));
+    const buttons = values.map((value) =>
+      toolButton({ text: value[0].toUpperCase() + value.slice(1), value, "data-option": name }, () =>
+        this.choose(name, value),
+      ),
+    );
     return html("span", { class: "choices", role: "group", "aria-label": title }, ...buttons);
   }
 
-  field(name, title, attributes, valueOf) {
+  field(name, title, attributes, read) {
     const input = html("input", { ...attributes, "data-option": name });
-    input.addEventListener("input", () => input.checkValidity() && this.choose(name, valueOf(input)));
+    input.addEventListener("input", () => input.checkValidity() && this.choose(name, read(input)));
     return html("label", {}, title, input);
   }
 
   number(name, title, attributes) {
-    return this.field(name, title, { type: "number", ...attributes },
-      ({ value }) => (value === "" ? undefined : Number(value)));
+    return this.field(name, title, { type: "number", ...attributes }, ({ value }) =>
+      value === "" ? undefined : Number(value),
+    );
   }
 
   walls() {

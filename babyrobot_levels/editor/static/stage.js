@@ -63,7 +63,8 @@ export class Stage {
   show() {
     const { level, is_valid, too_large } = this.editor.state;
     this.place.classList.toggle("dimmed", !is_valid);
-    this.notice.textContent = too_large ?? (level === null ? "There is no picture: the text is not a valid level." : "");
+    this.notice.textContent =
+      too_large ?? (level === null ? "There is no picture: the text is not a valid level." : "");
     if (level === null) {
       this.place.replaceChildren();
       Object.assign(this.editor, { game: null, picture: null });

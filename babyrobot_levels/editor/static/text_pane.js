@@ -61,7 +61,9 @@ export class TextPane {
       const below = area.getRootNode().elementsFromPoint(clientX, clientY);
       const line = below.find((each) => each.classList.contains("line"));
       const number = line === undefined ? 0 : [...this.mirror.children].indexOf(line) + 1;
-      area.title = this.findingsAt(number).map(({ message }) => message).join("\n");
+      area.title = this.findingsAt(number)
+        .map(({ message }) => message)
+        .join("\n");
     });
   }
 
@@ -113,8 +115,9 @@ export class TextPane {
       marks.set(number, [...(marks.get(number) ?? []), { from: left - 1, to: right, kind: "part" }]);
     }
     const plain = value.length > MOST_COLORED ? lines.map(() => true) : plainLines(lines);
-    const keys = lines.map((line, index) =>
-      `${Number(plain[index])}${JSON.stringify(marks.get(index + 1) ?? "")}${line}`);
+    const keys = lines.map(
+      (line, index) => `${Number(plain[index])}${JSON.stringify(marks.get(index + 1) ?? "")}${line}`,
+    );
     const most = Math.min(keys.length, this.shown.length);
     let first = 0;
     while (first < most && keys[first] === this.shown[first]) first += 1;
@@ -142,7 +145,8 @@ export class TextPane {
   choose(scrolls = true) {
     const { lines: [first, last] = [] } = this.selection ?? {};
     [...this.mirror.children].forEach((line, index) =>
-      line.classList.toggle("chosen", first <= index + 1 && index + 1 <= last));
+      line.classList.toggle("chosen", first <= index + 1 && index + 1 <= last),
+    );
     if (scrolls && first !== undefined && !this.area.matches(":focus")) this.scrollTo(first);
   }
 
@@ -186,8 +190,9 @@ export class TextPane {
     const number = lineAt(content, at);
     const column = [...content.slice(content.lastIndexOf("\n", at - 1) + 1, at)].length + 1;
     const isIn = (place, [first, last]) => first <= place && place <= last;
-    const here = (this.editor.state.places ?? []).filter(({ lines, columns }) =>
-      isIn(number, lines) && (columns === undefined || isIn(column, columns)));
+    const here = (this.editor.state.places ?? []).filter(
+      ({ lines, columns }) => isIn(number, lines) && (columns === undefined || isIn(column, columns)),
+    );
     const size = ({ lines: [first, last] }) => last - first;
     return here.reduce((best, each) => (best === null || size(each) < size(best) ? each : best), null);
   }

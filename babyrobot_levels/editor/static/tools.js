@@ -6,34 +6,125 @@ import { beyond, cellsAlong, isSameCell, runAlong, sidesOfRun, spotOf, usualSide
 
 /** The tools in the order of the rail. `key` is the key that chooses it. */
 export const TOOLS = [
-  { name: "walls", key: "1", title: "Walls", hint: "Drag along the sides of cells, or click one side again and again",
-    icon: "M4 20V4h8v8h8v8", gesture: drawnWalls },
-  { name: "small", key: "2", title: "Small puddle", hint: "Drag over cells",
-    icon: "M12 7c3 4 4 5.5 4 7.5a4 4 0 0 1-8 0c0-2 1-3.5 4-7.5z", gesture: painted },
-  { name: "large", key: "3", title: "Large puddle", hint: "Drag over cells",
-    icon: "M9.5 4c4 5.5 5.5 8 5.5 10.5a5.5 5.5 0 0 1-11 0c0-2.5 1.5-5 5.5-10.5zM18 4c1.5 2.200 2.300 3.300 2.300 4.5a2.300 2.300 0 0 1-4.600 0c0-1.200.8-2.300 2.300-4.5z", gesture: painted },
-  { name: "blocked", key: "4", title: "Blocked", hint: "Drag over cells",
-    icon: "M4 4h16v16H4zM4 14L14 4M4 20L20 4M10 20L20 10", gesture: painted },
-  { name: "area", key: "5", title: "Area", hint: "Drag from corner to corner", isRectangle: true,
-    icon: "M4 6V4h2M10 4h4M18 4h2v2M20 10v4M20 18v2h-2M14 20h-4M6 20H4v-2M4 14v-4M9 9h6v6H9z", gesture: painted },
-  { name: "item", key: "6", title: "Item", hint: "Click a cell", isSingle: true,
-    icon: "M8 20a4 4 0 1 1 0-8 4 4 0 0 1 0 8zM11 13l9-9M16 8l3 3", gesture: painted },
-  { name: "switch", key: "7", title: "Switch", hint: "Click a cell", isSingle: true,
-    icon: "M8 7h8a5 5 0 0 1 0 10H8A5 5 0 0 1 8 7zM16 10.5a1.5 1.5 0 1 1 0 3 1.5 1.5 0 0 1 0-3z", gesture: painted },
-  { name: "erase", key: "8", title: "Eraser", hint: "Drag over cells or along walls; the right button does the same",
-    icon: "M9 20H20M13.5 4.5l6 6L11 19H7.5L4 15.5a1.400 1.400 0 0 1 0-2zM8.5 9.5l6 6", gesture: erased },
-  { name: "select", key: "9", title: "Select and move", hint: "Click something to select it, drag it to move it",
-    icon: "M6 3l12 9.5-5.5.7L16 20l-2.600 1.200-3.300-6.700L6 18z", gesture: moved },
-  { name: "start", key: "S", title: "Start", hint: "Click the cell; with Shift, one more",
-    icon: "M6 21V4M6 4h12l-3 4 3 4H6", isSingle: true, isMore: true, gesture: painted },
-  { name: "exit", key: "E", title: "Exit", hint: "Click the cell; with Shift, one more",
-    icon: "M10 4H5v16h5M9 12h11M16 7.5l4.5 4.5-4.5 4.5", isSingle: true, isMore: true, gesture: painted },
-  { name: "warp", key: "T", title: "Warp", hint: "Drag from the cell to its target",
-    icon: "M5 20a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM5 12C5 7 9 5 13 5h6M15.5 1.5L19 5l-3.5 3.5", gesture: warped },
-  { name: "path", key: "G", title: "Mover", hint: "Drag through the cells that it walks; with Shift, it wanders in a rectangle",
-    icon: "M5 20a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM7 18h6a3 3 0 0 0 0-6h-2a3 3 0 0 1 0-6h8M16 3l3 3-3 3", gesture: walked },
-  { name: "wind", key: "W", title: "Wind", hint: "Click an arrow at the rim; the right button weakens the wind",
-    icon: "M3 9h11a3 3 0 1 0-3-3M3 13h15a3 3 0 1 1-3 3M3 17h7", gesture: () => null },
+  {
+    name: "walls",
+    key: "1",
+    title: "Walls",
+    hint: "Drag along the sides of cells, or click one side again and again",
+    icon: "M4 20V4h8v8h8v8",
+    gesture: drawnWalls,
+  },
+  {
+    name: "small",
+    key: "2",
+    title: "Small puddle",
+    hint: "Drag over cells",
+    icon: "M12 7c3 4 4 5.5 4 7.5a4 4 0 0 1-8 0c0-2 1-3.5 4-7.5z",
+    gesture: painted,
+  },
+  {
+    name: "large",
+    key: "3",
+    title: "Large puddle",
+    hint: "Drag over cells",
+    icon: "M9.5 4c4 5.5 5.5 8 5.5 10.5a5.5 5.5 0 0 1-11 0c0-2.5 1.5-5 5.5-10.5zM18 4c1.5 2.200 2.300 3.300 2.300 4.5a2.300 2.300 0 0 1-4.600 0c0-1.200.8-2.300 2.300-4.5z",
+    gesture: painted,
+  },
+  {
+    name: "blocked",
+    key: "4",
+    title: "Blocked",
+    hint: "Drag over cells",
+    icon: "M4 4h16v16H4zM4 14L14 4M4 20L20 4M10 20L20 10",
+    gesture: painted,
+  },
+  {
+    name: "area",
+    key: "5",
+    title: "Area",
+    hint: "Drag from corner to corner",
+    isRectangle: true,
+    icon: "M4 6V4h2M10 4h4M18 4h2v2M20 10v4M20 18v2h-2M14 20h-4M6 20H4v-2M4 14v-4M9 9h6v6H9z",
+    gesture: painted,
+  },
+  {
+    name: "item",
+    key: "6",
+    title: "Item",
+    hint: "Click a cell",
+    isSingle: true,
+    icon: "M8 20a4 4 0 1 1 0-8 4 4 0 0 1 0 8zM11 13l9-9M16 8l3 3",
+    gesture: painted,
+  },
+  {
+    name: "switch",
+    key: "7",
+    title: "Switch",
+    hint: "Click a cell",
+    isSingle: true,
+    icon: "M8 7h8a5 5 0 0 1 0 10H8A5 5 0 0 1 8 7zM16 10.5a1.5 1.5 0 1 1 0 3 1.5 1.5 0 0 1 0-3z",
+    gesture: painted,
+  },
+  {
+    name: "erase",
+    key: "8",
+    title: "Eraser",
+    hint: "Drag over cells or along walls; the right button does the same",
+    icon: "M9 20H20M13.5 4.5l6 6L11 19H7.5L4 15.5a1.400 1.400 0 0 1 0-2zM8.5 9.5l6 6",
+    gesture: erased,
+  },
+  {
+    name: "select",
+    key: "9",
+    title: "Select and move",
+    hint: "Click something to select it, drag it to move it",
+    icon: "M6 3l12 9.5-5.5.7L16 20l-2.600 1.200-3.300-6.700L6 18z",
+    gesture: moved,
+  },
+  {
+    name: "start",
+    key: "S",
+    title: "Start",
+    hint: "Click the cell; with Shift, one more",
+    icon: "M6 21V4M6 4h12l-3 4 3 4H6",
+    isSingle: true,
+    isMore: true,
+    gesture: painted,
+  },
+  {
+    name: "exit",
+    key: "E",
+    title: "Exit",
+    hint: "Click the cell; with Shift, one more",
+    icon: "M10 4H5v16h5M9 12h11M16 7.5l4.5 4.5-4.5 4.5",
+    isSingle: true,
+    isMore: true,
+    gesture: painted,
+  },
+  {
+    name: "warp",
+    key: "T",
+    title: "Warp",
+    hint: "Drag from the cell to its target",
+    icon: "M5 20a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM5 12C5 7 9 5 13 5h6M15.5 1.5L19 5l-3.5 3.5",
+    gesture: warped,
+  },
+  {
+    name: "path",
+    key: "G",
+    title: "Mover",
+    hint: "Drag through the cells that it walks; with Shift, it wanders in a rectangle",
+    icon: "M5 20a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM7 18h6a3 3 0 0 0 0-6h-2a3 3 0 0 1 0-6h8M16 3l3 3-3 3",
+    gesture: walked,
+  },
+  {
+    name: "wind",
+    key: "W",
+    title: "Wind",
+    hint: "Click an arrow at the rim; the right button weakens the wind",
+    icon: "M3 9h11a3 3 0 1 0-3-3M3 13h15a3 3 0 1 1-3 3M3 17h7",
+    gesture: () => null,
+  },
 ];
 
 /** What is drawn with a tool besides its place; the strip of options changes it. */
@@ -59,11 +150,6 @@ export function gestureOf(editor, spots, { erases = false, ...modifiers } = {}) 
   const isMove = cellsAlong(spots).length > 1 && takenAt(editor, spots[0], tool) !== null;
   if (isMove) return moved(editor, tool, spots);
   return tool.gesture(editor, tool, spots, { ...editor.modifiers, ...modifiers });
-}
-
-/** Draw over spots, as a pointer that is released at the last of them does. */
-function finish(editor, spots, modifiers = {}) {
-  sendOrSelect(editor, spots, gestureOf(editor, spots, modifiers));
 }
 
 /** Send a message; if there is none, select what is where one clicked. */
@@ -112,7 +198,8 @@ function painted(editor, tool, spots, { rectangle = false, fill = false }) {
   if (cells.length === 0) return null;
   const paint = fields === undefined ? { brush: tool.name } : { brush: tool.name, fields };
   if (fill && !tool.isSingle) return { do: "fill", ...paint, at: cells[0] };
-  if (tool.isSingle) return { do: "paint", ...paint, cells: cells.slice(-1), ...(rectangle && tool.isMore ? { add: true } : {}) };
+  if (tool.isSingle)
+    return { do: "paint", ...paint, cells: cells.slice(-1), ...(rectangle && tool.isMore ? { add: true } : {}) };
   if (rectangle || tool.isRectangle) return { do: "paint", ...paint, cells: cornersOf(editor, spots), rectangle: true };
   return { do: "paint", ...paint, cells };
 }
@@ -156,7 +243,8 @@ function insideOf(editor, cells) {
 function cornersOf(editor, spots) {
   const size = sizeOf(editor);
   return [spots[0], spots.at(-1)].map(({ at }) =>
-    at.map((place, axis) => Math.min(size[axis] - 1, Math.max(0, Math.floor(place)))));
+    at.map((place, axis) => Math.min(size[axis] - 1, Math.max(0, Math.floor(place)))),
+  );
 }
 
 /** The kinds of what stands in cells: what lies on top comes first. */
@@ -166,7 +254,8 @@ const AT_SIDES = ["door", "wall", "opening"];
 /** Return the entries of `state.places` at a spot, the topmost first: those of the side, if one is meant. */
 export function thingsAt(editor, { cell, side }) {
   const places = editor.state.places ?? [];
-  const found = side === null ? [] : places.filter((place) => AT_SIDES.includes(place.kind) && isAtSide(place, cell, side));
+  const found =
+    side === null ? [] : places.filter((place) => AT_SIDES.includes(place.kind) && isAtSide(place, cell, side));
   const inside = places
     .filter((place) => !AT_SIDES.includes(place.kind) && place.cells.some((each) => isSameCell(each, cell)))
     .sort((one, other) => ON_TOP.indexOf(one.kind) - ON_TOP.indexOf(other.kind));
@@ -213,5 +302,8 @@ export function toolAt(editor, spot) {
   const tool = toolNamed(names[kind] ?? kind);
   if (tool === undefined) return null;
   const options = DEFAULT_OPTIONS[tool.name] ?? {};
-  return { tool: tool.name, options: Object.fromEntries(Object.keys(options).map((name) => [name, fields[name] ?? options[name]])) };
+  return {
+    tool: tool.name,
+    options: Object.fromEntries(Object.keys(options).map((name) => [name, fields[name] ?? options[name]])),
+  };
 }

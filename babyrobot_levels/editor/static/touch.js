@@ -9,8 +9,8 @@ export class Fingers {
     this.pointer = pointer;
     this.fingers = new Map();
     const { place } = stage;
-    const listen = (name, action) => place.addEventListener(name, (event) =>
-      event.pointerType === "touch" && action(event));
+    const listen = (name, action) =>
+      place.addEventListener(name, (event) => event.pointerType === "touch" && action(event));
     listen("pointerdown", (event) => this.down(event));
     listen("pointermove", (event) => this.move(event));
     listen("pointerup", (event) => this.up(event));

@@ -17,8 +17,17 @@ export class WindPanel {
     const add = button("Add", { onclick: () => this.add() });
     this.side.addEventListener("change", () => this.showLabel());
     this.showLabel();
-    this.element = html("div", { class: "fields" }, this.list,
-      html("div", { class: "wind-new" }, this.side, html("div", { class: "field-control" }, this.label, this.index.element, add)));
+    this.element = html(
+      "div",
+      { class: "fields" },
+      this.list,
+      html(
+        "div",
+        { class: "wind-new" },
+        this.side,
+        html("div", { class: "field-control" }, this.label, this.index.element, add),
+      ),
+    );
     editor.on("state", () => this.show());
     this.show();
   }
@@ -30,7 +39,8 @@ export class WindPanel {
   show() {
     const wind = this.editor.state.fields?.wind ?? {};
     const blowing = Object.entries(WINDS).flatMap(([side, name]) =>
-      (wind[name] ?? []).map((strength, index) => ({ side, index, strength })).filter(({ strength }) => strength > 0));
+      (wind[name] ?? []).map((strength, index) => ({ side, index, strength })).filter(({ strength }) => strength > 0),
+    );
     const key = blowing.map(({ side, index }) => `${side}${index}`).join();
     if (key !== this.key) {
       this.rows = blowing.map(({ side, index }) => this.row(side, index));
@@ -44,8 +54,13 @@ export class WindPanel {
   row(side, index) {
     const label = `${lineOf(side)} ${index}, to the ${WINDS[side]}`;
     const { element: shown, show } = numberControl({ label, type: "integer", minimum: 0 }, (strength) =>
-      this.blow(side, index, strength ?? 0));
-    const none = button("✕", { class: "reset", "aria-label": `Remove the wind in ${label}`, onclick: () => this.blow(side, index, 0) });
+      this.blow(side, index, strength ?? 0),
+    );
+    const none = button("✕", {
+      class: "reset",
+      "aria-label": `Remove the wind in ${label}`,
+      onclick: () => this.blow(side, index, 0),
+    });
     const control = html("span", { class: "field-control" }, shown, none);
     return { element: html("div", { class: "field" }, html("span", { class: "field-name" }, label), control), show };
   }

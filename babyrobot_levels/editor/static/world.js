@@ -41,7 +41,8 @@ export class World {
       section("Maze", new MazePanel(editor, own("maze")).element),
       section("Wind", new WindPanel(editor).element),
       section("Theme", new ThemePanel(editor, own("theme")).element),
-      ...others);
+      ...others,
+    );
   }
 
   /** Return the sections of fields: those of one mapping together, the others by what they are for. */
@@ -56,13 +57,19 @@ export class World {
       groups.set(group, [...(groups.get(group) ?? []), row.element]);
     }
     return [...groups].map(([group, rows]) =>
-      section(SECTIONS[group] ?? `${group[0].toUpperCase()}${group.slice(1).replaceAll("_", " ")}`, ...rows));
+      section(SECTIONS[group] ?? `${group[0].toUpperCase()}${group.slice(1).replaceAll("_", " ")}`, ...rows),
+    );
   }
 }
 
 /** Return a group of controls that can be collapsed. */
 function section(title, ...children) {
-  const made = html("details", { class: "group" }, html("summary", {}, title), html("div", { class: "fields" }, ...children));
+  const made = html(
+    "details",
+    { class: "group" },
+    html("summary", {}, title),
+    html("div", { class: "fields" }, ...children),
+  );
   made.addEventListener("toggle", () => made.open && made.scrollIntoView({ block: "nearest" }));
   return made;
 }

@@ -2,7 +2,8 @@
 
 import { html } from "./html.js";
 
-const TOKENS = /(?<string>"(?:[^"\\]|\\.)*"|'(?:[^']|'')*')|(?<comment>(?<=^|\s)#.*)|(?<key>[\w-]+(?=:(?:\s|$)))|(?<number>(?<![\w.#-])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]))/g;
+const TOKENS =
+  /(?<string>"(?:[^"\\]|\\.)*"|'(?:[^']|'')*')|(?<comment>(?<=^|\s)#.*)|(?<key>[\w-]+(?=:(?:\s|$)))|(?<number>(?<![\w.#-])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]))/g;
 const BLOCK = /^( *)(?:- +)*(?:[\w-]+: +)?[|>][-+\d]*(?:\s+#.*)?$/;
 
 /** Return for each line whether it belongs to a text that is written as it is, such as a drawing. */

@@ -64,8 +64,9 @@ for (const tab of tabs) {
 tabList.addEventListener("keydown", (event) => {
   const at = tabs.indexOf(event.target);
   const last = tabs.length - 1;
-  const next = { ArrowLeft: at === 0 ? last : at - 1, ArrowRight: at === last ? 0 : at + 1,
-    Home: 0, End: last }[event.key];
+  const next = { ArrowLeft: at === 0 ? last : at - 1, ArrowRight: at === last ? 0 : at + 1, Home: 0, End: last }[
+    event.key
+  ];
   if (next === undefined) return;
   event.preventDefault();
   event.stopPropagation();
@@ -89,7 +90,7 @@ async function copy(text, button) {
     button.focus();
   }
   const [label] = button.childNodes;
-  const before = button.dataset.label ??= label.data;
+  const before = (button.dataset.label ??= label.data);
   label.data = "Copied";
   byId("copied").textContent = "Copied.";
   setTimeout(() => {

@@ -49,7 +49,8 @@ function remember(isTyping) {
 
 function setAddress(method) {
   const hash = chosen();
-  if (hash !== location.hash.slice(1)) history[method](null, "", hash ? `#${hash}` : location.pathname + location.search);
+  if (hash !== location.hash.slice(1))
+    history[method](null, "", hash ? `#${hash}` : location.pathname + location.search);
 }
 
 function recall() {

@@ -78,8 +78,10 @@ function checkThings({ things = [], picture }, cells) {
   for (const thing of things) {
     const { kind, values, looks, icon } = thing;
     const count = list(looks, MOST_SHAPES, 1).length;
-    const checkCells = (lists, least = 0, most = cells) => list(lists, count, count).forEach(
-      (found) => list(found, most, least).forEach((cell) => whole(cell, 0, cells - 1)));
+    const checkCells = (lists, least = 0, most = cells) =>
+      list(lists, count, count).forEach((found) =>
+        list(found, most, least).forEach((cell) => whole(cell, 0, cells - 1)),
+      );
     text(thing.name);
     list(values, configurations, configurations).forEach((value) => whole(value, 0, count - 1));
     looks.forEach(checkLooks);

@@ -100,7 +100,7 @@ export class Game {
 
   /** The action of the optimal policy here; -1 if there is none. */
   get best() {
-    return this.end === null ? this.known.policy?.[this.number] ?? -1 : -1;
+    return this.end === null ? (this.known.policy?.[this.number] ?? -1) : -1;
   }
 
   /** Return the action of the optimal policy here, and count that it was asked for. */
@@ -188,8 +188,7 @@ export class Game {
       move: `Moved ${side} to ${place}`,
       carried: `Carried to ${place}`,
       bump: `Blocked by ${door ? "the closed door" : "a wall"} to the ${side}`,
-      skid: isSame ? `Skidded while moving ${side}, and stayed` :
-        `Skidded to ${place} while moving ${side}`,
+      skid: isSame ? `Skidded while moving ${side}, and stayed` : `Skidded to ${place} while moving ${side}`,
       bounce: isSame ? "Bounced off the glass" : `Bounced off the glass to ${place}`,
     };
     const step = `${words[event]}: ${reward > 0 ? "+" : ""}${formatted(reward)}`;

@@ -49,9 +49,13 @@ export function listenToGestures(view, swipe) {
   for (const name of ["pointerup", "pointercancel"]) {
     addEventListener(name, ({ pointerId }) => fingers.delete(pointerId));
   }
-  stage.addEventListener("wheel", (event) => {
-    if (!event.ctrlKey) return;
-    event.preventDefault();
-    view.zoomTo(view.zoom * ZOOM_STEP ** (-event.deltaY / 100), [event.clientX, event.clientY]);
-  }, { passive: false });
+  stage.addEventListener(
+    "wheel",
+    (event) => {
+      if (!event.ctrlKey) return;
+      event.preventDefault();
+      view.zoomTo(view.zoom * ZOOM_STEP ** (-event.deltaY / 100), [event.clientX, event.clientY]);
+    },
+    { passive: false },
+  );
 }

@@ -21,8 +21,11 @@ export class Legend {
   show(game) {
     const painter = painterOf(game.data.picture);
     this.game = game;
-    this.all = (game.data.rules ?? []).map(([sample, words, runs]) =>
-      ({ sample: painter.layer(sample), words, cells: cellsOf(runs, game.cells) }));
+    this.all = (game.data.rules ?? []).map(([sample, words, runs]) => ({
+      sample: painter.layer(sample),
+      words,
+      cells: cellsOf(runs, game.cells),
+    }));
     this.outlines = element("path", { id: "outlines" });
     this.view.svg.append(this.outlines);
     this.rules.closest("details").hidden = this.all.length === 0;
@@ -32,10 +35,16 @@ export class Legend {
 
   /** Return a rule with its sample; those about cells show which, where they have the focus. */
   item({ words, sample, cells }) {
-    const [item, line] = ["li", cells.length > 0 ? "button" : "span"].map((tag) =>
-      document.createElement(tag));
-    const icon = element("svg", { viewBox: `0 0 ${COMMON.cell} ${COMMON.cell}`, "aria-hidden": true,
-      class: this.view.svg.querySelector("#ground").getAttribute("class") ?? undefined }, ...sample);
+    const [item, line] = ["li", cells.length > 0 ? "button" : "span"].map((tag) => document.createElement(tag));
+    const icon = element(
+      "svg",
+      {
+        viewBox: `0 0 ${COMMON.cell} ${COMMON.cell}`,
+        "aria-hidden": true,
+        class: this.view.svg.querySelector("#ground").getAttribute("class") ?? undefined,
+      },
+      ...sample,
+    );
     line.append(icon, words);
     for (const name of ["focus", "pointerenter"]) line.addEventListener(name, () => this.outline(cells));
     for (const name of ["blur", "pointerleave"]) line.addEventListener(name, () => this.outline([]));
@@ -50,7 +59,8 @@ export class Legend {
     const { data } = this.game;
     const scale = svg.viewBox.baseVal.width / width;
     const [x, y] = [clientX - left, clientY - top].map((pixels) =>
-      Math.floor((scale * pixels - data.margin) / COMMON.cell));
+      Math.floor((scale * pixels - data.margin) / COMMON.cell),
+    );
     if (x < 0 || y < 0 || x >= data.width || y >= data.height) {
       this.leave();
       return;

@@ -12,15 +12,15 @@ export async function linkedLevel(fragment) {
   if (play === undefined) {
     throw new LinkError(
       "This link contains only a share code, which a page cannot play. " +
-      "`babyrobot share LEVEL --link ADDRESS` makes a link that can be played.");
+        "`babyrobot share LEVEL --link ADDRESS` makes a link that can be played.",
+    );
   }
   const parts = /^([0-9]+)\.([0-9]+)\.(.*)$/.exec(play);
   if (parts === null) throw new LinkError("This link is cut off or damaged.");
   const [, version, length, body] = parts;
   needVersion(version, COMMON.play_versions);
   if (body.length < Number(length)) {
-    throw new LinkError(
-      `This link is cut off: its last ${Number(length) - body.length} characters are missing.`);
+    throw new LinkError(`This link is cut off: its last ${Number(length) - body.length} characters are missing.`);
   }
   const bytes = bytesOf(body);
   if (body.length > Number(length) || bytes === null || bytes.length < 4) {
@@ -56,7 +56,8 @@ function needVersion(version, ours) {
   const known = `version${ours.length > 1 ? "s" : ""} ${ours.join(" and ")}`;
   throw new LinkError(
     `This link has version ${Number(version)}, but this page supports ${known}. ` +
-    "Open it on a page made by the same version of babyrobot-levels.");
+      "Open it on a page made by the same version of babyrobot-levels.",
+  );
 }
 
 /** Return the bytes of base64url; null if it is invalid. */

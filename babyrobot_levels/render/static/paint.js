@@ -91,15 +91,19 @@ export class Painter {
   }
 
   text(fill, x, y, words, size, anchor = 1, isBold = 0, opacity = undefined) {
-    return element("text", {
-      x: this.left(x),
-      y: this.top(y),
-      "font-size": extent(size),
-      "font-weight": whole(isBold, 0, 1) ? "bold" : undefined,
-      "text-anchor": ANCHORS[whole(anchor, 0, 2)],
-      fill,
-      opacity: share(opacity),
-    }, text(words));
+    return element(
+      "text",
+      {
+        x: this.left(x),
+        y: this.top(y),
+        "font-size": extent(size),
+        "font-weight": whole(isBold, 0, 1) ? "bold" : undefined,
+        "text-anchor": ANCHORS[whole(anchor, 0, 2)],
+        fill,
+        opacity: share(opacity),
+      },
+      text(words),
+    );
   }
 
   again(fill, scale, x, y, opacity) {
@@ -116,13 +120,19 @@ export class Painter {
   bar(_, x, y, width, height, first, last) {
     const [left, length, from, to] = [this.x + whole(x), whole(width, 0), whole(first), whole(last)];
     this.count(COMMON.bar);
-    return element("g", {}, ...Array.from({ length: COMMON.bar }, (_, part) => element("rect", {
-      x: pixels(left + (part * length) / COMMON.bar),
-      y: this.top(y),
-      width: pixels(length - (part * length) / COMMON.bar),
-      height: extent(height),
-      fill: this.color(-2 - Math.round(from + ((part + 0.5) / COMMON.bar) * (to - from))),
-    })));
+    return element(
+      "g",
+      {},
+      ...Array.from({ length: COMMON.bar }, (_, part) =>
+        element("rect", {
+          x: pixels(left + (part * length) / COMMON.bar),
+          y: this.top(y),
+          width: pixels(length - (part * length) / COMMON.bar),
+          height: extent(height),
+          fill: this.color(-2 - Math.round(from + ((part + 0.5) / COMMON.bar) * (to - from))),
+        }),
+      ),
+    );
   }
 
   color(place) {
@@ -164,7 +174,10 @@ function colorsOf(stops) {
 
 /** Return red, green and blue of a colour. */
 export function channelsOf(given) {
-  return given.match(/[0-9a-f]{2}/g).slice(0, 3).map((part) => parseInt(part, 16));
+  return given
+    .match(/[0-9a-f]{2}/g)
+    .slice(0, 3)
+    .map((part) => parseInt(part, 16));
 }
 
 function extent(tenths) {
@@ -213,13 +226,16 @@ function smooth(all) {
   const at = (index) => all[(index + all.length) % all.length];
   const curves = all.map(([x, y], index) => {
     const [before, next, after] = [at(index - 1), at(index + 1), at(index + 2)];
-    return ["C", [
-      x + (next[0] - before[0]) / 6,
-      y + (next[1] - before[1]) / 6,
-      next[0] - (after[0] - x) / 6,
-      next[1] - (after[1] - y) / 6,
-      ...next,
-    ]];
+    return [
+      "C",
+      [
+        x + (next[0] - before[0]) / 6,
+        y + (next[1] - before[1]) / 6,
+        next[0] - (after[0] - x) / 6,
+        next[1] - (after[1] - y) / 6,
+        ...next,
+      ],
+    ];
   });
   return [["M", all[0]], ...curves, ["Z", []]];
 }

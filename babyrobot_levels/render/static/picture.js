@@ -5,7 +5,13 @@ import { COMMON } from "./common.js";
 import { channelsOf, element, FONT, Painter, painterOf } from "./paint.js";
 import { MarksLayer, thingElements, ThingsLayer } from "./things.js";
 
-const SHIFTS = [[0, 0], [0, -1], [1, 0], [0, 1], [-1, 0]];
+const SHIFTS = [
+  [0, 0],
+  [0, -1],
+  [1, 0],
+  [0, 1],
+  [-1, 0],
+];
 const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
 
 /** Return the picture of a level as an SVG element; `symbols` are those of the robot. */
@@ -22,33 +28,36 @@ export function levelPicture(data, symbols = sprites(data.robot)) {
   const things = thingElements(data, painter);
   const answer = (id, name = id, ...below) =>
     element("g", { id, class: shown.includes(name) ? undefined : "hidden" }, ...below, ...layer(id));
-  return element("svg", {
-    viewBox: `0 0 ${width} ${height}`,
-    width,
-    height,
-    role: "img",
-    "aria-describedby": "alt",
-    "font-family": FONT,
-    "stroke-linejoin": "round",
-  },
-  element("title", {}, title),
-  element("desc", { id: "alt" }, data.alt ?? ""),
-  element("defs", {}, ...symbols, ...things.definitions),
-  element(
-    "g",
-    { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },
-    ...layer("base"),
-    answer("heat", "values", element("g", { id: "cells" })),
-    ...layer("grid"),
-    element("g", { id: "signs" }, ...layer("signs")),
-    element("g", { id: "beside" }, ...layer("beside")),
-    element("g", { id: "places" }, ...layer("places")),
-  ),
-  things.still,
-  answer("policy"),
-  answer("values"),
-  element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
-  things.moving);
+  return element(
+    "svg",
+    {
+      viewBox: `0 0 ${width} ${height}`,
+      width,
+      height,
+      role: "img",
+      "aria-describedby": "alt",
+      "font-family": FONT,
+      "stroke-linejoin": "round",
+    },
+    element("title", {}, title),
+    element("desc", { id: "alt" }, data.alt ?? ""),
+    element("defs", {}, ...symbols, ...things.definitions),
+    element(
+      "g",
+      { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },
+      ...layer("base"),
+      answer("heat", "values", element("g", { id: "cells" })),
+      ...layer("grid"),
+      element("g", { id: "signs" }, ...layer("signs")),
+      element("g", { id: "beside" }, ...layer("beside")),
+      element("g", { id: "places" }, ...layer("places")),
+    ),
+    things.still,
+    answer("policy"),
+    answer("values"),
+    element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
+    things.moving,
+  );
 }
 
 /** Return whether a colour, such as that of the cells, is dark. */
@@ -63,8 +72,11 @@ export function sprites(robot) {
   const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
   const painter = new Painter(palette);
   const group = (numbers) => [0, 0, numbers.map((number) => COMMON.shapes[number])];
-  return COMMON.sprites.flatMap((phases, pose) => phases.map((numbers, phase) =>
-    element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer([group(numbers)]))));
+  return COMMON.sprites.flatMap((phases, pose) =>
+    phases.map((numbers, phase) =>
+      element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer([group(numbers)])),
+    ),
+  );
 }
 
 /** The picture of a game in the view that shows it. */
@@ -79,7 +91,10 @@ export class Picture {
     this.calm = view.calm;
     this.running = null;
     this.svg = svg;
-    view.show(svg, game.data.exits.map((exit) => game.corner(...game.place(exit))));
+    view.show(
+      svg,
+      game.data.exits.map((exit) => game.corner(...game.place(exit))),
+    );
     this.showAnswers();
   }
 

@@ -32,8 +32,7 @@ export function showLevel(data) {
   picture = new Picture(game, svg, view);
   trail = new Trail(game, svg);
   legend.show(game);
-  byId("watched").textContent =
-    data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
+  byId("watched").textContent = data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
   for (const name of ["values", "policy"]) {
     byId(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
   }
@@ -141,29 +140,35 @@ function showTrail() {
 /** Show what is held, and which switches are on. */
 function showHeld() {
   const { things, configuration } = game;
-  const groups = [["Held", "item", things.held(configuration)],
-    ["On", "switch", things.on(configuration)]];
-  byId("held").replaceChildren(...groups.flatMap(([title, kind, found]) =>
-    (things.of(kind).length === 0 ? [] : [heldElement(title, found)])));
+  const groups = [
+    ["Held", "item", things.held(configuration)],
+    ["On", "switch", things.on(configuration)],
+  ];
+  byId("held").replaceChildren(
+    ...groups.flatMap(([title, kind, found]) => (things.of(kind).length === 0 ? [] : [heldElement(title, found)])),
+  );
   byId("held").hidden = !byId("held").hasChildNodes();
 }
 
 function heldElement(title, found) {
   const [group, name] = ["div", "dt"].map((tag) => document.createElement(tag));
   name.textContent = title;
-  group.append(name, ...(found.length === 0 ? [null] : found).map((thing) => {
-    const detail = document.createElement("dd");
-    if (thing === null) {
-      detail.textContent = "nothing";
-      detail.className = "none";
+  group.append(
+    name,
+    ...(found.length === 0 ? [null] : found).map((thing) => {
+      const detail = document.createElement("dd");
+      if (thing === null) {
+        detail.textContent = "nothing";
+        detail.className = "none";
+        return detail;
+      }
+      const [look, left, top, side] = thing.icon;
+      const box = [left, top, side, side].map(pixels).join(" ");
+      const icon = element("svg", { viewBox: box, "aria-hidden": true }, lookElement(look));
+      detail.append(icon, thing.name);
       return detail;
-    }
-    const [look, left, top, side] = thing.icon;
-    const box = [left, top, side, side].map(pixels).join(" ");
-    const icon = element("svg", { viewBox: box, "aria-hidden": true }, lookElement(look));
-    detail.append(icon, thing.name);
-    return detail;
-  }));
+    }),
+  );
   return group;
 }
 
@@ -195,8 +200,10 @@ function take(action) {
   trail.stand();
   const step = game.step(action);
   const isEnd = game.end !== null;
-  show(isEnd ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
-    isEnd ? game.end : step.event);
+  show(
+    isEnd ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
+    isEnd ? game.end : step.event,
+  );
   if (isEnd) document.dispatchEvent(new CustomEvent("episodeend", { detail: game }));
   picture.go(step, () => {
     trail.stand();
@@ -225,8 +232,10 @@ function undo() {
     return;
   }
   game.undo();
-  stand(`Undone: back at [${game.place(game.state).join(", ")}] after ` +
-    `${game.steps} step${game.steps === 1 ? "" : "s"}.`);
+  stand(
+    `Undone: back at [${game.place(game.state).join(", ")}] after ` +
+      `${game.steps} step${game.steps === 1 ? "" : "s"}.`,
+  );
 }
 
 function hint() {
@@ -270,8 +279,7 @@ function restart(seed) {
 const MOVES = ["stay", ...SIDES.slice(1)];
 const TURNS = ["left", "right", "forward"];
 const CONTROLS = {
-  ...Object.fromEntries([MOVES, TURNS].flatMap((names) =>
-    names.map((name, action) => [name, () => byHand(action)]))),
+  ...Object.fromEntries([MOVES, TURNS].flatMap((names) => names.map((name, action) => [name, () => byHand(action)]))),
   undo,
   hint,
   retry: () => restart(game.seed),
@@ -292,11 +300,28 @@ const CONTROLS = {
 };
 
 const KEYS = {
-  arrowup: "north", arrowright: "east", arrowdown: "south", arrowleft: "west",
-  w: "north", d: "east", s: "south", a: "west", " ": "stay",
-  z: "undo", h: "hint", r: "retry", n: "new-luck",
-  p: "watch", v: "values", b: "policy", t: "turning",
-  l: "look", 0: "fit", "+": "larger", "=": "larger", "-": "smaller",
+  arrowup: "north",
+  arrowright: "east",
+  arrowdown: "south",
+  arrowleft: "west",
+  w: "north",
+  d: "east",
+  s: "south",
+  a: "west",
+  " ": "stay",
+  z: "undo",
+  h: "hint",
+  r: "retry",
+  n: "new-luck",
+  p: "watch",
+  v: "values",
+  b: "policy",
+  t: "turning",
+  l: "look",
+  0: "fit",
+  "+": "larger",
+  "=": "larger",
+  "-": "smaller",
 };
 
 /** What the keys and swipes of moves do while the robot turns; the others do nothing. */

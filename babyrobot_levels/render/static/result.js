@@ -26,8 +26,10 @@ export function ruleOf({ known }) {
   const { best, random } = known.returns;
   const three = `Three stars: a return of at least the best average (${formatted(best)}).`;
   if (random === null) return `${three} One: a good end.`;
-  return `${three} Two: at least ${100 * WAY_TO_TWO_STARS} % of the way there from the average of ` +
-    `random actions (${formatted(random)}). One: a good end, or more than that of random actions.`;
+  return (
+    `${three} Two: at least ${100 * WAY_TO_TWO_STARS} % of the way there from the average of ` +
+    `random actions (${formatted(random)}). One: a good end, or more than that of random actions.`
+  );
 }
 
 /** Compare a return with the optimal policy's; the empty text if these are unknown. */
@@ -37,11 +39,14 @@ function luckOf({ known, total }) {
   if (first === undefined) return "";
   if (first === last) return `none: the optimal policy always has a return of ${formatted(first)}`;
   const margin = 1e-9 + 1e-5 * Math.abs(total);
-  const percent = (wanted) =>
-    Math.round((100 * quantiles.filter(wanted).length) / quantiles.length);
+  const percent = (wanted) => Math.round((100 * quantiles.filter(wanted).length) / quantiles.length);
   const less = percent((other) => other < total - margin);
   const more = percent((other) => other > total + margin);
-  const parts = [["better than", less], ["equal to", 100 - less - more], ["worse than", more]];
+  const parts = [
+    ["better than", less],
+    ["equal to", 100 - less - more],
+    ["worse than", more],
+  ];
   const told = parts.filter(([, share]) => share > 0).map(([how, share]) => `${how} ${share} %`);
   return `${told.join(", ")} of the optimal policy's episodes`;
 }
@@ -49,8 +54,7 @@ function luckOf({ known, total }) {
 /** Describe what helped the player; the empty text for nothing. */
 function helpOf({ hints, undone, watched }) {
   const count = (number, name) => (number ? [`${number} ${name}${number > 1 ? "s" : ""}`] : []);
-  return [...count(hints, "hint"), ...count(undone, "undo"),
-    ...count(watched, "watched step")].join(", ");
+  return [...count(hints, "hint"), ...count(undone, "undo"), ...count(watched, "watched step")].join(", ");
 }
 
 /** Return what the card of a result tells, as pairs of a name and a text. */

@@ -21,7 +21,8 @@ export function surroundings(game) {
   const { width, height } = game.data;
   const [x, y] = game.place(game.state);
   const facing = game.isTurning ? ` and faces ${SIDES[game.heading + 1]}` : "";
-  const exits = game.things.exitsOf(game.configuration)
+  const exits = game.things
+    .exitsOf(game.configuration)
     .map((exit) => game.place(exit))
     .map(([left, top]) => [left - x, top - y])
     .sort(([a, b], [c, d]) => Math.abs(a) + Math.abs(b) - Math.abs(c) - Math.abs(d));
@@ -36,8 +37,10 @@ export function surroundings(game) {
 
 /** Return a distance in words. */
 function direction(dx, dy) {
-  const parts = [[Math.abs(dx), "column", dx > 0 ? "east" : "west"],
-    [Math.abs(dy), "row", dy > 0 ? "south" : "north"]]
+  const parts = [
+    [Math.abs(dx), "column", dx > 0 ? "east" : "west"],
+    [Math.abs(dy), "row", dy > 0 ? "south" : "north"],
+  ]
     .filter(([count]) => count > 0)
     .map(([count, line, side]) => `${count} ${line}${count > 1 ? "s" : ""} ${side}`);
   return parts.length === 0 ? "here" : listed(parts);

@@ -34,14 +34,12 @@ export class Things {
 
   /** Return the cells in which items lie, and those of switches. */
   lying(configuration) {
-    return [...this.of("item"), ...this.of("switch")].flatMap(({ cells, values }) =>
-      cells[values[configuration]]);
+    return [...this.of("item"), ...this.of("switch")].flatMap(({ cells, values }) => cells[values[configuration]]);
   }
 
   /** Return the items, switches and movers in a cell. */
   at(configuration, cell) {
-    return this.all.filter(({ cells, values }) =>
-      cells !== undefined && cells[values[configuration]].includes(cell));
+    return this.all.filter(({ cells, values }) => cells?.[values[configuration]].includes(cell));
   }
 
   /** Describe what the exits need while they are locked. */
@@ -53,8 +51,11 @@ export class Things {
 
   /** Return the closed door that refuses a move; undefined for none. */
   doorAt(configuration, cell, move) {
-    return this.of("door").find((door) => isLast(door, configuration) &&
-      door.sides.some((place, at) => at % 2 === 0 && place === cell && door.sides[at + 1] === move));
+    return this.of("door").find(
+      (door) =>
+        isLast(door, configuration) &&
+        door.sides.some((place, at) => at % 2 === 0 && place === cell && door.sides[at + 1] === move),
+    );
   }
 
   /** Describe what changed from one configuration to another. */
@@ -66,7 +67,10 @@ export class Things {
       exit: () => `The exit is ${this.exitsOf(after).length > 0 ? "open" : "closed"}`,
     };
     return Object.entries(words).flatMap(([kind, told]) =>
-      this.of(kind).filter(({ values }) => values[before] !== values[after]).map(told));
+      this.of(kind)
+        .filter(({ values }) => values[before] !== values[after])
+        .map(told),
+    );
   }
 }
 
@@ -141,22 +145,24 @@ export function lookElement(number) {
 /** Return the definitions of a picture with things, and the groups that show them. */
 export function thingElements({ things = [], picture }, painter) {
   const looks = list(picture.looks ?? []).map((look, index) =>
-    element("g", { id: `look-${index}` }, ...painter.layer(look)));
+    element("g", { id: `look-${index}` }, ...painter.layer(look)),
+  );
   const marks = list(picture.marks ?? []).map((mark) => element("g", {}, ...painter.layer(mark)));
   const side = COMMON.cell;
   // Each reaches under the next ones: nothing shines through between them.
-  const tiles = list(picture.tiles ?? []).map((tile) => element("rect", {
-    width: side + 0.5, height: side + 0.5, fill: painter.color(tile),
-  }));
+  const tiles = list(picture.tiles ?? []).map((tile) =>
+    element("rect", {
+      width: side + 0.5,
+      height: side + 0.5,
+      fill: painter.color(tile),
+    }),
+  );
   const still = things.filter(({ kind }) => kind !== "mover").map(() => element("g", {}));
-  const moving = things.filter(({ kind }) => kind === "mover").map(({ label }) =>
-    element("g", {}, element("use", {}), ...(label < 0 ? [] : [lookElement(label)])));
+  const moving = things
+    .filter(({ kind }) => kind === "mover")
+    .map(({ label }) => element("g", {}, element("use", {}), ...(label < 0 ? [] : [lookElement(label)])));
   return {
-    definitions: [
-      ...looks,
-      element("g", { id: "marks" }, ...marks),
-      element("g", { id: "tiles" }, ...tiles),
-    ],
+    definitions: [...looks, element("g", { id: "marks" }, ...marks), element("g", { id: "tiles" }, ...tiles)],
     still: element("g", { id: "things" }, ...still),
     moving: element("g", { id: "movers" }, ...moving),
   };

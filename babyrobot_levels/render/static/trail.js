@@ -12,8 +12,15 @@ export class Trail {
     this.game = game;
     const [color] = game.data.robot;
     const width = 0.06 * COMMON.cell;
-    const line = (dash) => element("path", { fill: "none", stroke: color, opacity: 0.5,
-      "stroke-width": width, "stroke-linecap": "round", "stroke-dasharray": dash });
+    const line = (dash) =>
+      element("path", {
+        fill: "none",
+        stroke: color,
+        opacity: 0.5,
+        "stroke-width": width,
+        "stroke-linecap": "round",
+        "stroke-dasharray": dash,
+      });
     this.walked = line();
     this.jumped = line(`0 ${2 * width}`);
     this.group = element("g", { id: "walked" }, this.walked, this.jumped);
@@ -45,17 +52,20 @@ export class Trail {
   point(action) {
     this.arrow.replaceChildren();
     if (action < 0) return;
-    const { place, state, isTurning, heading } = this.game;
+    const { state, isTurning, heading } = this.game;
     const [x, y] = this.middle(this.game.place(state));
-    const side = isTurning ? (action === FORWARD ? heading : heading + 3 + 2 * action) % 4 :
-      action - 1;
+    const side = isTurning ? (action === FORWARD ? heading : heading + 3 + 2 * action) % 4 : action - 1;
     const size = COMMON.cell / 24;
-    const shape = action === 0 && !isTurning ? "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z" :
-      "M0 -21l8 9h-4.5v6h-7v-6h-4.5z";
-    this.arrow.append(element("path", {
-      d: shape,
-      transform: `translate(${x} ${y}) rotate(${90 * Math.max(side, 0)}) scale(${size})`,
-      fill: "#ffd60a", stroke: "#1b1b1b", "stroke-width": 1.2,
-    }));
+    const shape =
+      action === 0 && !isTurning ? "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z" : "M0 -21l8 9h-4.5v6h-7v-6h-4.5z";
+    this.arrow.append(
+      element("path", {
+        d: shape,
+        transform: `translate(${x} ${y}) rotate(${90 * Math.max(side, 0)}) scale(${size})`,
+        fill: "#ffd60a",
+        stroke: "#1b1b1b",
+        "stroke-width": 1.2,
+      }),
+    );
   }
 }

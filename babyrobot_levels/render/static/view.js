@@ -25,8 +25,10 @@ export class View {
       if (buttons === 0) return;
       const { left, top, width } = map.getBoundingClientRect();
       const scale = this.svg.getBoundingClientRect().width / width;
-      stage.scrollTo(scale * (clientX - left) - stage.clientWidth / 2,
-        scale * (clientY - top) - stage.clientHeight / 2);
+      stage.scrollTo(
+        scale * (clientX - left) - stage.clientWidth / 2,
+        scale * (clientY - top) - stage.clientHeight / 2,
+      );
       this.drawMap();
     };
     map.addEventListener("pointerdown", seek);
@@ -114,8 +116,11 @@ export class View {
     const frame = stage.getBoundingClientRect();
     const robot = this.robot.getBoundingClientRect();
     const margin = 1.5 * robot.width;
-    const isSeen = robot.left > frame.left + margin && robot.right < frame.right - margin &&
-      robot.top > frame.top + margin && robot.bottom < frame.bottom - margin;
+    const isSeen =
+      robot.left > frame.left + margin &&
+      robot.right < frame.right - margin &&
+      robot.top > frame.top + margin &&
+      robot.bottom < frame.bottom - margin;
     if (!isSeen) {
       stage.scrollTo({
         left: stage.scrollLeft + robot.left - frame.left - (frame.width - robot.width) / 2,
@@ -157,8 +162,11 @@ export class View {
     const half = COMMON.cell / 2;
     const size = this.signSize;
     setAttributes(image, { width, height, href: this.still() });
-    setAttributes(marks, { d: this.exits.map(([x, y]) =>
-      `M${x + half} ${y + half - size}l${size} ${size}l${-size} ${size}l${-size} ${-size}z`).join("") });
+    setAttributes(marks, {
+      d: this.exits
+        .map(([x, y]) => `M${x + half} ${y + half - size}l${size} ${size}l${-size} ${size}l${-size} ${-size}z`)
+        .join(""),
+    });
   }
 
   /** The size of signs on the map, in units of the picture. */
