@@ -45,6 +45,7 @@ AIMS = {
     ("numpy", "sync", 1024): 300,
     ("numpy", "envpool", 1024): 20,
     ("numpy", "envpool", 16_384): 60,
+    ("compiled", "sync", 64): 150,
     ("compiled", "envpool", 1024): 100,
     ("compiled", "envpool", 16_384): 150,
     ("compiled", "bare", 1024): 0.6,

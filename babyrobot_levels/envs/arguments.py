@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from gymnasium import error
 from gymnasium.vector import AutoresetMode
+from numpy import ndarray
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.observations import OBSERVATIONS, Observation
@@ -383,13 +384,18 @@ def checked_actions(actions: Any, num_envs: int) -> NDArray[np.intp]:
     Raises:
         InvalidAction: they are not such an array of whole numbers.
     """
+    # The usual case first: the checks below would take longer.
+    if (
+        type(actions) is ndarray
+        and actions.dtype is _INT
+        and actions.shape == (num_envs,)
+        and actions.flags.carray
+    ):
+        return actions
     try:
         array = np.asarray(actions)
     except ValueError as reason:  # Lists of different lengths.
         raise error.InvalidAction(f"actions must be {num_envs} whole numbers: {reason}") from None
-    # The usual case first: the checks below would take longer.
-    if array.dtype is _INT and array.shape == (num_envs,) and array.flags.carray:
-        return array
     if array.dtype.kind not in "iu" or array.shape != (num_envs,):
         raise error.InvalidAction(
             f"actions must be {num_envs} whole numbers, not an array of {array.dtype} "

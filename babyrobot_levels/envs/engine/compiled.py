@@ -17,6 +17,7 @@ class CompiledEngine:
     """Steps with compiled loops."""
 
     name = "compiled"
+    writes_records = False
 
     def __init__(self, tables: Tables, observations: NDArray[np.int64], num_envs: int) -> None:
         """Pack all that the loops read into one array.
@@ -63,6 +64,7 @@ class CompiledEngine:
             draws.position,
             self._memory,
             results.memory,
+            results.row,
         )
         if position < 0:
             return False

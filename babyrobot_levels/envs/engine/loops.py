@@ -48,10 +48,13 @@ IS_TERMINAL, IS_HIT, IS_REACHED, IS_SKIDDED = (
 IS_LITTLE = sys.byteorder == "little"
 
 Transitions = tuple[Ints, Floats, Words, Ints, Floats, Words]
-"""What acting reads: the attributes of `Tables` from `next_state` to `state_info`, in order."""
+"""What acting reads: the attributes of `Tables` from `next_state` to `state_info`, in order.
 
-Shown = tuple[NDArray[np.int64], NDArray[np.uint8], bool]
-"""What is told of a state: the observations, `held`, and `tells_hits`."""
+Arrays are flat here and in `Shown`: reshaping them takes as long as ten steps of an environment.
+"""
+
+Shown = tuple[NDArray[np.int64], NDArray[np.uint8], int, bool]
+"""What is told of a state: the observations, `held`, how many items, and `tells_hits`."""
 
 Starts = tuple[Ints, Ints, NDArray[np.int64], bool, bool]
 """What a reset reads: `starts`, `first_start`, `limit`, `draws_levels`, `draws_starts`."""
@@ -80,21 +83,9 @@ def unpacked(
     offset = memory[memory[9] : memory[10]]
     held = memory[memory[10] : memory[11]].view(np.uint8)
     num_actions, draws_levels, draws_starts, tells_hits, num_items = memory[memory[11] : memory[12]]
-    transitions = (
-        next_state,
-        reward,
-        outcome_info,
-        first,
-        threshold.reshape((first.size, threshold.size // max(1, first.size))),
-        state_info,
-    )
+    transitions = (next_state, reward, outcome_info, first, threshold, state_info)
     resetting = (starts, first_start, limit, draws_levels != 0, draws_starts != 0)
-    states = state_info.size
-    shown = (
-        observations.reshape((states, observations.size // states)),
-        held[: states * num_items].reshape((states, num_items)),
-        tells_hits != 0,
-    )
+    shown = (observations, held, num_items, tells_hits != 0)
     return transitions, resetting, shown, offset, num_actions
 
 
@@ -136,6 +127,7 @@ def below(drawn: Drawn, position: int, env: int, count: int) -> int:
 def draw_outcomes(rows: Ints, drawn: Drawn, position: int, transitions: Transitions) -> int:
     """Replace stochastic rows by the outcomes drawn; return the position after the draws."""
     next_state, _, _, first, threshold, _ = transitions
+    width = threshold.size // max(1, first.size)
     # No branch depends on chance, because processors would often predict it wrongly.
     which = np.empty(rows.size, np.intp)
     count = 0
@@ -146,8 +138,8 @@ def draw_outcomes(rows: Ints, drawn: Drawn, position: int, transitions: Transiti
         number = next_state[rows[env]] + first.size
         outcome = first[number]
         draw = uniform(drawn, position, env)
-        for further in range(threshold.shape[1] - 1):
-            outcome += draw >= threshold[number, further]
+        for further in range(width - 1):
+            outcome += draw >= threshold[number * width + further]
         rows[env] = outcome
         position += 1
     return position
@@ -219,18 +211,22 @@ def step(
     drawn: Drawn,
     position: int,
     memory: NDArray[np.int64],
-    results: NDArray[np.int64],
+    blocks: NDArray[np.int64],
+    row: int,
 ) -> int:
-    """Take a step and return the position after its draws, -1 if an action is invalid."""
+    """Take a step and return the position after its draws, -1 if an action is invalid.
+
+    Results are written into a row of `blocks`, in the order of `Layout`.
+    """
+    results = blocks[row]
     transitions, resetting, shown, _, num_actions = unpacked(memory)
     next_state, reward, outcome_info, _, _, state_info = transitions
-    observation_of, held_in, tells_hits = shown
+    observation_of, held_in, num_items, tells_hits = shown
     idle_row = state_info.size * num_actions
-    count, numbers, num_items = actions.size, observation_of.shape[1], held_in.shape[1]
+    count, numbers = actions.size, observation_of.size // state_info.size
     state, level, deadline, done = arrays_of_states(count, envs)
-    # The order is that of `Layout`.
     end = numbers * count
-    observations = results[:end].reshape((count, numbers))
+    observations = results[:end]
     rewards = results[end : end + count].view(np.float64)
     rest = results[end + count :].view(np.uint8)
     masks, rest = rest[: count * num_actions], rest[count * num_actions :]
@@ -244,7 +240,7 @@ def step(
         rest[4 * count : 5 * count],
         rest[5 * count : 6 * count],
     )
-    held = rest[6 * count : (6 + num_items) * count].reshape((count, num_items))
+    held = rest[6 * count : (6 + num_items) * count]
     # Separate loops for what the processor can do for several environments at a time.
     wrong = False
     for action in actions:
@@ -268,11 +264,11 @@ def step(
                 position = reset_one(env, state, level, deadline, clock, drawn, position, resetting)
                 words[env] = state_info[state[env]]
     if num_actions == 5:
-        write_masks(words, masks.reshape((count, 5)), 5)
+        write_masks(words, masks, 5)
     elif num_actions == 4:
-        write_masks(words, masks.reshape((count, 4)), 4)
+        write_masks(words, masks, 4)
     else:
-        write_masks(words, masks.reshape((count, 3)), 3)
+        write_masks(words, masks, 3)
     for env in range(count):
         terminated[env] = words[env] & IS_TERMINAL != 0
         reached[env] = words[env] & IS_REACHED != 0
@@ -286,16 +282,16 @@ def step(
         done[env] = terminated[env] | truncated[env]
     for number in range(numbers):
         for env in range(count):
-            observations[env, number] = observation_of[state[env], number]
+            observations[env * numbers + number] = observation_of[state[env] * numbers + number]
     for number in range(num_items):
         for env in range(count):
-            held[env, number] = held_in[state[env], number]
+            held[env * num_items + number] = held_in[state[env] * num_items + number]
     return position
 
 
 @compiled
 def write_masks(words: Words, masks: NDArray[np.uint8], num_actions: int) -> None:
-    """Write the action masks of info words, `[envs, actions]`.
+    """Write the action masks of info words, those of one environment after the other.
 
     Called with a constant number of actions, it is compiled into code without branches.
     """
@@ -303,7 +299,7 @@ def write_masks(words: Words, masks: NDArray[np.uint8], num_actions: int) -> Non
     most = (np.uint64(1) << bits) - np.uint64(1)
     # The masks of eight environments fill as many words as there are actions.
     blocks = words.size // 8 if IS_LITTLE else 0
-    packed = masks.reshape(masks.size)[: 8 * blocks * num_actions].view(np.uint64)
+    packed = masks[: 8 * blocks * num_actions].view(np.uint64)
     for block in range(blocks):
         number, pack, filled = block * num_actions, np.uint64(0), np.uint64(0)
         for env in range(8):
@@ -317,7 +313,8 @@ def write_masks(words: Words, masks: NDArray[np.uint8], num_actions: int) -> Non
                 pack = mask >> (bits - filled)
     for env in range(8 * blocks, words.size):
         for action in range(num_actions):
-            masks[env, action] = words[env] >> np.uint64(FIRST_BYTE + action * NEXT_BYTE)
+            shift = np.uint64(FIRST_BYTE + action * NEXT_BYTE)
+            masks[env * num_actions + action] = words[env] >> shift
 
 
 @compiled

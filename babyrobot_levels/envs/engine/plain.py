@@ -32,6 +32,7 @@ class PlainEngine:
     """Steps with NumPy."""
 
     name = "numpy"
+    writes_records = True
 
     def __init__(self, tables: Tables, observations: NDArray[np.int64], num_envs: int) -> None:
         """Make the intermediate arrays of steps.

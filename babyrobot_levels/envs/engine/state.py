@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import repeat
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -62,12 +63,17 @@ class EnvStates:
         self._divide(num_envs)
 
 
+MOST_WORDS = 8192
+"""Arrays for several steps are made at a time if they take no more than these words together."""
+
+
 class Layout:
     """Where the arrays of `Results` are in its memory.
 
     Attributes:
         dtype: one record of all of them.
         words: how many words of eight bytes they take.
+        ahead: for how many steps arrays are made at a time.
         words_at_masks: shape, dtype, offset and strides of what `Results` has under this name.
         tells_held: whether there are items.
         tells_hits: whether there are movers.
@@ -80,6 +86,7 @@ class Layout:
         num_actions: int,
         num_items: int = 0,
         tells_hits: bool = False,
+        has_records: bool = True,
     ) -> None:
         """Compute the layout.
 
@@ -89,6 +96,7 @@ class Layout:
             num_actions: how many actions there are.
             num_items: the most items of a level.
             tells_hits: whether a level has movers.
+            has_records: whether results have records.
         """
         self.tells_held, self.tells_hits = num_items > 0, tells_hits
         each = (num_envs,)
@@ -121,13 +129,28 @@ class Layout:
                 "itemsize": 8 * self.words,
             }
         )
+        self.ahead = 1 if has_records else max(1, MOST_WORDS // self.words)
+
+    def tells(self, name: str) -> bool:
+        """Return whether there is an array of `Results`."""
+        return {"hit": self.tells_hits, "held": self.tells_held}.get(name, True)
+
+
+_ROW_BY_ROW = (
+    *("observations", "rewards", "masks", "terminated", "reached", "skidded"),
+    *("truncated", "all_true", "hit", "held"),
+)
+"""The arrays of `Results` in the order in which those of several steps are taken."""
 
 
 class Results:
-    """The results of a step: uninitialised arrays, all of them views of one piece of memory.
+    """The results of a step: arrays that engines fill, views of one piece of memory.
+
+    The object stays, its arrays are replaced: by `renew`, if steps return new ones.
 
     Attributes:
-        memory: int64: all of it, as the compiled loops write it.
+        memory: int64 `[rows, words]`, in which the arrays are one row, for the compiled loops.
+        row: which row.
         observations: int64 `[envs, numbers]`.
         rewards: float64 `[envs]`.
         masks: int8 `[envs, actions]`: the action masks.
@@ -139,10 +162,11 @@ class Results:
         hit: bool `[envs]`: whether a mover hit the robot; only if the layout has movers.
         held: bool `[envs, items]`: the items that are held; only if the layout has items.
         record: all of them; also `mask_bytes`, void `[envs]`: `masks`, and `flags`, uint8
-            `[3, envs]`: `terminated`, `reached`, `skidded`.
+            `[3, envs]`: `terminated`, `reached`, `skidded`. Only if the layout has records.
     """
 
     __slots__ = (
+        "_ready",
         "_words",
         "all_true",
         "held",
@@ -154,31 +178,83 @@ class Results:
         "reached",
         "record",
         "rewards",
+        "row",
         "skidded",
         "terminated",
         "truncated",
     )
 
+    memory: NDArray[np.int64]
+    row: int
+    observations: NDArray[np.int64]
+    rewards: Floats
+    masks: NDArray[np.int8]
+    terminated: Flags
+    reached: Flags
+    skidded: Flags
+    truncated: Flags
+    all_true: Flags
+    hit: Flags
+    held: Flags
+    record: Any
+
     def __init__(self, layout: Layout) -> None:
-        """Make the arrays."""
-        self.layout = layout
+        """Make the arrays, not initialised."""
+        self.layout, self.row = layout, 0
+        self._ready: list[Any] = []
         self._words: Words | None = None
-        self.memory: NDArray[np.int64] = empty(layout.words, _INT)
+        self.renew()
+
+    def __reduce__(self) -> Any:
+        # Copies of the arrays would not be views of one piece of memory.
+        return type(self), (self.layout,)
+
+    def renew(self) -> None:
+        """Replace the arrays by new ones."""
+        layout = self.layout
+        if layout.ahead > 1:
+            self._take()
+            return
+        self._words = None
+        self.memory = memory = empty((1, layout.words), _INT)
         # Taking arrays out of a record is the fastest way to make them.
-        record = ndarray((), layout.dtype, self.memory)
-        self.observations: NDArray[np.int64] = record["observations"]
-        self.rewards: Floats = record["rewards"]
-        self.masks: NDArray[np.int8] = record["masks"]
-        self.terminated: Flags = record["terminated"]
-        self.reached: Flags = record["reached"]
-        self.skidded: Flags = record["skidded"]
-        self.truncated: Flags = record["truncated"]
-        self.all_true: Flags = record["all_true"]
-        self.record = record
+        self.record = record = ndarray((), layout.dtype, memory)
+        self.observations = record["observations"]
+        self.rewards = record["rewards"]
+        self.masks = record["masks"]
+        self.terminated = record["terminated"]
+        self.reached = record["reached"]
+        self.skidded = record["skidded"]
+        self.truncated = record["truncated"]
+        self.all_true = record["all_true"]
         if layout.tells_hits:
-            self.hit: Flags = record["hit"]
+            self.hit = record["hit"]
         if layout.tells_held:
-            self.held: Flags = record["held"]
+            self.held = record["held"]
+
+    def _take(self) -> None:
+        """Replace the arrays by those of the next row, or of the first one of new memory."""
+        if not self._ready:
+            layout = self.layout
+            self.memory = empty((layout.ahead, layout.words), _INT)
+            records = ndarray(layout.ahead, layout.dtype, self.memory)
+            columns = (
+                records[name] if layout.tells(name) else repeat(None) for name in _ROW_BY_ROW
+            )
+            self._ready = [*zip(range(layout.ahead), *columns, strict=False)]
+        (
+            self.row,
+            self.observations,
+            self.rewards,
+            self.masks,
+            self.terminated,
+            self.reached,
+            self.skidded,
+            self.truncated,
+            self.all_true,
+            self.hit,
+            self.held,
+        ) = self._ready.pop()
 
     def words_at_masks(self) -> Words:
         """Return info words, uint64 `[envs]`, of which each begins where a mask does.
@@ -238,6 +314,8 @@ class Engine(Protocol):
     """Steps environments through tables. All engines give the same results with the same draws."""
 
     name: str
+    writes_records: bool
+    """Whether it writes into the records of results, or else into their memory."""
 
     def update(self, span: Span) -> None:
         """Read a slot of the tables and observations again, after it was written."""

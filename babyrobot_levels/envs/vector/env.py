@@ -118,8 +118,9 @@ class LevelVectorEnv(ChangingVectorEnv):
                 are drawn, and kept as long as there is room.
             sampler: selects the levels that are drawn. By default, all are drawn equally often, or
                 by the weights of the suite.
-            copy: whether each step returns new arrays, which are parts of one piece of memory. If
-                not, it always returns the same arrays, and the next step overwrites them.
+            copy: whether each step returns new arrays, which are parts of one piece of memory;
+                small ones are of the same piece for a few steps. If not, it always returns the
+                same arrays, and the next step overwrites them.
             engine: `"numpy"`, `"compiled"`, or None for `"compiled"` where Numba is
                 installed, else `"numpy"`. All give the same results.
 
@@ -176,23 +177,16 @@ class LevelVectorEnv(ChangingVectorEnv):
         fixed = () if played.family else self.levels
         self._all_have_items = all(each.items for each in fixed)
         self._all_have_movers = all(each.movers for each in fixed)
-        self._layout = Layout(
+        layout = Layout(
             self.num_envs,
             self._observer.table.shape[1],
             num_actions,
             played.num_items,
             played.has_movers,
+            self._engine.writes_records,
         )
-        self._kept = None if self._copy else Results(self._layout)
+        self._results = Results(layout)
         self._has_begun = False
-
-    def __getstate__(self) -> dict[str, Any]:
-        # Copies of the arrays would not be views of one piece of memory.
-        return {**super().__getstate__(), "_kept": None}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._kept = None if self._copy else Results(self._layout)
 
     # -- episodes --------------------------------------------------------------------------
 
@@ -234,7 +228,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         if which.size < self.num_envs and not self._has_begun:
             raise error.ResetNeeded("the first `reset()` must be of all environments")
         self._seed(seed, which)
-        envs, draws, results = self._envs, self._draws, self._kept or Results(self._layout)
+        envs, draws, results = self._envs, self._draws, self._results
+        if self._copy:
+            results.renew()
         if self._most_draws:
             draws.reserve()
         if family is not None:
@@ -280,7 +276,9 @@ class LevelVectorEnv(ChangingVectorEnv):
                 f"the episode of environment {number} is over: call "
                 "`reset(options={'reset_mask': terminated | truncated})`"
             )
-        results = self._kept or Results(self._layout)
+        results = self._results
+        if self._copy:
+            results.renew()
         if self._most_draws:
             draws.reserve()
         if self._slots is not None and np.count_nonzero(envs.done):
@@ -289,10 +287,9 @@ class LevelVectorEnv(ChangingVectorEnv):
             self._change_levels(envs.done.nonzero()[0])
         if not self._engine.step(envs, taken, draws, results):
             self._refuse(taken)
-        final = self._reset_done(results) if self.autoreset_mode is _SAME_STEP else {}
+        final = self._reset_done(results) if self.autoreset_mode is _SAME_STEP else None
         all_true = results.all_true
         info = {
-            **final,
             "action_mask": results.masks,
             "_action_mask": all_true,
             "target_reached": results.reached,
@@ -310,6 +307,8 @@ class LevelVectorEnv(ChangingVectorEnv):
             for key, numbers in self._level_numbers().items():
                 info[key] = numbers
                 info[f"_{key}"] = all_true
+        if final:
+            info = {**final, **info}
         return (
             self._observer.batch(results, envs.state, self._copy),
             results.rewards,
