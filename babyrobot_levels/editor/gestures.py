@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter
 
 from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.kinds import NEEDED
 
 Coordinate = Annotated[int, Field(ge=0, lt=MAX_SIZE, strict=True)]
 Cell = tuple[Coordinate, Coordinate]
@@ -18,6 +19,12 @@ Cells = Annotated[list[Cell], Field(min_length=1, max_length=MAX_SIZE * MAX_SIZE
 Count = Annotated[int, Field(ge=1, le=MAX_SIZE, strict=True)]
 Side = Literal["N", "E", "S", "W"]
 Route = Annotated[list[str | int], Field(min_length=1, max_length=8)]
+
+
+GROUND = ("small", "large", "blocked", "area", "erase")
+"""The brushes that paint the ground: puddles of two sizes, or nothing, among them."""
+
+BRUSHES = (*GROUND, "start", "exit", *(kind.name for kind in NEEDED))
 
 
 class _Model(BaseModel):
@@ -39,11 +46,17 @@ class Walls(_Model):
     """The probability of getting through glass."""
 
 
+def _known_brush(name: str) -> str:
+    if name not in BRUSHES:
+        raise ValueError(f"must be one of {', '.join(BRUSHES)}")
+    return name
+
+
 class Paint(_Model):
     """Put something into cells, or take everything out of them."""
 
     do: Literal["paint"]
-    brush: Literal["small", "large", "blocked", "start", "exit", "area", "item", "switch", "erase"]
+    brush: Annotated[str, AfterValidator(_known_brush)]
     cells: Cells
     """In the order in which they were painted. Of `start` and `exit`, several are several."""
     add: bool = False
@@ -51,7 +64,7 @@ class Paint(_Model):
     rectangle: bool = False
     """Whether the cells are the first and the last corner of a rectangle, which is filled."""
     fields: dict[str, Any] = {}
-    """Further fields of an area, an item or a switch."""
+    """Further fields of an area or a thing."""
 
 
 class Fill(_Model):

@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 from support.gestures import done, places, send
 
-from babyrobot_levels.editor.entries.forms import LISTS, expanded, forms
+from babyrobot_levels.editor.entries.forms import expanded, forms
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.kinds import KINDS
 
 pytestmark = pytest.mark.usefixtures("put_off")
 
@@ -141,7 +142,7 @@ def test_forms_are_those_of_everything_that_can_be_selected() -> None:
 
 
 def test_level_has_all_fields_but_those_that_are_drawn() -> None:
-    drawn = {*LISTS.values(), "map", "legend", "start", "exit", "exit_one_of", "wind", "version"}
+    drawn = {field for kind in KINDS for field in kind.fields} | {"map", "legend", "version"}
     shown = {each["route"][0] for each in forms()["level"]}
     assert shown == {*LevelFields.model_fields} - drawn
 

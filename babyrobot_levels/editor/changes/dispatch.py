@@ -18,6 +18,10 @@ from babyrobot_levels.editor.gestures import (
     Warp,
     Wind,
 )
+from babyrobot_levels.language.kinds import NEEDED
+
+_THINGS = {kind.name for kind in NEEDED}
+"""The brushes that add a thing with a name."""
 
 
 def change(draft: Draft, gesture: Gesture) -> None:
@@ -29,7 +33,7 @@ def change(draft: Draft, gesture: Gesture) -> None:
     match gesture:
         case Walls():
             walls.build(draft, gesture)
-        case Paint(brush="item" | "switch"):
+        case Paint(brush=brush) if brush in _THINGS:
             things.add_things(draft, gesture)
         case Paint():
             cells.paint(draft, gesture)

@@ -11,16 +11,19 @@ from babyrobot_levels.editor.changes.names import names_of, replace_names
 from babyrobot_levels.editor.changes.rectangles import Box
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.kinds import KIND, LISTED, NEEDED, Where
+from babyrobot_levels.language.things import DRAWN_NAMES
 
 Entry = dict[str, Any]
 
-STANDING = frozenset({"puddles", "items", "switches", "warps", "movers"})
+STANDING = frozenset(kind.field for kind in LISTED if kind.where in (Where.CELL, Where.PATH))
 """What cannot stand in a blocked cell."""
 
-GROUND = frozenset({"areas", "blocked"})
+GROUND = frozenset(kind.field for kind in LISTED if kind.where is Where.RECTANGLE)
 """What covers rectangles, of which a part can be taken away."""
 
-_KINDS = {"area": "areas", "item": "items", "switch": "switches"}
+_DRAWN = {mark: kind.field for kind in LISTED for mark in kind.marks}
+"""The field whose entry would say what a mark of drawings says."""
 
 
 def erase(
@@ -90,8 +93,8 @@ def _drawn_kind(draft: Draft, cell: Cell) -> str | None:
     assert draft.canvas is not None
     character = draft.canvas.at(cell)
     if character in draft.level.legend:
-        return _KINDS[draft.level.legend[character].kind]
-    return {d.SMALL: "puddles", d.LARGE: "puddles", d.BLOCKED: "blocked"}.get(character)
+        return KIND[draft.level.legend[character].kind].field
+    return _DRAWN.get(character)
 
 
 # -- names ---------------------------------------------------------------------------------
@@ -113,12 +116,12 @@ def forget_missing(draft: Draft) -> None:
 
 
 def _names(draft: Draft) -> list[str]:
-    """Return the names of the items and switches that there are now."""
-    things = [*draft.data.get("items", ()), *draft.data.get("switches", ())]
+    """Return the names of what doors and exits can need now."""
+    things = [thing for kind in NEEDED for thing in draft.data.get(kind.field, ())]
     drawn = [
         entry[kind]
         for entry in draft.data.get("legend", {}).values()
-        for kind in ("item", "switch")
+        for kind in DRAWN_NAMES
         if entry.get(kind) is not None
     ]
     # One whose name was removed has none; the level tells that it needs one.

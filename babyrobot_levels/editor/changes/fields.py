@@ -11,14 +11,16 @@ from babyrobot_levels.editor.changes.names import replace_names
 from babyrobot_levels.editor.changes.routes import Route
 from babyrobot_levels.editor.gestures import Fix, Move, Remove, Set
 from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.language.kinds import NEEDED
+from babyrobot_levels.language.things import DRAWN_NAMES
 from babyrobot_levels.linter.fixer import apply
 from babyrobot_levels.linter.runner import Report
 
 _NEEDS = ("needs", "unless", "exit_needs")
-"""Fields that hold names of items and switches."""
+"""Fields that hold names of things."""
 
-_NAMED = {"items": ("name",), "switches": ("name",), "legend": ("item", "switch")}
-"""The fields that give an item or a switch its name, by the fields that hold their entries."""
+_NAMES = {**{kind.field: ("name",) for kind in NEEDED}, "legend": DRAWN_NAMES}
+"""The fields that give a thing its name, by the fields that hold the entries."""
 
 _ALONE = {"start": "start", "exit": "exit", "exit_one_of": "exit", "one_of": "at"}
 """Fields that list cells, each with the field that gives a single one."""
@@ -44,7 +46,7 @@ def set_field(draft: Draft, gesture: Set) -> None:
 
 
 def remove_entry(draft: Draft, gesture: Remove) -> None:
-    """Remove an entry or a field: doors no longer need an item or a switch that is removed."""
+    """Remove an entry or a field: doors no longer need a thing that is removed."""
     if on_drawing.is_drawn(gesture.route):
         on_drawing.remove_drawn(draft, gesture.route)
     else:
@@ -121,8 +123,8 @@ def _remove_cell(draft: Draft, cells: Route, route: Route) -> None:
 
 
 def _name(draft: Draft, route: Route) -> str | None:
-    """Return the name of the item or the switch that a route leads to, or into."""
-    fields = _NAMED.get(str(route[0]), ())
+    """Return the name of the thing that a route leads to, or into, if doors can need it."""
+    fields = _NAMES.get(str(route[0]), ())
     if len(route) < 2 or not fields:
         return None
     entry = routes.get(draft.data, route[:2])

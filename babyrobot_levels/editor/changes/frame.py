@@ -14,14 +14,14 @@ from babyrobot_levels.editor.changes.sides import Run, placed
 from babyrobot_levels.editor.gestures import Resize, Wind
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.kinds import LISTED, Where
 from babyrobot_levels.mdp.drawn import resolved_fields
 from babyrobot_levels.mdp.grid import OPPOSITE
 
 Entry = dict[str, Any]
 
-_SIDES = ("walls", "openings", "doors")
-_RECTANGLES = ("areas", "blocked")
-_OTHERS = ("puddles", "items", "switches", "warps", "movers")
+_WHERE = {kind.field: kind.where for kind in LISTED}
+"""What the entries of each list stand on."""
 
 _NAMES = {side: name for name, side in SIDE_NAMES.items()}
 
@@ -42,7 +42,7 @@ def resize(draft: Draft, gesture: Resize) -> None:
     put_starts(draft, starts)
     if not is_default:
         put_exits(draft, exits, is_drawn_by_lot=level.exit_one_of is not None)
-    for field in (*_SIDES, *_RECTANGLES, *_OTHERS):
+    for field in _WHERE:
         if field in draft.data:
             moved = (change.entry(field, entry) for entry in draft.data[field])
             draft.data[field] = [entry for entry in moved if entry is not None]
@@ -147,16 +147,16 @@ class _Change:
 
     def entry(self, field: str, entry: Entry) -> Entry | None:
         """Return an entry with its new place, None if that is outside."""
-        if field in _SIDES:
+        if _WHERE[field] is Where.SIDE:
             run = self.run(Run.of_entry(entry))
             return None if run is None else placed(entry, run)
-        if field in _RECTANGLES:
+        if _WHERE[field] is Where.RECTANGLE:
             box = self.box(Box.of(entry))
             return None if box is None else box.put(entry)
         return self._thing(entry)
 
     def _thing(self, entry: Entry) -> Entry | None:
-        """Return an item, a switch, a mover, a puddle or a warp with its new place."""
+        """Return an entry that stands in cells with its new place."""
         moved = {**entry}
         for name in ("at", "to"):
             if isinstance(entry.get(name), list):

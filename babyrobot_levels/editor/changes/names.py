@@ -1,4 +1,4 @@
-"""The names of items and switches, by which doors and exits need them."""
+"""The names by which doors and exits need things."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 from babyrobot_levels.editor.changes.draft import Draft
 from babyrobot_levels.editor.changes.sides import Run
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.things import as_names
+from babyrobot_levels.language.kinds import NAMED, NEEDED
+from babyrobot_levels.language.things import DRAWN_NAMES, as_names
 from babyrobot_levels.library.level import Level
 
 
@@ -29,16 +30,16 @@ def replace_names(draft: Draft, names: Mapping[str, str | None]) -> None:
 
 
 def names_of(level: Level) -> list[str]:
-    """Return the names of the items, then of the switches."""
-    return [*(item.name for item in level.items), *(switch.name for switch in level.switches)]
+    """Return the names of what doors and exits can need, kind by kind."""
+    return [thing.name for kind in NEEDED for thing in kind.of(level)]
 
 
 def unused_name(draft: Draft, base: str) -> str:
-    """Return a name that no item, switch or mover has: `key`, `key-2` and so on."""
-    data = draft.data
-    lists = [data.get(field, ()) for field in ("items", "switches", "movers")]
-    entries = [*(entry for entries in lists for entry in entries), *data.get("legend", {}).values()]
-    used = {entry.get(field) for entry in entries for field in ("name", "item", "switch")}
+    """Return a name that nothing has yet: `key`, `key-2` and so on."""
+    lists = [draft.data.get(kind.field, ()) for kind in NAMED]
+    lists.append(draft.data.get("legend", {}).values())
+    entries = [entry for entries in lists for entry in entries]
+    used = {entry.get(field) for entry in entries for field in ("name", *DRAWN_NAMES)}
     names = (base if number == 1 else f"{base}-{number}" for number in count(1))
     return next(name for name in names if name not in used)
 

@@ -1,4 +1,4 @@
-"""Items, switches, warps and movers that are added."""
+"""Things, warps and movers that are added."""
 
 from __future__ import annotations
 
@@ -11,32 +11,34 @@ from babyrobot_levels.editor.changes.names import unused_name
 from babyrobot_levels.editor.changes.routes import ordered, plain_value
 from babyrobot_levels.editor.gestures import Paint, Path, Warp
 from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.language.kinds import KIND, NEEDED
 from babyrobot_levels.language.things import SHAPES
-
-_NAMES = {"item": "key", "switch": "switch"}
-"""What new things are called."""
+from babyrobot_levels.text.words import listed
 
 
 def add_things(draft: Draft, gesture: Paint) -> None:
-    """Add an item, or a switch, in each cell of a gesture that has none yet."""
-    field = "items" if gesture.brush == "item" else "switches"
-    taken = {cell for item in draft.level.items for cell in item.places}
-    taken |= {switch.at for switch in draft.level.switches}
+    """Add a thing of the brush's kind in each cell of a gesture that has none yet."""
+    brush = KIND[gesture.brush]
+    things = [thing for kind in NEEDED for thing in kind.of(draft.level)]
+    taken = {cell for thing in things for cell in thing.places}
     cells = [cell for cell in dict.fromkeys(gesture.cells) if cell not in taken]
     if not cells:
         where = show_cell(gesture.cells[0])
-        raise RefusedError(f"{where} has an item or a switch already: a cell holds one")
+        nouns = listed([kind.one for kind in NEEDED], "or")
+        raise RefusedError(f"{where} has {nouns} already: a cell holds one")
     fields = plain_value(gesture.fields)
-    base = str(fields.pop("name", None) or fields.get("shape") or _NAMES[gesture.brush])
-    if gesture.brush == "item" and base in SHAPES:
+    has_shape = "shape" in brush.properties
+    usual = SHAPES[0] if has_shape else brush.noun
+    base = str(fields.pop("name", None) or fields.get("shape") or usual)
+    if has_shape and base in SHAPES:
         fields.setdefault("shape", base)
     for cell in cells:
         name = unused_name(draft, base)
         entry = {**fields, "name": name, "at": [*cell]}
         if entry.get("shape") == name:
-            # The shape of its name is that of an item anyway.
+            # The shape of its name is its shape anyway.
             del entry["shape"]
-        draft.entries(field).append(ordered(field, entry))
+        draft.entries(brush.field).append(ordered(brush.field, entry))
 
 
 def add_warp(draft: Draft, gesture: Warp) -> None:

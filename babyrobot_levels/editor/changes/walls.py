@@ -8,10 +8,12 @@ from babyrobot_levels.editor.changes.sides import Entry, Run, cut
 from babyrobot_levels.editor.gestures import Walls
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell, blocked_cells, show_cell
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import GLASS_PASS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
+from babyrobot_levels.text.words import listed
 
 _PLAIN = {"at", "side", "length"}
 """The fields of a wall that looks like any other."""
@@ -105,16 +107,17 @@ def _check_place(level: Level, gesture: Walls, run: Run) -> None:
 def _next(level: Level, kind: str) -> str:
     """Return what a click makes of a side: walls, glass and doors in turn."""
     kinds = ["none", "wall", "glass"]
-    if level.items or level.switches:
+    if names_of(level):
         kinds.append("door")
     return kinds[(kinds.index(kind) + 1) % len(kinds)] if kind in kinds else "none"
 
 
 def _need(level: Level) -> str:
-    """Return the item or switch that opens a new door: the last one, if possible of no use yet."""
+    """Return the thing that opens a new door: the last one, if possible of no use yet."""
     names = names_of(level)
     if not names:
-        raise RefusedError("a door needs an item or a switch that opens it: add one first")
+        nouns = listed([kind.one for kind in NEEDED], "or")
+        raise RefusedError(f"a door needs {nouns} that opens it: add one first")
     used = {*level.exit_keys}
     for door in level.doors:
         used.update(door.keys, door.locks)

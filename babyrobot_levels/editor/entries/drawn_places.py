@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 from babyrobot_levels.editor.entries.forms import expanded
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.kinds import KINDS, Where
 from babyrobot_levels.language.things import LegendEntry
 from babyrobot_levels.language.walls import GLASS_PASS, sides_of
 from babyrobot_levels.library.level import Level
@@ -18,14 +20,6 @@ Place = dict[str, Any]
 Look = tuple[str, str, dict[str, Any]]
 """Kind, label and fields of what a character shows."""
 
-_LOOKS: dict[str, Look] = {
-    d.START: ("start", "start", {}),
-    d.EXIT: ("exit", "exit", {}),
-    d.SMALL: ("puddle", "small puddle", {"size": "small"}),
-    d.LARGE: ("puddle", "large puddle", {"size": "large"}),
-    d.BLOCKED: ("blocked", "blocked", {}),
-}
-
 
 def drawn_places(level: Level, document: Document) -> Iterator[Place]:
     """Yield what the drawing shows. Doors, and walls with properties, have entries instead."""
@@ -33,7 +27,7 @@ def drawn_places(level: Level, document: Document) -> Iterator[Place]:
         return
     shown = _Drawing(level, document)
     legend = document.data.get("legend", {})
-    looks = _LOOKS | {
+    looks = _looks() | {
         character: _look(entry, legend[character]) for character, entry in level.legend.items()
     }
     for y, row in enumerate(level.drawing.cells):
@@ -71,6 +65,20 @@ def side_of(x: int, y: int, side: str) -> tuple[int, int, str]:
     if side == "N" and y > 0:
         return x, y - 1, "S"
     return x, y, side
+
+
+@cache
+def _looks() -> dict[str, Look]:
+    """Return what the marks of cells show."""
+    looks: dict[str, Look] = {}
+    for kind in KINDS:
+        for mark, given in kind.marks.items():
+            if kind.where is not Where.SIDE:
+                label = (
+                    kind.called(kind.entry({"at": (0, 0), **given})) if kind.model else kind.name
+                )
+                looks[mark] = (kind.name, label, {**given})
+    return looks
 
 
 def _look(entry: LegendEntry, data: dict[str, Any]) -> Look:

@@ -5,7 +5,7 @@ A field is a mapping that JSON can hold:
 - `route`: where it stands, from its entry or from the level, such as `["skid", "probability"]`;
 - `name`: the same as a text, `skid.probability`;
 - `type`: number, integer, text, choice, flag, color, cell, size (`[width, height]`), names (of
-  items and switches: one, or a list) or texts (a list);
+  things: one, or a list) or texts (a list);
 - `description`: what it means;
 - `choices`: of a choice, the values; of a text, known ones; of others, words that may stand in
   their place;
@@ -30,26 +30,15 @@ from typing import Any
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.fields import LevelFields, Role
 from babyrobot_levels.language.json_schema import level_schema
+from babyrobot_levels.language.kinds import KINDS, LISTED, Where
 from babyrobot_levels.language.looks import BUILTIN_THEMES
-
-LISTS = {
-    "blocked": "blocked",
-    "area": "areas",
-    "puddle": "puddles",
-    "item": "items",
-    "switch": "switches",
-    "mover": "movers",
-    "warp": "warps",
-    "wall": "walls",
-    "opening": "openings",
-    "door": "doors",
-}
-"""The list of a level that holds the entries of a kind of place."""
 
 LEVEL = "level"
 """The kind of the level's own fields, beside the kinds of places."""
 
-_PLACES = frozenset({*LISTS.values(), "start", "exit", "exit_one_of", "map", "legend"})
+_PLACES = frozenset({"map", "legend"}).union(
+    *(kind.fields for kind in KINDS if kind.where is not Where.LINE)
+)
 
 Form = list[dict[str, Any]]
 Schema = dict[str, Any]
@@ -59,7 +48,7 @@ Schema = dict[str, Any]
 def forms() -> dict[str, Form]:
     """Return the fields of each kind of place, and of the level."""
     schema = _schema()
-    kinds = {kind: _resolved(schema["properties"][name]["items"]) for kind, name in LISTS.items()}
+    entries = {kind.name: _resolved(schema["properties"][kind.field]["items"]) for kind in LISTED}
     groups = {
         name: role.name.lower()
         for name, info in LevelFields.model_fields.items()
@@ -74,7 +63,7 @@ def forms() -> dict[str, Form]:
     return {
         "start": [],
         "exit": [],
-        **{kind: list(_form(inner)) for kind, inner in kinds.items()},
+        **{name: list(_form(inner)) for name, inner in entries.items()},
         LEVEL: level,
     }
 

@@ -4,7 +4,7 @@ A place is a mapping that JSON can hold:
 
 - `route`: by which gestures name it: that of its entry in the file, such as `["walls", 2]`; of what
   a drawing shows, `["map", x, y]` with its cell or `["map", x, y, side]` with its first side;
-- `kind`: start, exit, puddle, blocked, area, item, switch, mover, warp, wall, opening or door;
+- `kind`: the name of its kind (`language.kinds`);
 - `label`: what it is called;
 - `cells`: where it stands, as `[x, y]`: a warp at its cell, then at its target;
 - `sides`: at which sides it stands, as `[x, y, side]`: N only in the first row, W only in the first
@@ -22,9 +22,10 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from babyrobot_levels.editor.entries.drawn_places import Place, drawn_places, new_place, side_of
-from babyrobot_levels.editor.entries.forms import LISTS, expanded
+from babyrobot_levels.editor.entries.forms import expanded
 from babyrobot_levels.language.cells import Rectangle
-from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.kinds import LISTED
 from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.language.things import Item, Mover
 from babyrobot_levels.language.walls import Opening, sides_of
@@ -72,21 +73,21 @@ def _ends(level: Level, document: Document) -> Iterator[Place]:
 
 def _entries(level: Level, document: Document) -> Iterator[Place]:
     """Yield what the lists of the file give."""
-    for kind, name in LISTS.items():
+    for kind in LISTED:
         # The drawing may give puddles and blocked cells, which then are in no list.
-        if name not in document.data:
+        if kind.field not in document.data:
             continue
-        nodes = document.root.children[name].children
-        for index, entry in level.written(name):
+        nodes = document.root.children[kind.field].children
+        for index, entry in level.written(kind.field):
             data = nodes[index].data
             yield new_place(
-                [name, index],
-                kind,
-                _label(kind, entry),
+                [kind.field, index],
+                kind.name,
+                kind.called(entry),
                 cells=_cells(entry),
                 sides=_sides(entry),
                 lines=_lines(nodes[index]),
-                fields=expanded(data) if kind == "area" else data,
+                fields=expanded(data) if kind.name == "area" else data,
             )
 
 
@@ -109,31 +110,6 @@ def _cells(entry: Any) -> Iterable[Cell]:
 def _sides(entry: Any) -> list[tuple[int, int, str]]:
     is_run = isinstance(entry, Opening)
     return [side_of(x, y, entry.side) for x, y in sides_of(entry)] if is_run else []
-
-
-def _label(kind: str, entry: Any) -> str:
-    """Return what an entry is called."""
-    match kind:
-        case "puddle":
-            return f"{entry.size} puddle"
-        case "blocked":
-            return "blocked"
-        case "area":
-            return entry.label or "area"
-        case "mover":
-            return entry.name or ("wanderer" if entry.within else "guard")
-        case "warp":
-            return f"warp to {entry.to if entry.to == 'start' else show_cell(entry.to)}"
-        case "wall":
-            return f"glass {entry.pass_:g}" if entry.pass_ else "wall"
-        case "door":
-            needs = [f"needs {', '.join(entry.keys)}"] if entry.keys else []
-            unless = [f"unless {', '.join(entry.locks)}"] if entry.locks else []
-            return ", ".join(["door", *needs, *unless])
-        case "opening":
-            return "opening"
-        case _:
-            return str(entry.name)
 
 
 def _lines(node: Node, key: Node | None = None) -> list[int]:

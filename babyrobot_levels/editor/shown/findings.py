@@ -8,15 +8,13 @@ from itertools import islice
 from typing import Any, TypeGuard
 
 from babyrobot_levels.editor.shown.linting import Linting
+from babyrobot_levels.language.kinds import KINDS
 from babyrobot_levels.linter.finding import marked_at
 from babyrobot_levels.linter.registry import find
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.source import Span
 
-PLACED = {
-    *("start", "exit", "exit_one_of", "puddles", "blocked", "areas"),
-    *("items", "switches", "movers", "warps", "walls", "openings", "doors"),
-}
+PLACED = {field for kind in KINDS for field in kind.fields}
 """The fields that say where something stands."""
 
 MOST_PLACES = 400
