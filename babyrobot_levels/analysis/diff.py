@@ -18,6 +18,7 @@ from babyrobot_levels.analysis.shown import MAX_CELLS, WIDTH, Shown, count_cells
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
 from babyrobot_levels.language.cells import SkidRule, as_skid
 from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.language.kinds import LISTED, LOOKS, THINGS, Kind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
@@ -217,30 +218,21 @@ def _changes_beside(before: GridWorld, after: GridWorld) -> Iterator[Change]:
         themes = (_whole(level.resolved_theme) for level in (before, after))
         yield from _field_changes("theme", *themes)
     yield from _field_changes("display", _whole(before.display), _whole(after.display))
-    for name, looks in _LOOKS.items():
-        one, two = (_looks(level, name, looks) for level in (before, after))
+    for kind in sorted(LISTED, key=lambda kind: kind in THINGS):
+        one, two = (_looks(level, kind) for level in (before, after))
         if one != two:
-            yield Change(one, two, name=f"{name}.looks")
+            yield Change(one, two, name=f"{kind.field}.looks")
 
 
-_LOOKS = {
-    "areas": ("color", "label"),
-    "walls": ("color", "width", "fit"),
-    "items": ("shape", "color", "label"),
-    "doors": ("color", "width"),
-    "switches": ("color", "label"),
-    "movers": ("color", "label"),
-}
 MAX_LISTED = 12
 """How many fields that differ are named in a notebook."""
 
-_NAMED = ("items", "switches", "movers")
 
-
-def _looks(level: GridWorld, name: str, looks: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Return the entries of a list that have looks of their own, reduced to place and looks."""
-    places = ("name",) if name in _NAMED else ("at", "size", "side", "length")
-    entries = (_whole(entry) for entry in getattr(level, name))
+def _looks(level: GridWorld, kind: Kind) -> list[dict[str, Any]]:
+    """Return the entries of a kind that have looks of their own, reduced to place and looks."""
+    places = ("name",) if kind.has_name else ("at", "size", "side", "length")
+    looks = [name for name in kind.properties if name in LOOKS]
+    entries = (_whole(entry) for entry in kind.of(level))
     return [
         {key: value for key, value in entry.items() if key in (*places, *looks)}
         for entry in entries

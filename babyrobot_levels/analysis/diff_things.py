@@ -1,4 +1,4 @@
-"""Which items, switches, movers and doors differ between two levels."""
+"""Which things differ between two levels."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 from babyrobot_levels.analysis.changes import Change, Changes
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.kinds import LOOKS, NEEDED, Kind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.configurations import Things
@@ -17,7 +18,7 @@ Place = tuple[str, tuple[int, int] | None]
 
 
 def thing_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Changes:
-    """Return the things that differ: items, switches and movers by name, doors by their side.
+    """Return the things that differ: doors by their side, others by name.
 
     A change is named by the list and the name (`items.key`), or by the side of a door (`doors.E`).
     `before` and `after` are its fields without looks, and None where it does not exist. Where only
@@ -42,14 +43,9 @@ def thing_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Cha
 def _things(level: LevelFields) -> dict[Place, dict[str, Any]]:
     """Return what each thing of a level is, apart from its looks."""
     found: dict[Place, dict[str, Any]] = {}
-    for item in level.items:
-        found[f"items.{item.name}", None] = {"in": item.places, "reward": item.reward}
-    for switch in level.switches:
-        found[f"switches.{switch.name}", None] = {
-            "at": switch.at,
-            "once": switch.once,
-            "on": switch.on,
-        }
+    for kind in NEEDED:
+        for thing in kind.of(level):
+            found[f"{kind.field}.{thing.name}", None] = _thing(kind, thing)
     names = Things(level).names
     for name, mover in zip(names[len(names) - len(level.movers) :], level.movers, strict=True):
         way: dict[str, Any] = {"path": mover.path, "back": mover.back}
@@ -57,6 +53,16 @@ def _things(level: LevelFields) -> dict[Place, dict[str, Any]]:
             way = {"within": mover.within.model_dump(), "start": mover.start}
         found[f"movers.{name}", None] = way
     return {place: plain(fields) for place, fields in found.items()} | dict(_doors(level))
+
+
+def _thing(kind: Kind, thing: Any) -> dict[str, Any]:
+    """Return where a thing lies and what it does."""
+    fields = {each: getattr(thing, each) for each in kind.properties if each not in LOOKS}
+    del fields["name"]
+    if "one_of" in fields:
+        del fields["at"], fields["one_of"]
+        return {"in": thing.places, **fields}
+    return fields
 
 
 def _doors(level: LevelFields) -> Iterator[tuple[Place, dict[str, Any]]]:

@@ -10,6 +10,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
+from babyrobot_levels.language import kinds
 from babyrobot_levels.language.cells import PuddleTypes
 from babyrobot_levels.mdp.graph import Successors, distances
 from babyrobot_levels.mdp.grid import ALL_SIDES, BIT
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 SHAPE = ("cells", "dead_ends", "corridors", "junctions", "loops")
 PATHS = ("reachable", "path_length", "turns")
-THINGS = ("items", "doors", "switches", "movers", "configurations", "detour")
+THINGS = (*(kind.field for kind in kinds.THINGS), "configurations", "detour")
 UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps")
 """What is expected of episodes without a limit."""
 
@@ -231,7 +232,7 @@ class Metrics(Shown):
         """
         if self.path_length is None:
             return None
-        fields = ("items", "doors", "switches", "movers", "exit_needs")
+        fields = (*(kind.field for kind in kinds.THINGS), "exit_needs")
         bare = self.level.model_copy(update=dict.fromkeys(fields, ()))
         for name in ("_things", "_mdp", "_digest"):
             bare.__dict__.pop(name, None)

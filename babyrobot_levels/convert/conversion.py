@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.diagnostics import one_line
@@ -20,10 +21,8 @@ _NOT_LOST = frozenset({"version", "name", "map", "legend"})
 
 
 _THINGS = {
-    "items": "they are left out",
+    **{kind.field: "they are left out" for kind in THINGS},
     "doors": "they stand open",
-    "switches": "they are left out",
-    "movers": "they are left out",
     "exit_one_of": "each of the cells is an exit",
     "exit_needs": "the exits need nothing",
 }

@@ -20,6 +20,7 @@ from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.generation.locks import Counts, Placer
 from babyrobot_levels.language.cells import Puddle
 from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.moves import Wind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
@@ -40,7 +41,7 @@ SHARED = [
 ]
 """The fields of a suite that are fields of its levels."""
 
-PLACED = ("doors", "items", "movers", "hit", "wind")
+PLACED = (*(kind.field for kind in THINGS), "hit", "wind")
 """The fields of levels that are drawn after their mazes, besides puddles, or follow from that."""
 
 HIT_STEPS = 2

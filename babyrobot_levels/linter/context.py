@@ -190,7 +190,7 @@ class LintContext:
 
     @cached_property
     def things(self) -> ThingEffects:
-        """What becomes of items, switches, doors and movers in the configurations that occur."""
+        """What becomes of the things of the level in the configurations that occur."""
         from babyrobot_levels.linter.things import ThingEffects
 
         return ThingEffects(self.level, self.mdp)
@@ -235,9 +235,8 @@ class LintContext:
         return (field, number) if is_list else (field,)
 
     def place_of_entry(self, field: str, number: int) -> Location:
-        """Return where the file gives an item, a switch, a door or a mover, by its index."""
+        """Return where the file gives a thing, by the field of its kind and its index."""
         drawn = count_drawn(self.level, field)
         if number >= drawn:
             return (field, number - drawn)
-        entry = getattr(self.level, field)[number]
-        return self.place(self.state(entry.places[0] if field == "items" else entry.at))
+        return self.place(self.state(getattr(self.level, field)[number].places[0]))

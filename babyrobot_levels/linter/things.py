@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.language.kinds import NEEDED, Kind
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import listed
@@ -19,7 +20,7 @@ MAX_OUTCOMES = 20_000_000
 
 
 class ThingEffects:
-    """What happens to items, switches, doors and movers.
+    """What happens to the things of a level.
 
     A configuration *is played* if an episode can be in it and go on: others only occur in the step
     that ends an episode.
@@ -109,16 +110,14 @@ class ThingEffects:
         places = self.level.items[item].places
         return [n for n, place in enumerate(places) if not taken[n] and place not in starts]
 
-    def changed(self, before: int, after: int) -> tuple[str | None, int]:
-        """Return the field and number of the item or switch that a transition changes.
-
-        The field is None if there is none.
-        """
+    def changed(self, before: int, after: int) -> tuple[Kind | None, int]:
+        """Return the kind and number of what a transition takes or flips; None for nothing."""
         rows = self.mdp.configurations[[before // self.mdp.cells, after // self.mdp.cells]]
-        for field, columns in (("items", self._things.items), ("switches", self._things.switches)):
+        for kind in NEEDED:
+            columns: slice = getattr(self._things, kind.field)
             numbers = np.flatnonzero(rows[0, columns] != rows[1, columns])
             if numbers.size:
-                return field, int(numbers[0])
+                return kind, int(numbers[0])
         return None, 0
 
     @property

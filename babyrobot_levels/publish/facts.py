@@ -11,14 +11,12 @@ import numpy as np
 
 from babyrobot_levels.analysis.metrics import metrics as metrics_of
 from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.metrics import Metrics
     from babyrobot_levels.library.level import Level
-
-THINGS = ("items", "doors", "switches", "movers")
-"""The kinds of things, which are fields of a level."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +61,7 @@ class Facts:
         max_steps: the time limit; None if there is none.
         discount: the discount factor.
         deterministic: whether each action has one outcome only.
-        things: the kinds of things in it, of `items`, `doors`, `switches`, `movers`.
+        things: the fields of the kinds of things in it, such as `items`.
         features: what else is in it, of `areas`, `ends`, `glass`, `maze`, `puddles`, `warps` and
             `wind`.
         best_return: the optimal expected return; None if it is undefined.
@@ -161,7 +159,7 @@ def facts_of(
         max_steps=level.max_steps,
         discount=level.discount,
         deterministic=bool(chances.max(initial=0) <= 1),
-        things=tuple(name for name in THINGS if getattr(level, name)),
+        things=tuple(kind.field for kind in THINGS if kind.of(level)),
         features=tuple(_features(level)),
         best_return=None if metrics is None else metrics.best_return,
         best_steps=None if metrics is None else metrics.best_steps,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.publish.facts import Facts
@@ -20,14 +21,6 @@ MOST_CELLS = 256
 
 LARGE_CELL = 96
 """The width of a cell of the picture in pixels, where there is room."""
-
-_CHANGING = {
-    "items": "the items that are held",
-    "doors": "the doors that are open",
-    "switches": "the switches that are on",
-    "movers": "the places of movers",
-}
-"""On what values depend beside the cell, by the kind of things."""
 
 
 def values_svg(level: Level, guide: Guide) -> str:
@@ -70,7 +63,7 @@ def values_panel(level: Level, facts: Facts, guide: Guide, picture: str) -> str:
         guide: its solution.
         picture: the address of the picture with values and actions, for an attribute.
     """
-    changing = [text for name, text in _CHANGING.items() if name in facts.things]
+    changing = [kind.state for kind in THINGS if kind.field in facts.things]
     where = (
         f" These are the values at the start of an episode. They change with {', '.join(changing)}."
         if changing

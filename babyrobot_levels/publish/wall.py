@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from string import Template
 
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.play import program
 from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.render.page import embedded_json
@@ -30,7 +31,7 @@ MAX_TEXT = 500
 """The most characters of each text that a search looks through."""
 
 CONTENTS = (
-    *("items", "doors", "switches", "movers"),
+    *(kind.field for kind in THINGS),
     *("areas", "ends", "glass", "maze", "puddles", "warps", "wind"),
 )
 """Things and features, in the order in which they are shown."""

@@ -1,9 +1,10 @@
-"""Rules about items, and about switches that nothing needs."""
+"""Rules about items, and about things that nothing needs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs, cells_text, count_drawn
 from babyrobot_levels.linter.fixes import removal
@@ -124,18 +125,19 @@ def unused_thing(context: LintContext) -> Iterator[Finding]:
     named = {*level.exit_keys}
     for door in level.doors:
         named |= {*door.keys, *door.locks}
-    for field in ("items", "switches"):
-        drawn = count_drawn(level, field)
-        for number, thing in enumerate(getattr(level, field)):
-            if thing.name in named or (field == "items" and thing.reward is not None):
+    for kind in NEEDED:
+        pays = "reward" in kind.properties
+        drawn = count_drawn(level, kind.field)
+        for number, thing in enumerate(kind.of(level)):
+            if thing.name in named or (pays and thing.reward is not None):
                 continue
-            what = "is neither needed nor rewarded" if field == "items" else "is not needed"
+            what = "is neither needed nor rewarded" if pays else "is not needed"
             help_text = "name it in `needs` of a door or in `exit_needs`, or remove it"
-            if field == "items":
+            if pays:
                 help_text = "give it a `reward`, " + help_text
-            route = (field, number - drawn)
+            route = (kind.field, number - drawn)
             yield Finding(
-                context.place_of_entry(field, number),
+                context.place_of_entry(kind.field, number),
                 f"`{thing.name}` {what}",
                 help_text,
                 fix=None

@@ -268,13 +268,12 @@ def _trap_among_things(context: LintContext, steps: list[int], traps: list[int])
         if first in others and steps[state] == steps[first] - 1
     )
     help_text = "keep a path to an exit open, or end the episode there with `ends: true`"
-    field, number = context.things.changed(before, first)
-    if field is None:
+    kind, number = context.things.changed(before, first)
+    if kind is None or kind.need is None:
         return Finding(context.place(first), message, help_text)
-    name = getattr(context.level, field)[number].name
-    verb = "taking" if field == "items" else "flipping"
-    help_text = f"the robot gets there by {verb} `{name}`: {help_text}"
-    return Finding(context.place_of_entry(field, number), message, help_text)
+    name = kind.of(context.level)[number].name
+    help_text = f"the robot gets there by {kind.need.getting} `{name}`: {help_text}"
+    return Finding(context.place_of_entry(kind.field, number), message, help_text)
 
 
 @rule("BR504")

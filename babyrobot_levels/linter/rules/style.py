@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from itertools import product
 
 from babyrobot_levels.language.cells import Rectangle
+from babyrobot_levels.language.kinds import LISTED, THINGS, Kind, Where
 from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.walls import Opening
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
@@ -18,6 +20,9 @@ from babyrobot_levels.text.source import Position, Span
 
 MIN_CONTRAST = 3.0
 """The minimum contrast of graphical objects in the Web Content Accessibility Guidelines."""
+
+_SIDES = [kind for kind in LISTED if kind.where is Where.SIDE and kind not in THINGS]
+_RECTANGLES = [kind for kind in LISTED if kind.where is Where.RECTANGLE]
 
 Box = tuple[int, int, int, int]
 """Left, top, right, bottom; the last two exclusive."""
@@ -157,7 +162,7 @@ def mergeable_walls(context: LintContext) -> Iterator[Finding]:
     The fix sets the length of the first entry and removes the others. It is safe: the walls stay
     the same.
     """
-    for field in ("walls", "openings"):
+    for field in (kind.field for kind in _SIDES):
         if field not in context.data:
             continue
         entries: list[Opening] = [entry for _, entry in context.level.written(field)]
@@ -226,7 +231,7 @@ def mergeable_cells(context: LintContext) -> Iterator[Finding]:
     The fix sets the size of the first entry and removes the others. It is safe: the cells stay the
     same. Areas with a label are not fixed, because each of them shows its label.
     """
-    for field in ("blocked", "areas"):
+    for field in (kind.field for kind in _RECTANGLES):
         if field not in context.data:
             continue
         entries: list[Rectangle] = [entry for _, entry in context.level.written(field)]
@@ -376,7 +381,7 @@ def side_spelling(context: LintContext) -> Iterator[Finding]:
 
     The fix writes the letter. It is safe: the wall stays the same.
     """
-    for field in ("walls", "openings"):
+    for field in (kind.field for kind in _SIDES):
         for number, entry in enumerate(context.data.get(field) or []):
             side = entry["side"]
             letter = side[:1].upper()
@@ -429,12 +434,19 @@ def empty_field(context: LintContext) -> Iterator[Finding]:
             )
 
 
+def _defaults(kind: Kind) -> dict[str, object]:
+    """Return the fields of an entry that have a default, with it."""
+    assert kind.model is not None
+    return {
+        info.alias or name: plain(info.default)
+        for name, info in kind.model.model_fields.items()
+        if not info.is_required() and info.default is not None
+    }
+
+
 _DEFAULTS: dict[str, dict[str, object]] = {
     "maze": {"loops": 0},
-    "walls": {"length": 1, "pass": 0, "fit": False},
-    "openings": {"length": 1},
-    "areas": {"size": [1, 1]},
-    "blocked": {"size": [1, 1]},
+    **{kind.field: _defaults(kind) for kind in (*_SIDES, *_RECTANGLES)},
 }
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.kinds import NEEDED
+from babyrobot_levels.language.things import Item
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.doors import door_sides
 from babyrobot_levels.mdp.grid import BIT
@@ -17,7 +19,6 @@ from babyrobot_levels.render.words.things import item_count, spoken
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.things import Item
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 Cell = tuple[int, int]
@@ -99,7 +100,9 @@ def _closed(level: GridWorld, now: Configuration | None) -> Sequence[bool]:
     """Return for each door whether it is closed; in the level as a whole, at the beginning."""
     if now is not None or not level.doors:
         return now.doors if now is not None else ()
-    return level.things().closed(frozenset(s.name for s in level.switches if s.on))
+    things = [thing for kind in NEEDED for thing in kind.of(level)]
+    met = frozenset(thing.name for thing in things if getattr(thing, "on", False))
+    return level.things().closed(met)
 
 
 def _exits(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
@@ -147,20 +150,22 @@ def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
         for shape, count in Counter(item.picture for item, _ in lying).items():
             yield item_count(count, shape)
     closed = sum(_closed(level, now))
-    for count, kind in ((closed, "closed door"), (len(level.doors) - closed, "open door")):
+    for count, doors in ((closed, "closed door"), (len(level.doors) - closed, "open door")):
         if count:
-            yield phrases.counted(count, kind)
-    if level.switches:
-        yield phrases.counted(len(level.switches), "switch", "switches")
-    for kind in ("guard", "wanderer"):
+            yield phrases.counted(count, doors)
+    for kind in NEEDED:
+        # Items are told by their shapes.
+        if kind.model is not Item and (count := len(kind.of(level))):
+            yield phrases.counted(count, kind.noun, kind.plural)
+    for label in ("guard", "wanderer"):
         cells = [
             now.movers[number] if now is not None else None
             for number, mover in enumerate(level.movers)
-            if (mover.within is None) == (kind == "guard")
+            if (mover.within is None) == (label == "guard")
         ]
         if cells:
             at = f" at {show_cell(cells[0])}" if len(cells) == 1 and cells[0] is not None else ""
-            yield f"{phrases.counted(len(cells), kind)}{at}"
+            yield f"{phrases.counted(len(cells), label)}{at}"
 
 
 def _item(item: Item, cells: Sequence[Cell]) -> str:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.grounds import grounds_of
 from babyrobot_levels.render.words.things import spoken
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -48,18 +50,20 @@ def _reach(names: set[str], reward: float) -> str:
 def _errands(level: GridWorld) -> str:
     """Return what has to be done before the exit; empty for nothing."""
     needed = _needed(level)
-    items = [item.name for item in level.items if item.name in needed]
-    switches = [switch.name for switch in level.switches if switch.name in needed]
-    if len(items) + len(switches) > _MOST_NAMES:
-        return "Fetch and switch on what is needed" if switches else "Fetch what is needed"
-    fetch = f"fetch the {spoken(items)}" if items else ""
-    switch = f"switch on the {spoken(switches)}" if switches else ""
-    return " and ".join(filter(None, (fetch, switch))).capitalize()
+    errands: dict[str, list[str]] = {}
+    for kind in NEEDED:
+        names = [thing.name for thing in kind.of(level) if thing.name in needed]
+        if names and kind.need is not None:
+            errands[kind.need.get] = names
+    if sum(map(len, errands.values())) > _MOST_NAMES:
+        return f"{listed([*errands])} what is needed".capitalize()
+    told = [f"{get} the {spoken(names)}" for get, names in errands.items()]
+    return " and ".join(told).capitalize()
 
 
 def _needed(level: GridWorld) -> frozenset[str]:
     """Return what is held or on in each configuration in which an episode ends at an exit."""
-    if not (level.items or level.switches):
+    if not any(kind.of(level) for kind in NEEDED):
         return frozenset()
     import numpy as np
 

@@ -1,17 +1,18 @@
-"""Items, switches and movers in words: what they open, close, pay and cost."""
+"""Things in words: what they open, close, pay and cost."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.doors import door_name
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.things import Door, Item, Mover, Switch
+    from babyrobot_levels.language.things import Door, Item, Mover
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 Names = tuple[str, ...]
@@ -28,7 +29,7 @@ def item_count(count: int, shape: str) -> str:
 
 
 def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
-    """Yield what items and switches do, then movers: each as a sample's name and a text."""
+    """Yield what the things of a level do, movers last: each as a sample's name and a text."""
     acts = _acts(level)
     pays = {item.name: item.reward for item in level.items if item.reward is not None}
     told = {(name,) for name in pays} | {*acts}
@@ -38,22 +39,21 @@ def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
             each = phrases.rewards(pays[name] for name in lone)
             yield f"item:{lone[0]}", f"{item_count(len(lone), shape)}: each {each}"
             told -= {(name,) for name in lone}
-    switches = {switch.name: switch for switch in level.switches}
-    order = [item.name for item in level.items] + [*switches]
+    known = {thing.name: (kind, thing) for kind in NEEDED for thing in kind.of(level)}
+    order = [*known]
     for names in sorted(told, key=lambda names: [order.index(name) for name in names]):
-        switch = switches.get(names[0])
+        kind, thing = known[names[0]]
         parts = [f"{verb if len(names) == 1 else verb[:-1]} {what}" for verb, what in acts[names]]
         if len(names) == 1 and names[0] in pays:
             parts.append(phrases.reward(pays[names[0]]))
-        when = _when(switch) if switch is not None and len(names) == 1 else ""
-        kind = "item" if switch is None else "switch"
-        yield f"{kind}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
+        when = _when(thing) if "on" in kind.properties and len(names) == 1 else ""
+        yield f"{kind.name}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
     yield from _movers(level)
 
 
-def _when(switch: Switch) -> str:
-    """Return when a switch does what it does."""
-    return f"{'flips once, ' * switch.once}{'on at first, ' * switch.on}while on: "
+def _when(thing: Any) -> str:
+    """Return when something that can be on does what it does."""
+    return f"{'flips once, ' * thing.once}{'on at first, ' * thing.on}while on: "
 
 
 def _acts(level: GridWorld) -> dict[Names, list[tuple[str, str]]]:
