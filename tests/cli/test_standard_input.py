@@ -15,7 +15,7 @@ COMMANDS = {
     "cite": ("show", "-", "--cite"),
     "solve": ("solve", "-"),
     "resolve": ("resolve", "-"),
-    "export": ("export", "-", "--to", "babyrobot"),
+    "export": ("export", "-", "--to", "maze-map"),
     "share": ("share", "-"),
     "diff": ("diff", "default", "-"),
     "diff the other way": ("diff", "-", "default"),
@@ -78,7 +78,7 @@ def test_a_file_of_that_name_has_another_one(folder: Path) -> None:
     [
         ("preview", "walls"),
         ("preview", "walls", "--format", "svg"),
-        ("export", "walls", "--to", "babyrobot"),
+        ("export", "walls", "--to", "maze-map"),
         ("resolve", "maze"),
         ("schema",),
         ("import", "lake.txt"),

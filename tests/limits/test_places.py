@@ -36,6 +36,14 @@ def fault(path: str | Path) -> Diagnostic:
     return found
 
 
+def not_read(path: str) -> Diagnostic:
+    """Return the one thing that is wrong with a path where a single level is needed."""
+    with pytest.raises(LevelError) as raised:
+        brl.Level.load(path)
+    (found,) = raised.value.diagnostics
+    return found
+
+
 def test_a_missing_file() -> None:
     found = fault("nowhere.yaml")
     assert (found.code, found.message) == ("BR101", "no such file")
@@ -43,7 +51,7 @@ def test_a_missing_file() -> None:
 
 def test_a_folder(folder: Path) -> None:
     (folder / "folder.yaml").mkdir()
-    assert fault("folder.yaml").message == "this is a directory, not a file"
+    assert not_read("folder.yaml").message == "this is a directory, not a file"
 
 
 def test_a_file_that_may_not_be_read(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -159,4 +167,4 @@ def test_a_folder_that_windows_refuses_to_open(
 
     (folder / "folder.yaml").mkdir()
     monkeypatch.setattr(os, "open", refuse)
-    assert fault("folder.yaml").message == "this is a directory, not a file"
+    assert not_read("folder.yaml").message == "this is a directory, not a file"
