@@ -11,7 +11,7 @@ import typer
 
 from babyrobot_levels.cli.console import fail, note, write
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
-from babyrobot_levels.text.extras import how_to_install
+from babyrobot_levels.text.errors import how_to_install
 
 if TYPE_CHECKING:
     from babyrobot_levels.editor.session import Session

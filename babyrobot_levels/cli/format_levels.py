@@ -96,7 +96,7 @@ def format_levels(
 
 def work_on(path: Path) -> Outcome:
     """Format a file, or standard input for `-`. Nothing is written."""
-    from babyrobot_levels.language.formatting.formatter import format_source
+    from babyrobot_levels.language.formatting import format_source
     from babyrobot_levels.text.errors import LevelError
 
     try:

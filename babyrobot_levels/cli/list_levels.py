@@ -23,7 +23,7 @@ from babyrobot_levels.library.search_path import Place
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.pack import PackFields
+    from babyrobot_levels.language.suite_list import PackFields
     from babyrobot_levels.library.catalogue import LevelInfo
 
 

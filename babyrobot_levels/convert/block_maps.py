@@ -44,7 +44,7 @@ from babyrobot_levels.convert.conversion import (
 from babyrobot_levels.convert.data import letters_in, read_data, sequence
 from babyrobot_levels.convert.minigrid_grids import LAVA, Cell, Object, Snapshot, moved, world_of
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.convert.conversion import ConversionError, Lost, fields_lost
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
+from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.geometry import painted
-from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 from babyrobot_levels.text.source import Position, SourceFile
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.moves import Rewards
+    from babyrobot_levels.language.cells import Rewards
     from babyrobot_levels.library.level import Level
 
 Rows = tuple[str, ...]

@@ -176,7 +176,7 @@ def file_text(world: World, *, schema: str | None, name: str | None, title: str)
 def _tidy(text: str) -> str:
     """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
     # Here, because exporting does not need the linter.
-    from babyrobot_levels.language.formatting.formatter import format_source
+    from babyrobot_levels.language.formatting import format_source
     from babyrobot_levels.linter.fixer import fix
     from babyrobot_levels.linter.registry import select
 

@@ -19,8 +19,8 @@ from babyrobot_levels.convert.tiled_tiles import (
     tile_layer,
 )
 from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.drawing import rectangles
 from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
-from babyrobot_levels.language.runs import rectangles
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile

@@ -16,8 +16,7 @@ from babyrobot_levels.editor.shown.answers import Answers
 from babyrobot_levels.editor.shown.linting import Linter, Linting
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.runner import Report, lint_document, lint_source
-from babyrobot_levels.text.comments import comments
-from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.document import Document, comments
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.envs.vector.rendering import LEVEL_ATTRIBUTES
-from babyrobot_levels.text.extras import how_to_install
+from babyrobot_levels.text.errors import how_to_install
 
 try:
     from stable_baselines3.common.vec_env import VecEnv

@@ -18,13 +18,11 @@ from babyrobot_levels.analysis.solver.ends import other_ends
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.generation.locks import Counts, Placer
-from babyrobot_levels.language.cells import Puddle
+from babyrobot_levels.language.cells import Puddle, Wind
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.kinds import THINGS
-from babyrobot_levels.language.moves import Wind
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.ranges import bounds
-from babyrobot_levels.language.suite import SuiteFields, split_ranges
+from babyrobot_levels.language.suite import SuiteFields, bounds, split_ranges
 from babyrobot_levels.language.things import Hit
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.library.level import Level

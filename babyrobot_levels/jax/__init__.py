@@ -13,7 +13,7 @@ try:
     import gymnax as _gymnax
     import jax as _jax
 except ImportError as fault:
-    from babyrobot_levels.text.extras import how_to_install
+    from babyrobot_levels.text.errors import how_to_install
 
     raise ImportError(
         f"babyrobot_levels.jax needs JAX and gymnax 1.0 or later: {how_to_install('jax')}"

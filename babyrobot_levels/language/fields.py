@@ -32,11 +32,19 @@ from babyrobot_levels.language.base import (
     form,
     forms,
 )
-from babyrobot_levels.language.cells import Area, Puddle, PuddleTypes, Rectangle, SkidLike
+from babyrobot_levels.language.cells import (
+    Area,
+    Puddle,
+    PuddleTypes,
+    Rectangle,
+    Rewards,
+    SkidLike,
+    Warp,
+    Wind,
+)
 from babyrobot_levels.language.drawing import RESERVED
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import Display, ThemeLike
-from babyrobot_levels.language.moves import Rewards, Warp, Wind
 from babyrobot_levels.language.things import (
     Door,
     Hit,

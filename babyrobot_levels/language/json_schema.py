@@ -19,10 +19,9 @@ from pydantic import BaseModel
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.kinds import LEGEND
 from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
-from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.play import PlayFields
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.suite_list import KINDS, SuiteListFields
+from babyrobot_levels.language.suite_list import KINDS, PackFields, SuiteListFields
 from babyrobot_levels.language.things import LegendEntry
 
 # Draft 7 is what the editors know best.

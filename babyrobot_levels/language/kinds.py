@@ -14,8 +14,7 @@ from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import Model
-from babyrobot_levels.language.cells import Area, Puddle, Rectangle, Traits
-from babyrobot_levels.language.moves import Warp, Wind
+from babyrobot_levels.language.cells import Area, Puddle, Rectangle, Traits, Warp, Wind
 from babyrobot_levels.language.things import DRAWN_NAMES, Door, Item, LegendEntry, Mover, Switch
 from babyrobot_levels.language.walls import GLASS_PASS, Opening, Wall
 

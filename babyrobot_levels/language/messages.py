@@ -8,7 +8,7 @@ from typing import Any
 from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME, Colors
-from babyrobot_levels.language.pack import VERSION
+from babyrobot_levels.language.suite_list import VERSION
 from babyrobot_levels.text.scalars import is_plain_string
 from babyrobot_levels.text.words import did_you_mean, shortened
 

@@ -11,9 +11,8 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import cell_mark, cells_text, count_drawn
 from babyrobot_levels.linter.suppressions import MARK, Suppression, suppressions
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
-from babyrobot_levels.text.comments import Comment, comments
 from babyrobot_levels.text.diagnostics import Location, Route
-from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.document import Comment, Document, comments
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile
 

@@ -9,9 +9,8 @@ from typing import Any
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import side_mark
-from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.diagnostics import Edit, Fix, Route
-from babyrobot_levels.text.document import Document, Node
+from babyrobot_levels.text.document import Document, Node, comments
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.source import Position, SourceFile, Span
 

@@ -6,8 +6,7 @@ import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 
-from babyrobot_levels.text.comments import Comment
-from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.document import Comment, Document
 from babyrobot_levels.text.source import Span
 
 MARK = "babyrobot:"

@@ -7,8 +7,8 @@ from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.level import LevelSpec
-from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import GLASS_PASS, Wall, sides_of
 from babyrobot_levels.mdp.doors import door_sides
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour

@@ -22,7 +22,7 @@ from babyrobot_levels.parallel.executor import (
     Result,
     WorkerDiedError,
 )
-from babyrobot_levels.text.extras import DISTRIBUTION, how_to_install
+from babyrobot_levels.text.errors import DISTRIBUTION, how_to_install
 
 RETRIES = 3
 """How often Ray repeats a chunk whose worker or node died."""

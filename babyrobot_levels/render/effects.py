@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.moves import shifts
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -25,8 +25,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.play import program
-from babyrobot_levels.language.share_code import PLAY_MARK, VERSION, encode
-from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
+from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
 from babyrobot_levels.render.page_data import (
     Guide,
     TooLargeError,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.drawn import drawing_of
 from babyrobot_levels.render.scene.icons import default_color

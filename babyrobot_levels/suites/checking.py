@@ -61,7 +61,7 @@ def format(level: Levels, *, write: bool = False) -> str:  # noqa: A001
         LevelError: the text is not valid; its `diagnostics` say where and why.
         ValueError: it is not one level, or there is no file to write to.
     """
-    from babyrobot_levels.language.formatting.formatter import format_source
+    from babyrobot_levels.language.formatting import format_source
 
     found = [*texts_of(level)]
     if len(found) > 1:

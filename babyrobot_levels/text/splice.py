@@ -13,8 +13,7 @@ from difflib import SequenceMatcher
 from itertools import takewhile
 from typing import Any
 
-from babyrobot_levels.text.comments import comments
-from babyrobot_levels.text.document import Document, Node
+from babyrobot_levels.text.document import Document, Node, comments
 from babyrobot_levels.text.emitter import emit_entry, emit_field, flow
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read

@@ -24,9 +24,9 @@ from pydantic import BaseModel
 from support.places import DOCS
 from support.reading import read_level
 
+from babyrobot_levels.language.cells import PRECEDENCE
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import Colors, Theme, Widths
-from babyrobot_levels.language.moves import PRECEDENCE
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action

@@ -6,7 +6,7 @@ import base64
 import zlib
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.share_dictionary import DICTIONARY_1
+from babyrobot_levels.language.share_code import DICTIONARY_1
 from babyrobot_levels.library.reading import load_code
 
 

@@ -25,7 +25,7 @@ from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
-from babyrobot_levels.text.comments import comments
+from babyrobot_levels.text.document import comments
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read

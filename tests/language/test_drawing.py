@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from support.worlds import LEGEND, World, drawings, level_of, level_of_text, worlds
 
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.drawing import consecutive, rectangles, runs
 from babyrobot_levels.language.validation import parse as load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Mark
@@ -351,3 +353,33 @@ map: |
 def test_a_drawn_text_level() -> None:
     text = "version: 1\nmap: |\n" + "".join(f"  {line}\n" for line in SHOWN.splitlines())
     assert level_of_text(text).draw() == SHOWN
+
+
+@pytest.mark.parametrize(
+    ("values", "wanted", "expected"),
+    [
+        ([], 1, []),
+        ([0, 0], 1, []),
+        ([1], True, [(0, 1)]),
+        ([0, 1, 1, 0, 1], 1, [(1, 2), (4, 1)]),
+        ("##  #", "#", [(0, 2), (4, 1)]),
+        (b"\1\0\0\1", 0, [(1, 2)]),
+    ],
+)
+def test_runs_have_a_start_and_a_length(
+    values: Iterable[object], wanted: object, expected: list[object]
+) -> None:
+    assert list(runs(values, wanted)) == expected
+
+
+def test_consecutive_items_are_on_one_line_and_one_place_apart() -> None:
+    cells = [(0, 0), (0, 1), (0, 3), (1, 3), (1, 4), (2, 5)]
+    found = list(consecutive(cells, lambda cell: (cell[0], cell[1])))
+    assert found == [[(0, 0), (0, 1)], [(0, 3)], [(1, 3), (1, 4)], [(2, 5)]]
+    assert list(consecutive([], lambda cell: cell)) == []
+
+
+def test_rectangles_cover_each_mark_once() -> None:
+    marks = bytes([1, 1, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1])
+    found = sorted(rectangles(marks, 4))
+    assert found == [(0, 0, 2, 2), (1, 2, 3, 1), (3, 0, 1, 1)]

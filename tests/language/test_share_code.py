@@ -20,8 +20,7 @@ from support.worlds import LEGEND, World, decorated_worlds, drawings, level_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.drawing import compose
-from babyrobot_levels.language.share_code import MAX_CHARACTERS, is_code
-from babyrobot_levels.language.share_dictionary import DICTIONARY_1
+from babyrobot_levels.language.share_code import DICTIONARY_1, MAX_CHARACTERS, is_code
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_code, load_file

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from random import Random
 from typing import Any
 
-from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.language.cells import Rewards
 
 Cell = tuple[int, int]
 Side = frozenset[Cell]

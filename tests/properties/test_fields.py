@@ -21,8 +21,8 @@ from support.things import FIELDS as OF_THINGS
 from support.worlds import World, level_of, worlds
 
 from babyrobot_levels.convert.formats import FORMATS
+from babyrobot_levels.language.cells import ADDED, PRECEDENCE, Rewards
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
-from babyrobot_levels.language.moves import ADDED, PRECEDENCE, Rewards
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.tables import compile_cells
 from babyrobot_levels.mdp.compiler.things import compile_things

@@ -7,7 +7,7 @@ import json
 import zlib
 from typing import Any
 
-from babyrobot_levels.language.share_dictionary import DICTIONARY_1, PLAY_DICTIONARY_1
+from babyrobot_levels.language.share_code import DICTIONARY_1, PLAY_DICTIONARY_1
 
 
 def packed(data: bytes) -> bytes:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.validation import parse as parse_text
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile

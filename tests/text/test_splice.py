@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from babyrobot_levels.text.comments import comments
-from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.document import Document, comments
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.splice import splice

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.editor.changes.canvas import Canvas
-from babyrobot_levels.language.formatting.tree import NOTHING, Fields, fields_of
+from babyrobot_levels.language.formatting import NOTHING, Fields, fields_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import BabyRobotError

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
+from babyrobot_levels.language.drawing import rectangles
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.runs import rectangles
 
 Entry = dict[str, Any]
 

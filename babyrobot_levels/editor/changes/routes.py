@@ -7,7 +7,7 @@ from typing import Any
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.entries.forms import LEVEL, forms, short_forms
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.language.formatting.tree import Fields, fields_of
+from babyrobot_levels.language.formatting import Fields, fields_of
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.text.errors import LevelError
 

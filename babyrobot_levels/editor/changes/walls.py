@@ -7,9 +7,9 @@ from babyrobot_levels.editor.changes.names import names_of
 from babyrobot_levels.editor.changes.sides import Entry, Run, cut
 from babyrobot_levels.editor.gestures import Walls
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.geometry import Cell, blocked_cells, show_cell
 from babyrobot_levels.language.kinds import NEEDED
-from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import GLASS_PASS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid

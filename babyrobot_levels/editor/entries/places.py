@@ -23,10 +23,9 @@ from typing import Any
 
 from babyrobot_levels.editor.entries.drawn_places import Place, drawn_places, new_place, side_of
 from babyrobot_levels.editor.entries.forms import expanded
-from babyrobot_levels.language.cells import Rectangle
+from babyrobot_levels.language.cells import Rectangle, Warp
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import LISTED
-from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.language.things import Item, Mover
 from babyrobot_levels.language.walls import Opening, sides_of
 from babyrobot_levels.library.level import Level

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.extras import how_to_install
+from babyrobot_levels.text.errors import how_to_install
 
 if TYPE_CHECKING:
     from babyrobot_levels.editor.hosts.widget import Editor

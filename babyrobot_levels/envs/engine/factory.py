@@ -13,7 +13,7 @@ from babyrobot_levels.envs.engine.plain import PlainEngine
 from babyrobot_levels.envs.engine.state import Engine
 from babyrobot_levels.envs.engine.tables import NO_LIMIT, Tables
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.extras import how_to_install
+from babyrobot_levels.text.errors import how_to_install
 from babyrobot_levels.text.words import did_you_mean
 
 ENGINES = ("numpy", "compiled")

@@ -21,7 +21,7 @@ from babyrobot_levels.envs.observations.cells import (
 )
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.language.base import SIDE_NAMES, SIDES
-from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.doors import grid_with_doors

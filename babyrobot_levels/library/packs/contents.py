@@ -8,8 +8,8 @@ from pathlib import Path
 
 from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.looks import Theme
-from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteTexts
+from babyrobot_levels.language.suite_list import PackFields
 from babyrobot_levels.language.validation import check
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.packs.format import TEXTS, LevelEntry, Manifest, PackError, is_theme

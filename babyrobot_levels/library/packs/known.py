@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from babyrobot_levels.language.base import SLUG
-from babyrobot_levels.language.pack import VERSION, PackFields
+from babyrobot_levels.language.suite_list import VERSION, PackFields
 from babyrobot_levels.language.validation import check
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import PACK_FILE, is_folder, user_folder

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.language.pack import version_order
+from babyrobot_levels.language.suite_list import version_order
 from babyrobot_levels.library.packs.archive import Archive
 from babyrobot_levels.library.packs.contents import Contents, check_contents, survey
 from babyrobot_levels.library.packs.format import PackConflictError, PackNotFoundError

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.cells import Warp, shifts
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.language.moves import Warp, shifts
 from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.mdp.grid import Grid
 

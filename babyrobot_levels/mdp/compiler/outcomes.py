@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.moves import PRECEDENCE, Rewards
+from babyrobot_levels.language.cells import PRECEDENCE, Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.compiler.moves import Moves, Warps
 from babyrobot_levels.mdp.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain

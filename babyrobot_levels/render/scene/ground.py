@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from operator import gt, or_
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.drawing import rectangles, runs
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.runs import rectangles, runs
 from babyrobot_levels.render.colors import GRAPHICS, contrast, ink_on, mixed, rim_on
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.cells import Skid, as_skid
-from babyrobot_levels.language.moves import Warp
+from babyrobot_levels.language.cells import Skid, Warp, as_skid
 from babyrobot_levels.render.effects import End, effects_of
 from babyrobot_levels.render.words import phrases
 

@@ -6,9 +6,9 @@ import colorsys
 from collections.abc import Iterable, Sequence
 
 from babyrobot_levels.language.cells import Skid
+from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.render.colors import gray, is_gray, rgba
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.words import listed

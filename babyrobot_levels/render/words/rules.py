@@ -10,8 +10,7 @@ from collections.abc import Iterable, Iterator
 from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.language.cells import as_skid
-from babyrobot_levels.language.moves import Told, shifts
+from babyrobot_levels.language.cells import Told, as_skid, shifts
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.grounds import Ground, grounds_of
 from babyrobot_levels.render.words.things import thing_rules

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.places import TESTS
 from support.work import counted_calls
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.formatting import formatter
-from babyrobot_levels.language.formatting.formatter import format_source
+from babyrobot_levels.language import formatting
+from babyrobot_levels.language.formatting import format_source
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile
 
@@ -102,7 +103,7 @@ def test_a_text_that_would_not_say_the_same_is_left(
     """The formatter trusts nobody, itself included."""
     text = "version:   1\n# why\nsize: [3, 3]\n"
     assert reason(text) is None
-    monkeypatch.setattr(formatter, "lines_of", lambda tree: spoilt.splitlines())
+    monkeypatch.setattr(formatting, "lines_of", lambda tree: spoilt.splitlines())
     assert reason(text) == "any other form would change its meaning"
 
 
@@ -181,3 +182,35 @@ def test_one_level_is_formatted_and_written_if_asked_for(here: Path) -> None:
         brl.format([path, path])
     with pytest.raises(ValueError, match="from no file"):
         brl.format(canonical, write=True)
+
+
+FOLDER = TESTS / "language" / "formatting" / "cases"
+NAMES = [path.name.removesuffix(".in.yaml") for path in sorted(FOLDER.glob("*.in.yaml"))]
+
+
+def text_of(name: str) -> str:
+    return (FOLDER / name).read_text(encoding="utf-8")
+
+
+def formatted(text: str) -> str:
+    result = format_source(SourceFile("case.yaml", text))
+    assert result.kept is None
+    return result.text
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_canonical_form(name: str) -> None:
+    assert formatted(text_of(f"{name}.in.yaml")) == text_of(f"{name}.out.yaml")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_canonical_form_stays(name: str) -> None:
+    text = text_of(f"{name}.out.yaml")
+    assert formatted(text) == text
+
+
+def test_every_case_is_a_pair() -> None:
+    assert NAMES
+    assert {path.name for path in FOLDER.iterdir()} == {
+        f"{name}.{kind}.yaml" for name in NAMES for kind in ("in", "out")
+    }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from babyrobot_levels.text.comments import comments
+from babyrobot_levels.text.document import comments
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 

@@ -1,1 +1,0 @@
-"""Level files in their canonical form: each in one form, comments kept."""
