@@ -13,7 +13,7 @@ import typer
 from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note
 from babyrobot_levels.cli.inputs import load_level
 from babyrobot_levels.cli.parallel import Workers, map_all
-from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text
+from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, summary
 from babyrobot_levels.text.files import RESERVED, make_folder
 
 if TYPE_CHECKING:
@@ -92,7 +92,6 @@ def valid_levels(
         keep_going: whether to go on without them; None where there is no such option.
     """
     from babyrobot_levels.cli.validate import errors_of
-    from babyrobot_levels.linter.reporters import text
 
     files = [each for each in levels if isinstance(each, Path)]
     found = dict(zip(files, map_all(errors_of, files, Workers(jobs), "checking"), strict=True))
@@ -101,7 +100,7 @@ def valid_levels(
         return levels, 0
     diagnostics = [each for errors in broken.values() for each in errors]
     report = findings_text(diagnostics, sys.stderr)
-    sys.stderr.write(f"{report}\n{text.summary(diagnostics, len(files))}\n")
+    sys.stderr.write(f"{report}\n{summary(diagnostics, len(files))}\n")
     if not keep_going:
         others = "" if keep_going is None else ", or leave them out with --keep-going"
         note(f"no {what} written: fix the errors first{others}")

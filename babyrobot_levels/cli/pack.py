@@ -126,11 +126,10 @@ def _report(packed: Packed, folder: Path, report_format: ReportFormat) -> None:
 def _warn(packed: Packed) -> None:
     """Write the findings that do not prevent a pack to standard error."""
     if packed.diagnostics:
-        from babyrobot_levels.cli.reporting import findings_text
-        from babyrobot_levels.linter.reporters import text
+        from babyrobot_levels.cli.reporting import findings_text, summary
 
         report = findings_text(packed.diagnostics, sys.stderr)
-        sys.stderr.write(f"{report}\n{text.summary(packed.diagnostics, len(packed.paths))}\n")
+        sys.stderr.write(f"{report}\n{summary(packed.diagnostics, len(packed.paths))}\n")
 
 
 def _inside(packed: Packed) -> dict[str, Any]:

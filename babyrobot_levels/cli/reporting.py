@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
@@ -12,11 +12,21 @@ from typing import IO, TYPE_CHECKING, Annotated, cast
 import typer
 
 from babyrobot_levels.cli.console import fail, note, wants_color, width_of, write
+from babyrobot_levels.text.diagnostics import Severity, one_line
 
 if TYPE_CHECKING:
     from babyrobot_levels.linter.reporters import MachineFormat
     from babyrobot_levels.text.diagnostics import Diagnostic
     from babyrobot_levels.text.source import SourceFile
+
+_RESET = "\x1b[0m"
+_BOLD = "\x1b[1m"
+_COLORS = {
+    Severity.ERROR: "\x1b[1;31m",
+    Severity.WARNING: "\x1b[1;33m",
+    Severity.INFO: "\x1b[1;36m",
+}
+_CYAN = "\x1b[36m"
 
 DEFAULT_FOLDER = Path("levels")
 STANDARD_INPUT = Path("-")
@@ -68,11 +78,9 @@ def write_report(
         ending: the last line of the text format.
     """
     if kind is FindingsFormat.TEXT:
-        from babyrobot_levels.linter.reporters import text
-
         report = findings_text(diagnostics, sys.stdout)
-        summary = text.summary(diagnostics, len(files), clean)
-        write(report + ("\n" if report else "") + summary + "\n" + (ending and ending + "\n"))
+        last = summary(diagnostics, len(files), clean)
+        write(report + ("\n" if report else "") + last + "\n" + (ending and ending + "\n"))
         return
     from babyrobot_levels import __version__
     from babyrobot_levels.linter.reporters import render
@@ -84,11 +92,51 @@ def write_report(
     write(render(cast("MachineFormat", kind.value), diagnostics, names, titles, __version__))
 
 
-def findings_text(diagnostics: Sequence[Diagnostic], stream: IO[str]) -> str:
-    """Return findings as text for a stream: in colour and cut to the width on a terminal."""
-    from babyrobot_levels.linter.reporters import text
+def findings_text(diagnostics: Iterable[Diagnostic], stream: IO[str]) -> str:
+    """Return findings as text, separated by blank lines; empty if there are none.
 
-    return text.render(diagnostics, color=wants_color(stream), width=width_of(stream))
+    On a terminal they are in colour, and source lines are cut to its width.
+    """
+    color, width = wants_color(stream), width_of(stream)
+    shown = [_colored(each, width) if color else each.shown(width) for each in diagnostics]
+    return "\n\n".join(shown) + "\n" if shown else ""
+
+
+def summary(diagnostics: Sequence[Diagnostic], files: int, clean: str = "valid") -> str:
+    """Return the last line of a report: the number of findings and files.
+
+    `clean` is the word for files without findings.
+    """
+    if not diagnostics:
+        return f"{files} files checked, all {clean}" if files != 1 else f"1 file checked, {clean}"
+    counts = [
+        (sum(d.severity is severity for d in diagnostics), str(severity)) for severity in Severity
+    ]
+    listed = ", ".join(f"{n} {what}{'s' if n > 1 else ''}" for n, what in counts if n)
+    affected = len({d.file for d in diagnostics})
+    return f"{listed} in 1 file" if files == 1 else f"{listed} in {affected} of {files} files"
+
+
+def _colored(diagnostic: Diagnostic, width: int | None) -> str:
+    color = _COLORS[diagnostic.severity]
+    head = (
+        f"{_BOLD}{one_line(diagnostic.location)}{_RESET}: "
+        f"{color}{diagnostic.severity} {diagnostic.code}{_RESET}: "
+        f"{_BOLD}{one_line(diagnostic.message)}{_RESET}"
+    )
+    _, *rest = diagnostic.shown(width).split("\n")
+    lines = [head]
+    for line in rest:
+        mark = line.lstrip()
+        word, colon, content = mark.partition(": ")
+        if colon and word in ("help", "fix"):
+            lines.append(f"  {_CYAN}{word}{_RESET}: {content}")
+        else:
+            gutter, bar, text = line.partition("|")
+            is_caret = text.strip() and not text.strip("^ ")
+            shown = f"{color}{text}{_RESET}" if is_caret else text
+            lines.append(f"{_CYAN}{gutter}{bar}{_RESET}{shown}")
+    return "\n".join(lines)
 
 
 def _titles() -> dict[str, str]:

@@ -175,7 +175,7 @@ class Told(NamedTuple):
 
 
 class Rewards(Model):
-    """The rewards of a step; see `PRECEDENCE`."""
+    """The rewards of a step."""
 
     step: Number = -1.0
     """A step onto a plain cell."""

