@@ -78,7 +78,7 @@ def lint(
       babyrobot lint --select BR5 --format json levels/
     """
     from babyrobot_levels.linter.linting import Options
-    from babyrobot_levels.linter.registry import UnknownRuleError
+    from babyrobot_levels.linter.rules import UnknownRuleError
 
     options = Options(
         _words(select) if select else None, _words(ignore or []), fix or diff, unsafe_fixes

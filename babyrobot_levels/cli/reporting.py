@@ -140,7 +140,7 @@ def _colored(diagnostic: Diagnostic, width: int | None) -> str:
 
 
 def _titles() -> dict[str, str]:
-    from babyrobot_levels.linter.registry import titles
+    from babyrobot_levels.linter.rules import titles
 
     return titles()
 

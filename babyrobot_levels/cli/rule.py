@@ -39,7 +39,7 @@ def rule(
 
       babyrobot rule inescapable-state
     """
-    from babyrobot_levels.linter.registry import all_pages, find
+    from babyrobot_levels.linter.rules import all_pages, find
     from babyrobot_levels.text.words import did_you_mean
 
     if code is None:

@@ -178,7 +178,7 @@ def _tidy(text: str) -> str:
     # Here, because exporting does not need the linter.
     from babyrobot_levels.language.formatting import format_source
     from babyrobot_levels.linter.fixer import fix
-    from babyrobot_levels.linter.registry import select
+    from babyrobot_levels.linter.rules import select
 
     try:
         source = source_of(text.encode("utf-8"), "<imported>")

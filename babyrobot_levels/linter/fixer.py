@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.linter.registry import Rule
+from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.runner import Report, lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix
 from babyrobot_levels.text.source import SourceFile

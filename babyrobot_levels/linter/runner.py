@@ -10,7 +10,7 @@ from zlib import crc32
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
-from babyrobot_levels.linter.registry import Rule
+from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.suites.checking import check_document
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Severity
 from babyrobot_levels.text.document import Document

@@ -22,7 +22,7 @@ from pydantic import ValidationError, model_validator
 from babyrobot_levels.editor.shown.findings import findings_of
 from babyrobot_levels.editor.shown.linting import Linting
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.linter.registry import all_rules
+from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.linter.runner import Report, lint_source
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import RIM

@@ -16,7 +16,7 @@ from sphinx.util.logging import getLogger
 from sphinx.util.osutil import relative_uri
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.linter.registry import find
+from babyrobot_levels.linter.rules import find
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import to_svg

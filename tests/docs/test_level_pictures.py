@@ -9,7 +9,8 @@ from level_pictures.examples import Example, example_of
 from support.places import DOCS
 
 from babyrobot_levels.language.looks import Theme
-from babyrobot_levels.linter.registry import Rule, all_pages
+from babyrobot_levels.linter.rule import Rule
+from babyrobot_levels.linter.rules import all_pages
 from babyrobot_levels.render.scene.marks import MARK
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Path, Scene

@@ -6,7 +6,7 @@ from textwrap import dedent
 
 import pytest
 
-from babyrobot_levels.linter.registry import select
+from babyrobot_levels.linter.rules import select
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.text.source import SourceFile
 

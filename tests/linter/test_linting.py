@@ -9,7 +9,7 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.linter.linting import SettingsError, settings_for
-from babyrobot_levels.linter.registry import UnknownRuleError, all_rules, select
+from babyrobot_levels.linter.rules import UnknownRuleError, all_rules, select
 
 pytestmark = pytest.mark.usefixtures("here")
 WET = "version: 1\nsize: [3, 1]\nopenings: []\n"

@@ -10,8 +10,7 @@ from support.places import GALLERY_FOLDER
 from support.reports import GOOD, LINT_BAD, LINT_GOOD, RULES, lint_report, linted
 
 from babyrobot_levels.linter.fixer import apply, fix
-from babyrobot_levels.linter.registry import Rule, all_rules, select
-from babyrobot_levels.linter.rules import walls
+from babyrobot_levels.linter.rules import Rule, all_rules, select, walls
 from babyrobot_levels.linter.runner import is_note, lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.files import read_source

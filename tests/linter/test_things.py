@@ -8,7 +8,7 @@ import pytest
 
 from babyrobot_levels.linter import necessity, optimal_policy, things
 from babyrobot_levels.linter.fixer import apply, fix
-from babyrobot_levels.linter.registry import all_rules, select
+from babyrobot_levels.linter.rules import all_rules, select
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.linter.things import ThingEffects
 from babyrobot_levels.mdp.compiler import layers

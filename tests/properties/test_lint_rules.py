@@ -34,7 +34,7 @@ from babyrobot_levels.linter.optimal_policy import (
     solution_of,
     surely_terminates,
 )
-from babyrobot_levels.linter.registry import all_rules
+from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.linter.variants import gives
 from babyrobot_levels.mdp import graph

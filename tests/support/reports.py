@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.linter.registry import find
+from babyrobot_levels.linter.rules import find
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError

@@ -10,7 +10,7 @@ from typing import Any, TypeGuard
 from babyrobot_levels.editor.shown.linting import Linting
 from babyrobot_levels.language.kinds import KINDS
 from babyrobot_levels.linter.finding import marked_at
-from babyrobot_levels.linter.registry import find
+from babyrobot_levels.linter.rules import find
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.source import Span
 

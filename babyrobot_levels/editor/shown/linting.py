@@ -12,7 +12,8 @@ from babyrobot_levels.editor.shown.answers import Answers
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding
 from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
-from babyrobot_levels.linter.registry import Rule, select
+from babyrobot_levels.linter.rule import Rule
+from babyrobot_levels.linter.rules import select
 from babyrobot_levels.linter.runner import Report, findings_in, names_of
 from babyrobot_levels.render.page_data import MAX_CELLS
 from babyrobot_levels.text.diagnostics import Diagnostic

@@ -1,1 +1,142 @@
-"""The rules, grouped by subject. The docstring of a rule is its page; see `rule.rule`."""
+"""All rules and error codes: selection, lookup, and their pages."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+from collections.abc import Sequence
+from functools import cache, lru_cache
+from importlib import resources
+
+from babyrobot_levels.linter.rule import REGISTERED, Rule
+from babyrobot_levels.text.diagnostics import Severity
+from babyrobot_levels.text.words import did_you_mean
+
+_NAME = re.compile(r"[a-z0-9-]+")
+
+
+class UnknownRuleError(ValueError):
+    """A rule that does not exist was selected or ignored."""
+
+
+@cache
+def all_rules() -> tuple[Rule, ...]:
+    """Return all rules, sorted by code."""
+    for module in pkgutil.iter_modules(__path__):
+        importlib.import_module(f"{__name__}.{module.name}")
+    return tuple(sorted(REGISTERED.values(), key=lambda rule: rule.code))
+
+
+@cache
+def all_pages() -> tuple[Rule, ...]:
+    """Return all errors and rules, sorted by code."""
+    return (*_errors(), *all_rules())
+
+
+def find(word: str) -> Rule | None:
+    """Return the rule or error with a code or a name; None if there is none."""
+    return next((rule for rule in all_pages() if rule.is_called(word)), None)
+
+
+def select(select: Sequence[str] | None, ignore: Sequence[str] = ()) -> tuple[Rule, ...]:
+    """Return the rules that are selected and not ignored.
+
+    Args:
+        select: codes, prefixes of codes (`BR5`), names, or `ALL`; None selects the default rules.
+        ignore: the same for rules to leave out. The longer prefix takes precedence, so that
+            `BR503` can be selected while `BR5` is ignored.
+
+    Raises:
+        UnknownRuleError: one of them matches no rule.
+    """
+    return _selected(None if select is None else tuple(select), tuple(ignore))
+
+
+@lru_cache(maxsize=64)
+def _selected(select: tuple[str, ...] | None, ignore: tuple[str, ...]) -> tuple[Rule, ...]:
+    for word in [*(select or ()), *ignore]:
+        if not any(_match(word, rule) for rule in all_rules()):
+            known = [each for rule in all_rules() for each in (rule.code, rule.name)]
+            raise UnknownRuleError(f"unknown rule `{word}`{did_you_mean(word, known)}")
+    return tuple(
+        rule
+        for rule in all_rules()
+        if _selection(rule, select) > max((_match(word, rule) for word in ignore), default=0)
+    )
+
+
+def _selection(rule: Rule, select: Sequence[str] | None) -> int:
+    """Return how specifically a rule is selected, 0 if it is not."""
+    if select is None:
+        return int(rule.default)
+    return max((_match(word, rule) for word in select), default=0)
+
+
+def _match(word: str, rule: Rule) -> int:
+    """Return how specifically a word matches a rule, 0 if it does not."""
+    if word.upper() == "ALL":
+        return 1
+    if word.lower() == rule.name:
+        return len(rule.code) + 1
+    is_prefix = len(word) >= 2 and rule.code.startswith(word.upper())
+    return len(word) if is_prefix else 0
+
+
+def titles() -> dict[str, str]:
+    """Return the summary of each code."""
+    return {rule.code: rule.summary for rule in all_pages()}
+
+
+def documents() -> dict[str, str]:
+    """Return the pages of all codes, by the names of their files in `docs/rules`."""
+    pages = {f"{rule.name}.md": as_markdown(rule) for rule in all_pages()}
+    return {"README.md": index(), **pages}
+
+
+def as_markdown(rule: Rule) -> str:
+    """Return a page of the documentation."""
+    kind = {
+        Severity.ERROR: "Error: the level does not load.",
+        Severity.WARNING: "Rule of play, severity `warning`.",
+        Severity.INFO: "Rule of style, severity `info`.",
+    }[rule.severity]
+    if rule.code.startswith("BR7"):
+        kind = "Error: no pack is written."
+    if not rule.default:
+        kind += " Off by default."
+    return f"# {rule.name} ({rule.code})\n\n{kind}\n\n{rule.page.rstrip()}\n"
+
+
+def index() -> str:
+    """Return the page that lists all others, Markdown."""
+    parts = [
+        "# Errors and rules\n\n"
+        "`babyrobot validate` reports errors; `babyrobot lint` also reports what the rules find. "
+        "`babyrobot rule CODE` shows a page in the terminal. See also [linting](../linting.md).\n"
+    ]
+    for title, severity in (
+        ("Errors", Severity.ERROR),
+        ("Rules of play", Severity.WARNING),
+        ("Rules of style", Severity.INFO),
+    ):
+        parts.append(f"\n## {title}\n\n| Code | Name | Description |\n|---|---|---|\n")
+        parts += [
+            f"| [{rule.code}]({rule.name}.md) | `{rule.name}` | {rule.summary} |\n"
+            for rule in all_pages()
+            if rule.severity is severity
+        ]
+    return "".join(parts)
+
+
+def _errors() -> list[Rule]:
+    """Read the pages of the errors: a line with the name, the summary, and the page."""
+    found = []
+    for file in resources.files("babyrobot_levels.linter").joinpath("errors").iterdir():
+        first, _, rest = file.read_text("utf-8").partition("\n")
+        summary, _, page = rest.strip().partition("\n")
+        if not _NAME.fullmatch(first):
+            raise ValueError(f"{file.name}: the first line must be a name")
+        code = file.name.removesuffix(".md")
+        found.append(Rule(code, first, summary, page.strip() + "\n", Severity.ERROR))
+    return sorted(found, key=lambda rule: rule.code)

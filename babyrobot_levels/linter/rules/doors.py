@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding
 from babyrobot_levels.linter.fixes import door_removal, removal
-from babyrobot_levels.linter.registry import rule
+from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.diagnostics import Key, Route
 from babyrobot_levels.text.words import listed
 

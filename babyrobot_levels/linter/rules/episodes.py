@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, cells_text
-from babyrobot_levels.linter.registry import rule
+from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.diagnostics import Key
 
 

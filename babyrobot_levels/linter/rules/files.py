@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from babyrobot_levels.language.documents import slug
 from babyrobot_levels.linter.context import LintContext, Suppression
 from babyrobot_levels.linter.finding import Finding, Needs
-from babyrobot_levels.linter.registry import is_known, rule
+from babyrobot_levels.linter.rule import is_known, rule
 from babyrobot_levels.text.diagnostics import Edit, Fix, Severity
 from babyrobot_levels.text.source import Position, Span
 

@@ -8,7 +8,7 @@ from typing import Any
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, cells_count, cells_text
-from babyrobot_levels.linter.registry import rule
+from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.diagnostics import Mark, Route, Severity
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, cells_text
 from babyrobot_levels.linter.fixes import removal
-from babyrobot_levels.linter.registry import rule
+from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.diagnostics import Key, Location, Mark
 from babyrobot_levels.text.words import listed
 

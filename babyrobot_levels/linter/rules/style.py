@@ -13,7 +13,7 @@ from babyrobot_levels.language.walls import Opening
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.linter.fixes import merge, remove, replace
-from babyrobot_levels.linter.registry import rule
+from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.diagnostics import Fix, Key, Route, Severity
 from babyrobot_levels.text.emitter import WIDTH
 from babyrobot_levels.text.source import Position, Span

@@ -8,7 +8,7 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs, cells_text, count_drawn
 from babyrobot_levels.linter.fixes import removal
-from babyrobot_levels.linter.registry import rule
+from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.linter.things import Flags
 from babyrobot_levels.text.words import listed
 

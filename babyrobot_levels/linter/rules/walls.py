@@ -10,7 +10,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs, count_drawn, side_mark
 from babyrobot_levels.linter.fixes import append, removal
-from babyrobot_levels.linter.registry import rule
+from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.mdp.grid import build_grid
 from babyrobot_levels.text.diagnostics import Fix, Key
 
