@@ -1,36 +1,42 @@
-"""Pictures, films and pages of a level, and what they show of a solution.
+"""Pictures, films and pages of a level, and their formats.
 
 The methods of `Level` and the command line make them here, and therefore make the same ones.
 """
 
 from __future__ import annotations
 
-import math
+import os
 import warnings
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar, Unpack
+
+from babyrobot_levels.analysis.guides import BEST, RANDOM, guide_of, overlay_of, policy_of
+from babyrobot_levels.analysis.picture_options import (
+    FilmOptions,
+    PageOptions,
+    StillOptions,
+    TextOptions,
+    takes,
+)
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.gif import Step
-    from babyrobot_levels.render.page_data import Guide, WatchedPolicy
+    from babyrobot_levels.render.page_data import WatchedPolicy
     from babyrobot_levels.render.raster import Progress
     from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
 
 World = TypeVar("World", bound="GridWorld")
+Made = TypeVar("Made", str, bytes)
 
 MAX_STEPS = 500
 """The largest number of steps in a film."""
 
 MAX_SCALE = 100.0
 """The largest scale of a picture."""
-
-BEST, RANDOM = "best", "random"
-"""The policies that have names."""
 
 NOTHING = "nothing"
 """What is held when nothing is, as a word."""
@@ -44,107 +50,97 @@ def _warn(text: str) -> None:
 # -- pictures ------------------------------------------------------------------------------
 
 
-def to_svg(level: GridWorld, *, scale: float | None = None, **shown: Any) -> str:
-    """Return a picture as an SVG document.
+@takes(StillOptions, rules=False)
+def to_svg(
+    level: GridWorld, path: str | os.PathLike[str] | None = None, **shown: Unpack[StillOptions]
+) -> str:
+    """Return the level's picture as an SVG document, as `babyrobot preview` makes it.
+
+    With values, actions or counts, the robot is left out, and terminal states show none.
 
     Args:
         level: the level; a maze needs a seed.
-        scale: the size, where 1 is 64 pixels per cell; None for 1.
-        shown: what is shown, and how; see `still`.
+        path: a file to write it to as well, atomically; an existing one is replaced.
+        values: what cells show: True for the optimal values, a `Solution`, an `Evaluation` or
+            a `Sweep` for theirs, or an array as `show_info` takes it.
+        policy: the same for actions; `"best"` means True.
+        action_values: the same for the values of actions.
+        visits: counts of visits, as `show_info` takes them.
+        coordinates: whether cells show their coordinates; by default, what the level says.
+        theme: another theme: a name, or a mapping as in a level file.
+        held: the names of the items that are held and the switches that are on, in a list or
+            separated by commas; `"nothing"` or an empty list for none. By default, the level is
+            shown as a whole, with values and actions where episodes begin.
+        rules: whether the rules of the level are shown: in its panel, or below the picture.
+        scale: the size; 1, the default, is 64 pixels per cell.
 
     Raises:
-        UndefinedReturnError: a solution is asked for, and the level has none.
         LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-        ValueError: what is shown does not fit the level.
+        UndefinedReturnError: the level has no solution that could be shown.
+        ValueError: another argument does not fit the level.
     """
     from babyrobot_levels.render.svg import to_svg as paint
 
-    times = _checked(scale)
-    return paint(still(level, **shown), times or 1.0)
+    times = _checked(shown.get("scale"))
+    return _saved(paint(still(level, **shown), times or 1.0), path)
 
 
-def to_pdf(level: GridWorld, *, scale: float | None = None, **shown: Any) -> bytes:
-    """Return a picture as a PDF file; args and errors are those of `to_svg`."""
+@takes(StillOptions, rules=False)
+def to_pdf(
+    level: GridWorld, path: str | os.PathLike[str] | None = None, **shown: Unpack[StillOptions]
+) -> bytes:
+    """Return the level's picture as a PDF file of one page, as `babyrobot preview` makes it.
+
+    Args and errors are those of `to_svg`; a `scale` of 1 is 48 points per cell.
+    """
     from babyrobot_levels.render.pdf import to_pdf as paint
 
-    times = _checked(scale)
-    return paint([still(level, **shown)], times or 1.0)
+    times = _checked(shown.get("scale"))
+    return _saved(paint([still(level, **shown)], times or 1.0), path)
 
 
+@takes(StillOptions, rules=False)
 def to_png(
-    level: GridWorld, *, scale: float | None = None, progress: Progress | None = None, **shown: Any
+    level: GridWorld,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    progress: Progress | None = None,
+    **shown: Unpack[StillOptions],
 ) -> bytes:
-    """Return a picture as a PNG file.
+    """Return the level's picture as a PNG file, as `babyrobot preview` makes it.
 
-    Args:
-        level: the level; a maze needs a seed.
-        scale: the size, where 1 is 64 pixels per cell; None for the largest up to 1 with which no
-            side has more than 4,000 pixels.
-        progress: told of the shapes that are painted.
-        shown: what is shown, and how; see `still`.
-
-    Raises:
-        UndefinedReturnError: a solution is asked for, and the level has none.
-        LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-        ValueError: what is shown does not fit the level, or the picture is too large.
+    Args and errors are those of `to_svg`. Without a `scale`, a cell has 64 pixels, and fewer in
+    large levels: no side of the picture has more than 4,000. `progress` is called with the number
+    of shapes that are painted, and that of all.
     """
     from babyrobot_levels.render.raster import to_png as paint
 
-    times = _checked(scale)
+    times = _checked(shown.get("scale"))
     scene = still(level, **shown)
     size = times and (round(times * scene.width), round(times * scene.height))
-    return paint(scene, size or None, progress=progress)
+    return _saved(paint(scene, size or None, progress=progress), path)
 
 
-def still(
-    level: GridWorld,
-    *,
-    values: Any = None,
-    policy: Any = None,
-    action_values: Any = None,
-    visits: Any = None,
-    coordinates: bool | None = None,
-    theme: Any = None,
-    held: str | Iterable[str] | None = None,
-    rules: bool = False,
-) -> Scene:
-    """Return a picture of a level.
+def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
+    """Return a picture of a level, of whatever size; args and errors are those of `to_svg`.
 
     The robot is left out where it would hide what its cell shows.
-
-    Args:
-        level: the level; a maze needs a seed.
-        values: values of cells: True for the optimal ones, a result such as a `Solution` or a
-            `Sweep`, or what `show_info` takes. None and False show none; so do terminal states.
-        policy: actions, likewise; `"best"` is the same as True.
-        action_values: values of actions, likewise.
-        visits: counts of visits, as `show_info` takes them.
-        coordinates: whether cells show their coordinates; None for what the level says.
-        theme: another theme: a name, or a mapping as in a level.
-        held: the names of the items that are held and the switches that are on, in a list or
-            separated by commas; `"nothing"` for none. None shows the level as a whole, and a
-            solution where episodes begin.
-        rules: whether the rules of the level are shown: in its panel, or below the picture.
-
-    Raises:
-        UndefinedReturnError: a solution is asked for, and the level has none.
-        LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-        ValueError: what is shown does not fit the level.
     """
     from babyrobot_levels.render.scene.build import build_scene
 
+    policy, held = shown.get("policy"), shown.get("held")
     if isinstance(policy, str) and policy == RANDOM:
         raise ValueError("a still picture cannot show a random policy")
-    level = dressed(level, theme=theme, coordinates=coordinates)
+    level = dressed(level, theme=shown.get("theme"), coordinates=shown.get("coordinates"))
     configuration = None if held is None else configuration_of(level, held)
-    info = {"values": values, "policy": policy, "action_values": action_values, "visits": visits}
-    overlay = overlay_of(level, info)
+    kinds = ("values", "policy", "action_values", "visits")
+    overlay = overlay_of(level, {kind: shown.get(kind) for kind in kinds})
     if overlay is not None and configuration is None and level.has_things:
         from babyrobot_levels.mdp.states import initial_configuration
 
         configuration = initial_configuration(level)
     robot = overlay is None and held is None
-    overlay = _with_rules(overlay) if rules else overlay
+    overlay = _with_rules(overlay) if shown.get("rules") else overlay
     return build_scene(level, configuration=configuration, robot=robot, overlay=overlay)
 
 
@@ -192,96 +188,61 @@ def _checked(scale: float | None) -> float | None:
     return scale
 
 
-# -- what is shown of a solution -----------------------------------------------------------
+def _saved(made: Made, path: str | os.PathLike[str] | None) -> Made:
+    """Write what was made to a file, if one is given, and return it."""
+    from babyrobot_levels.text.files import write_bytes
 
-
-def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
-    """Return what a picture shows over the cells.
-
-    Args:
-        level: the level.
-        info: as for `show_info`; True, and "best" for a policy, stand for the level's solution,
-            and what is None or False is not shown.
-
-    Raises:
-        UndefinedReturnError: a solution is asked for, and the level has none.
-        ValueError: an array does not fit the level.
-    """
-    from babyrobot_levels.analysis.shown import overlay_given
-
-    given = {key: value for key, value in info.items() if value is not None and value is not False}
-    if not given:
-        return None
-    asked = [key for key, value in given.items() if _asks(key, value)]
-    if asked:
-        from babyrobot_levels.analysis.solver.optimum import solve
-
-        given |= dict.fromkeys(asked, solve(level))
-    return overlay_given(level, given)
-
-
-def _asks(key: str, value: Any) -> bool:
-    """Return whether the level is to be solved for something that is shown."""
-    if key == "policy" and isinstance(value, str) and value != BEST:
-        raise ValueError(f"a policy given by name is {BEST!r}, not {value!r}")
-    return key != "visits" and (value is True or (key == "policy" and isinstance(value, str)))
-
-
-def policy_of(solution: Solution) -> list[int]:
-    """Return the optimal action of each state, as an `Action`; -1 for terminal states."""
-    actions: list[int] = (
-        (solution.policy + solution.first_action * (solution.policy >= 0)).ravel().tolist()
-    )
-    return actions
+    if path is not None:
+        write_bytes(Path(path), made.encode("utf-8") if isinstance(made, str) else made)
+    return made
 
 
 # -- films ---------------------------------------------------------------------------------
 
 
+@takes(FilmOptions, policy=BEST, seed=0, rules=False)
 def to_gif(
     level: GridWorld,
+    path: str | os.PathLike[str] | None = None,
     *,
-    policy: Any = BEST,
-    seed: int = 0,
-    values: Any = None,
-    coordinates: bool | None = None,
-    theme: Any = None,
-    rules: bool = False,
-    scale: float | None = None,
     progress: Progress | None = None,
     tell: Callable[[str], None] = _warn,
+    **shown: Unpack[FilmOptions],
 ) -> bytes:
-    """Return an episode as an animated GIF.
+    """Return an episode as an animated GIF, as `babyrobot preview` makes it.
+
+    It is cut after 500 steps, with a warning.
 
     Args:
         level: the level; a maze needs a seed.
-        policy: the policy that is followed: `"best"` (None and True are the same), `"random"`, or
-            whatever `evaluate` takes, of a robot that does not turn.
+        path: a file to write it to as well, atomically; an existing one is replaced.
+        policy: the policy that is followed: `"best"`, `"random"`, a `Solution`, an array, or
+            what else `evaluate` takes, of a robot that does not turn.
         seed: the random seed; it is the same episode as after `env.reset(seed=…)`.
-        values: values below the robot, as in `still`.
-        coordinates: whether cells show their coordinates; None for what the level says.
-        theme: another theme.
-        rules: whether the rules of the level are shown, as in `still`.
-        scale: the size, where 1 is 64 pixels per cell; None for the largest up to 1 with which no
-            side has more than 800 pixels.
-        progress: told of the frames that are done.
-        tell: told if the episode is longer than the film. By default this is a warning.
+        values: what cells show below the robot; see `to_svg`.
+        coordinates: whether cells show their coordinates; by default, what the level says.
+        theme: another theme: a name, or a mapping as in a level file.
+        rules: whether the rules of the level are shown below the film.
+        scale: the size; 1 is 64 pixels per cell. By default it is the largest up to 1 with
+            which no side has more than 800 pixels.
+        progress: called with the number of frames that are done, and that of all.
+        tell: called with a text if the film is cut; by default, this is a warning.
 
     Raises:
-        UndefinedReturnError: a solution is asked for, and the level has none.
         LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-        ValueError: what is shown does not fit the level, or the film is too large.
+        UndefinedReturnError: the level has no solution that could be followed or shown.
+        ValueError: another argument does not fit the level, or the film is too large.
     """
     from babyrobot_levels.render.gif import to_gif as paint
 
-    times = _checked(scale)
-    level = dressed(level, theme=theme, coordinates=coordinates)
-    steps, ends = episode(level, policy, seed)
+    times = _checked(shown.get("scale"))
+    level = dressed(level, theme=shown.get("theme"), coordinates=shown.get("coordinates"))
+    steps, ends = episode(level, shown["policy"], shown["seed"])
     if not ends:
         tell(f"the episode does not end within {MAX_STEPS} steps; the GIF shows those")
-    overlay = overlay_of(level, {"values": values})
-    overlay = _with_rules(overlay) if rules else overlay
-    return paint(level, steps, overlay=overlay, scale=times, progress=progress)
+    overlay = overlay_of(level, {"values": shown.get("values")})
+    overlay = _with_rules(overlay) if shown["rules"] else overlay
+    return _saved(paint(level, steps, overlay=overlay, scale=times, progress=progress), path)
 
 
 def episode(level: GridWorld, policy: Any, seed: int) -> tuple[list[Step], bool]:
@@ -331,177 +292,129 @@ def _chooser(level: GridWorld, policy: Any, seed: int) -> Callable[[int], int] |
 # -- pages ---------------------------------------------------------------------------------
 
 
+@takes(PageOptions, values=False, seed=0, answers=True)
 def to_html(
     level: GridWorld,
+    path: str | os.PathLike[str] | None = None,
     *,
-    values: bool = False,
-    policy: str | bool | None = None,
-    seed: int = 0,
-    coordinates: bool | None = None,
-    theme: Any = None,
-    answers: bool = True,
     tell: Callable[[str], None] = _warn,
+    **shown: Unpack[PageOptions],
 ) -> str:
-    """Return a page on which the level can be played.
+    """Return a page on which the level can be played, as `babyrobot preview` makes it.
 
     Args:
         level: the level; a maze needs a seed.
+        path: a file to write it to as well, atomically; an existing one is replaced.
         values: whether optimal values are shown at first.
-        policy: the policy that can be watched, `"best"` or `"random"`; `"best"` or True shows
-            optimal actions at first.
+        policy: the policy that can be watched, `"best"` or `"random"`. By default it is the
+            best one; with `"best"` or True, optimal actions are shown at first.
         seed: the random seed of the first episode.
-        coordinates: whether cells show their coordinates; None for what the level says.
-        theme: another theme.
-        answers: whether the page knows the level's solution: values, optimal actions, hints, and
-            what returns are good.
-        tell: told if the level has no solution that the page could show, where none is asked for.
-            By default this is a warning.
+        coordinates: whether cells show their coordinates; by default, what the level says.
+        theme: another theme: a name, or a mapping as in a level file.
+        answers: whether the page knows the solution: values, optimal actions, hints, and how
+            good a return is. With False, nothing of it is in the page.
+        tell: called with a text if there is no solution that the page could show, and none is
+            asked for; by default, this is a warning.
 
     Raises:
-        UndefinedReturnError: a solution is asked for, and the level has none.
         LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-        ValueError: the level is too large for a page, or answers are shown without answers.
+        UndefinedReturnError: the level has no solution that could be shown.
+        ValueError: the level is too large for a page, there is no such policy, or answers are
+            to be shown without answers.
     """
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page import to_html as paint
     from babyrobot_levels.render.page_data import without_panels
 
+    policy, values = shown.get("policy"), shown["values"]
     is_known = policy is None or isinstance(policy, bool) or policy in (BEST, RANDOM)
     if not is_known:
         raise ValueError(f"the policy of a page is {BEST!r} or {RANDOM!r}, not {policy!r}")
-    level = dressed(level, theme=theme, coordinates=coordinates)
+    level = dressed(level, theme=shown.get("theme"), coordinates=shown.get("coordinates"))
     # A level that is too large is refused before it is solved.
     without_panels(level)
     arrows = policy is True or policy == BEST
-    if not answers and (values or arrows):
+    if not shown["answers"] and (values or arrows):
         raise ValueError("a page without answers shows neither values nor optimal actions")
     guide = None
     try:
-        guide = guide_of(level) if answers else None
+        guide = guide_of(level) if shown["answers"] else None
     except UndefinedReturnError as error:
         if values or arrows:
             raise
         tell(f"the page shows no optimal moves: {error}")
     watched: WatchedPolicy = "random" if policy == RANDOM else "best"
-    return paint(level, guide=guide, policy=watched, seed=seed, values=values, arrows=arrows)
+    seed = shown["seed"]
+    page = paint(level, guide=guide, policy=watched, seed=seed, values=values, arrows=arrows)
+    return _saved(page, path)
 
 
-def guide_of(level: GridWorld, solution: Solution | None = None, *, turns: bool = False) -> Guide:
-    """Return what a page shows of the solution.
+# -- the formats -----------------------------------------------------------------------------
 
-    Args:
-        level: the level; a maze needs a seed.
-        solution: its solution for a robot that moves, if it is known already.
-        turns: whether the robot of the page turns; it can, too, if the level sets a heading.
 
-    Raises:
-        UndefinedReturnError: the level has no solution.
+@dataclass(frozen=True, slots=True)
+class PictureFormat:
+    """A format of pictures.
+
+    Attributes:
+        name: its name on the command line.
+        title: what messages call it.
+        kind: what is in it: `"text"`, `"still picture"`, `"film"` or `"page"`.
+        media_type: the media type of its files.
+        suffixes: the suffixes of its files, the usual one first.
+        shows: the typed dictionary of its options.
+        make: returns a picture of a level; None for texts, which the command line makes for the
+            terminal that it writes to.
+        hears: what the function takes to be told things by: `progress`, `tell`.
     """
-    from babyrobot_levels.analysis.solver.optimum import solve
 
-    solution = solve(level) if solution is None else solution
-    turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
-    return replace(solution_guide(level, solution), turning=turning, **_luck(level, solution))
+    name: str
+    title: str
+    kind: str
+    media_type: str
+    suffixes: tuple[str, ...]
+    shows: Any
+    make: Callable[..., str | bytes] | None = None
+    hears: tuple[str, ...] = ()
 
-
-def solution_guide(level: GridWorld, solution: Solution) -> Guide:
-    """Return what a page shows of a solution but for what it tells of luck, which takes longer.
-
-    Args:
-        level: the level.
-        solution: its solution, for a robot that moves.
-    """
-    from babyrobot_levels.render.page_data import Guide
-
-    overlay = overlay_of(level, {"values": solution, "policy": solution})
-    assert overlay is not None
-    return Guide(policy_of(solution), overlay, best_average(level, solution))
+    @property
+    def options(self) -> frozenset[str]:
+        """The names of its options."""
+        return frozenset(self.shows.__annotations__)
 
 
-def _turning_guide(level: GridWorld) -> Guide | None:
-    """Return what a page shows of the solution for a robot that turns; None without one."""
-    from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.analysis.solver.results import TURNS, UndefinedReturnError
-    from babyrobot_levels.render.page_data import Guide
+TEXT, STILL, FILM, PAGE = "text", "still picture", "film", "page"
+_PROGRESS, _BOTH = ("progress",), ("progress", "tell")
+_HTML = (".html", ".htm")
 
-    try:
-        solution = solve(level, actions=TURNS)
-    except UndefinedReturnError:
-        return None
-    overlay = overlay_of(level, {"values": solution})
-    assert overlay is not None
-    policy: list[int] = solution.policy.ravel().tolist()
-    guide = Guide(policy, overlay, best_average(level, solution))
-    return replace(guide, **_luck(level, solution))
+FORMATS = {
+    each.name: each
+    for each in (
+        PictureFormat("text", "text", TEXT, "text/plain", (".txt",), TextOptions),
+        PictureFormat("ascii", "text", TEXT, "text/plain", (".txt",), TextOptions),
+        PictureFormat("svg", "SVG", STILL, "image/svg+xml", (".svg",), StillOptions, to_svg),
+        PictureFormat("pdf", "PDF", STILL, "application/pdf", (".pdf",), StillOptions, to_pdf),
+        PictureFormat("png", "PNG", STILL, "image/png", (".png",), StillOptions, to_png, _PROGRESS),
+        PictureFormat("gif", "GIF", FILM, "image/gif", (".gif",), FilmOptions, to_gif, _BOTH),
+        PictureFormat("html", "HTML", PAGE, "text/html", _HTML, PageOptions, to_html, ("tell",)),
+    )
+}
+"""The formats by name; of several with the same suffix, the last one is meant by it."""
 
-
-def best_average(level: GridWorld, solution: Solution) -> float:
-    """Return the optimal expected return within the level's time limit, if it has one.
-
-    It is nan where that takes too long to be computed.
-
-    Args:
-        level: the level.
-        solution: its solution without a limit.
-    """
-    from babyrobot_levels.analysis.solver.horizon import best_return_within
-
-    steps, actions = level.max_steps, solution.actions
-    if steps is None:
-        return solution.expected_return
-    with suppress(ArithmeticError):
-        return best_return_within(
-            level, steps, actions=actions, discount=level.discount, quick=True
-        )
-    return math.nan
+SUFFIXES = {suffix: each.name for each in FORMATS.values() for suffix in each.suffixes}
+"""The format of a file, by its suffix."""
 
 
-def _random_within(level: GridWorld, actions: str) -> float:
-    """Return the expected return of random actions within the time limit that the level has."""
-    from babyrobot_levels.analysis.solver.chain import weights_of
-    from babyrobot_levels.analysis.solver.many import worth_within
-    from babyrobot_levels.analysis.solver.space import space_of
-
-    assert level.max_steps is not None
-    space = space_of(level, actions)
-    weights = weights_of(RANDOM, space)
-    found = worth_within([space], [level.max_steps], [level.discount], [weights], quick=True)
-    return float(found.returns[0])
+def titles_of(option: str) -> list[str]:
+    """Return the titles of the formats that have an option."""
+    return [each.title for each in FORMATS.values() if option in each.options]
 
 
-def _luck(level: GridWorld, solution: Solution) -> dict[str, Any]:
-    """Return what a page compares a return with, within the level's time limit.
+class Pictured:
+    """The pictures of a level, as its methods."""
 
-    These are quantiles of the optimal policy's return, and the expected return of random actions.
-    """
-    import numpy as np
-
-    from babyrobot_levels.analysis.solver.distribution import distribution_of
-    from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS as FOLLOWED
-    from babyrobot_levels.analysis.solver.space import space_of
-
-    actions, limit = solution.actions, level.max_steps or FOLLOWED
-    luck: dict[str, Any] = {"random_return": random_return(level, actions)}
-    with suppress(ArithmeticError):
-        # Each stands for one in a hundred episodes.
-        found = distribution_of(
-            space_of(level, actions), solution, level.discount, limit, quick=True
-        )
-        quantiles = found.quantiles((np.arange(100) + 0.5) / 100)
-        alike = np.unique(quantiles).size == 1
-        luck["quantiles"] = quantiles[: 1 if alike else None].tolist()
-    return luck
-
-
-def random_return(level: GridWorld, actions: str = "all") -> float | None:
-    """Return the expected return of random actions, within the level's time limit.
-
-    It is None where that is undefined, or takes too long to be computed exactly.
-    """
-    from babyrobot_levels.analysis.solver.evaluation import evaluation_of
-
-    with suppress(ArithmeticError):
-        if level.max_steps is not None:
-            return _random_within(level, actions)
-        return evaluation_of(level, RANDOM, actions=actions).expected_return
-    return None
+    to_svg = to_svg
+    to_pdf = to_pdf
+    to_png = to_png
+    to_gif = to_gif
+    to_html = to_html

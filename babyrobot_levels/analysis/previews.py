@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import base64
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.analysis import pictures
+from babyrobot_levels.analysis.pictures import FORMATS, SUFFIXES
 from babyrobot_levels.analysis.shown import Shown
 from babyrobot_levels.mdp.gridworld import LevelLike, world_of
-from babyrobot_levels.text.files import write_bytes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_MAKERS: dict[str, Callable[..., str | bytes]] = {
-    "svg": pictures.to_svg,
-    "png": pictures.to_png,
-    "pdf": pictures.to_pdf,
-    "gif": pictures.to_gif,
-    "html": pictures.to_html,
-}
+_MAKERS = {name: each.make for name, each in FORMATS.items() if each.make is not None}
 _HEIGHT = 720
 """The height of a page in a notebook, in pixels."""
 
@@ -35,7 +27,7 @@ class Preview(Shown):
 
     Attributes:
         level: the level, with the maze that is shown.
-        format: `"svg"`, `"png"`, `"pdf"`, `"gif"` or `"html"`.
+        format: `"svg"`, `"pdf"`, `"png"`, `"gif"` or `"html"`.
         data: the contents of the file: a text for SVG and HTML.
         path: the file that it was written to, None for none.
     """
@@ -54,11 +46,11 @@ class Preview(Shown):
         if isinstance(self.data, str) and self.format == "html":
             style = f'style="width: 100%; height: {_HEIGHT}px; border: 0"'
             return f'<iframe srcdoc="{escape(self.data)}" {style}></iframe>'
-        kinds = {"svg": "image/svg+xml", "png": "image/png", "gif": "image/gif"}
-        if self.format not in kinds:
+        media_type = FORMATS[self.format].media_type
+        if not media_type.startswith("image/"):
             return f"<pre>{escape(repr(self))}</pre>"
         data = self.data.encode() if isinstance(self.data, str) else self.data
-        address = f"data:{kinds[self.format]};base64,{base64.b64encode(data).decode()}"
+        address = f"data:{media_type};base64,{base64.b64encode(data).decode()}"
         return f'<img src="{address}" style="max-width: 100%; height: auto">'
 
 
@@ -75,7 +67,7 @@ def preview(
     Args:
         level: a name, a path, a share code, a mapping, or a level.
         path: a file to write it to; an existing one is replaced.
-        format: `"svg"`, `"png"`, `"pdf"`, `"gif"` or `"html"`; by default that of the file's
+        format: `"svg"`, `"pdf"`, `"png"`, `"gif"` or `"html"`; by default that of the file's
             suffix, else `"svg"`.
         maze_seed: the seed of the maze of a level with a random maze; by default 0.
         shown: what is shown, and how: the arguments of `level.to_svg` (`values`, `policy`,
@@ -89,16 +81,14 @@ def preview(
         OSError: the file cannot be written.
     """
     file = None if path is None else Path(path)
-    chosen = format or ("svg" if file is None else file.suffix.lower().removeprefix("."))
+    suffix = "" if file is None else file.suffix.lower()
+    chosen = format or ("svg" if file is None else SUFFIXES.get(suffix, suffix.removeprefix(".")))
     if chosen not in _MAKERS:
         raise ValueError(f"there is no format {chosen!r}; use one of {', '.join(_MAKERS)}")
     world = world_of(level)
     if maze_seed is not None or world.has_random_maze:
         world = world.with_maze_seed(maze_seed or 0)
-    data = _MAKERS[chosen](world, **shown)
-    if file is not None:
-        write_bytes(file, data.encode("utf-8") if isinstance(data, str) else data)
-    return Preview(world, chosen, data, file)
+    return Preview(world, chosen, _MAKERS[chosen](world, file, **shown), file)
 
 
 def play(

@@ -102,10 +102,6 @@ def fail(message: str, help_text: str | None = None) -> NoReturn:
     raise typer.Exit(WRONG_CALL)
 
 
-PICTURES = (".gif", ".html", ".pdf", ".png", ".svg", ".txt")
-"""Suffixes of files that can be made again, and are overwritten."""
-
-
 def save(path: Path, data: str | bytes, *, force: bool | None = None) -> None:
     """Write a file atomically, and a line about it.
 
@@ -115,6 +111,7 @@ def save(path: Path, data: str | bytes, *, force: bool | None = None) -> None:
         force: whether to overwrite a file; None for a picture or page, which overwrites what has
             the suffix of one.
     """
+    from babyrobot_levels.analysis.pictures import SUFFIXES
     from babyrobot_levels.text.files import write_bytes
 
     if path == STANDARD_OUTPUT:
@@ -125,7 +122,7 @@ def save(path: Path, data: str | bytes, *, force: bool | None = None) -> None:
             fail(f"{path} is a folder", "give the path of a file")
         if path.exists() and not path.is_file():
             fail(f"{path} exists and is not a regular file")
-        if path.exists() and force is None and path.suffix.lower() not in PICTURES:
+        if path.exists() and force is None and path.suffix.lower() not in SUFFIXES:
             fail(f"{path} already exists, and is not a picture", "give the path of another file")
         if path.exists() and force is False:
             fail(f"{path} already exists", "use --force to overwrite it")

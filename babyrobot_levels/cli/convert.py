@@ -30,7 +30,7 @@ from babyrobot_levels.cli.inputs import (
     with_seed,
 )
 from babyrobot_levels.cli.parallel import working
-from babyrobot_levels.cli.pictures import PictureOptions, picture
+from babyrobot_levels.cli.pictures import picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.convert.formats import FORMATS, guess
@@ -306,7 +306,7 @@ def export_level(
     beside: Mapping[str, bytes] = {}
     if chosen in PICTURES:
         with working("drawing") as report:
-            made = picture(loaded, PictureOptions(), report, kind=chosen)
+            made = picture(loaded, chosen, {}, report)
     else:
         from babyrobot_levels.convert.exporting import export
 

@@ -1,114 +1,78 @@
-"""Pictures, GIFs and pages of levels for commands, which end where there is none."""
+"""Pictures, films and pages of levels for commands, which end where there is none."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from enum import StrEnum
-from functools import partial
-from typing import TYPE_CHECKING, NoReturn
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import typer
 
+from babyrobot_levels.analysis.pictures import FORMATS, PictureFormat, titles_of
 from babyrobot_levels.cli.console import FINDINGS, fail, note
 from babyrobot_levels.cli.inputs import configuration_of
 from babyrobot_levels.cli.parallel import Report
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
 
 
+Name = TypeVar("Name", bound=str)
+
+
 class PolicyName(StrEnum):
-    """Policies of GIFs and pages."""
+    """Policies of films and pages."""
 
     BEST = "best"
     RANDOM = "random"
 
 
-@dataclass(frozen=True, slots=True)
-class PictureOptions:
-    """What a picture shows, and how.
-
-    Attributes:
-        values: whether to show the optimal value of each cell.
-        policy: the policy that a still picture shows, or that a GIF or page follows.
-        seed: the random seed of GIFs and pages.
-        scale: the size, where 1 is 64 pixels per cell; None chooses one for the level.
-        held: what is held and on in a still picture, as for `--held`; None shows the level as a
-            whole, and the solution where episodes begin.
-        answers: whether a page knows the solution.
-        rules: whether to show the rules of the level.
-    """
-
-    values: bool = False
-    policy: PolicyName | None = None
-    seed: int = 0
-    scale: float | None = None
-    held: str | None = None
-    answers: bool = True
-    rules: bool = False
-
-
 def picture(
-    level: Level, options: PictureOptions, report: Report | None = None, *, kind: str
+    level: Level, format_name: str, asked: Mapping[str, Any], report: Report
 ) -> str | bytes:
-    """Return a still picture: `svg`, `pdf`, or `png`, of whose making `report` is told."""
-    from babyrobot_levels.analysis import pictures
+    """Return a picture, film or page, of whose making `report` is told.
 
-    if options.policy is PolicyName.RANDOM:
+    Args:
+        level: the level.
+        format_name: a format that is not made for the terminal.
+        asked: the options; those that the format does not have are left out.
+        report: told of how much is done.
+    """
+    chosen = FORMATS[format_name]
+    check_policy(chosen, asked.get("policy"))
+    if "held" in chosen.options and asked.get("held") is not None:
+        configuration_of(level, asked["held"])
+    smaller = "use a smaller --scale or --cell"
+    other = "save a picture instead: -o FILE.svg or -o FILE.png"
+    given = {name: value for name, value in asked.items() if name in chosen.options}
+    hears = {"progress": report, "tell": note}
+    assert chosen.make is not None
+    with _refusing(smaller if "scale" in chosen.options else other):
+        return chosen.make(level, **given, **{name: hears[name] for name in chosen.hears})
+
+
+def format_by_suffix(output: Path, suffixes: Mapping[str, Name]) -> Name:
+    """Return the format of a file, by its suffix; end the command if there is none."""
+    suffix = output.suffix.lower()
+    if suffix not in suffixes:
         fail(
-            "a still picture cannot show a random policy",
-            "use --policy best, or a GIF or HTML output",
+            f"unknown suffix {suffix or '(none)'}",
+            f"use one of {', '.join(suffixes)}, or add --format",
         )
-    if options.held is not None:
-        configuration_of(level, options.held)
-    makers: dict[str, Callable[..., str | bytes]] = {
-        "svg": pictures.to_svg,
-        "pdf": pictures.to_pdf,
-        "png": partial(pictures.to_png, progress=report),
-    }
-    with _refusing("use a smaller --scale or --cell"):
-        return makers[kind](
-            level,
-            values=options.values,
-            policy=options.policy,
-            held=options.held,
-            rules=options.rules,
-            scale=options.scale,
-        )
+    return suffixes[suffix]
 
 
-def gif(level: Level, options: PictureOptions, report: Report) -> bytes:
-    """Return an episode as an animated GIF, of whose making `report` is told."""
-    from babyrobot_levels.analysis import pictures
-
-    with _refusing("use a smaller --scale or --cell"):
-        return pictures.to_gif(
-            level,
-            policy=options.policy,
-            seed=options.seed,
-            values=options.values,
-            rules=options.rules,
-            scale=options.scale,
-            progress=report,
-            tell=note,
-        )
-
-
-def page(level: Level, options: PictureOptions) -> str:
-    """Return an HTML page on which the level can be played."""
-    from babyrobot_levels.analysis import pictures
-
-    with _refusing("save a picture instead: -o FILE.svg or -o FILE.png"):
-        return pictures.to_html(
-            level,
-            values=options.values,
-            policy=options.policy,
-            seed=options.seed,
-            answers=options.answers,
-            tell=note,
+def check_policy(chosen: PictureFormat, policy: str | None) -> None:
+    """End the command if a picture shall show a policy that only films and pages can follow."""
+    if policy == PolicyName.RANDOM and "seed" not in chosen.options:
+        others = listed(titles_of("seed"), "or")
+        fail(
+            f"a {chosen.kind} cannot show a random policy",
+            f"use --policy best, or a {others} output",
         )
 
 

@@ -6,11 +6,20 @@ import sys
 from collections.abc import Callable, Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 from typer.core import TyperCommand
 
+from babyrobot_levels.analysis.pictures import (
+    FORMATS,
+    MAX_SCALE,
+    SUFFIXES,
+    TEXT,
+    PictureFormat,
+    dressed,
+    titles_of,
+)
 from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
@@ -33,10 +42,9 @@ from babyrobot_levels.cli.levels import (
 )
 from babyrobot_levels.cli.parallel import Report, track, working
 from babyrobot_levels.cli.pictures import (
-    PictureOptions,
     PolicyName,
-    gif,
-    page,
+    check_policy,
+    format_by_suffix,
     picture,
     solution_of,
 )
@@ -44,36 +52,19 @@ from babyrobot_levels.cli.texts import solution_text, takes_pictures, text_pictu
 from babyrobot_levels.render.text import WIDEST
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.source import printable
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.suites.suite import Suite
 
 
-class PictureFormat(StrEnum):
-    """Output formats of pictures."""
+if TYPE_CHECKING:
+    FormatName: TypeAlias = str
+else:
+    FormatName = StrEnum("FormatName", [(name, name) for name in FORMATS])
 
-    TEXT = "text"
-    ASCII = "ascii"
-    SVG = "svg"
-    PDF = "pdf"
-    PNG = "png"
-    GIF = "gif"
-    HTML = "html"
-
-
-_SUFFIXES = {
-    ".txt": "ascii",
-    ".svg": "svg",
-    ".pdf": "pdf",
-    ".png": "png",
-    ".gif": "gif",
-    ".html": "html",
-    ".htm": "html",
-}
-_TEXTS = (PictureFormat.TEXT, PictureFormat.ASCII)
-_SCALED = (PictureFormat.SVG, PictureFormat.PDF, PictureFormat.PNG, PictureFormat.GIF)
-_PLAYED = (PictureFormat.GIF, PictureFormat.HTML)
+_PLAYED = listed(titles_of("seed"))
 
 
 class PreviewCommand(TyperCommand):
@@ -100,7 +91,7 @@ class PreviewCommand(TyperCommand):
 def preview(
     levels: LevelsArgument,
     picture_format: Annotated[
-        PictureFormat | None,
+        FormatName | None,
         typer.Option(
             "--format",
             help="Output format; `text` is drawn with lines and colours on a terminal, and is "
@@ -123,8 +114,8 @@ def preview(
         PolicyName | None,
         typer.Option(
             metavar="[best|random]",
-            help="Show an optimal policy; in a GIF and HTML page, the policy to follow.  "
-            "[default for GIF and HTML: best]",
+            help=f"Show an optimal policy; in a {_PLAYED} page, the policy to follow.  "
+            f"[default for {_PLAYED}: best]",
             show_default=False,
         ),
     ] = None,
@@ -149,7 +140,7 @@ def preview(
         typer.Option(
             min=0,
             metavar="N",
-            help="Random seed for GIF and HTML output, as in `env.reset(seed=N)`.  [default: 0]",
+            help=f"Random seed for {_PLAYED} output, as in `env.reset(seed=N)`.  [default: 0]",
             show_default=False,
         ),
     ] = None,
@@ -221,35 +212,42 @@ def preview(
     """
     one = split is None and is_one_level(levels)
     chosen = _chosen_format(picture_format, output if one else None, folder=output)
-    if seed is not None and chosen not in _PLAYED:
-        fail("--seed is for GIF and HTML output", "leave out --seed")
-    if held is not None and chosen in _PLAYED:
-        fail("--held is for text and still pictures", "leave out --held")
-    if no_answers:
-        _check_no_answers(chosen, asked=values or policy is PolicyName.BEST)
+    is_text = chosen.kind == TEXT
+    _check_for("seed", chosen, given=seed is not None)
+    if held is not None and "held" not in chosen.options:
+        kinds = dict.fromkeys(each.kind for each in FORMATS.values() if "held" in each.options)
+        shown = listed([kind if kind == TEXT else f"{kind}s" for kind in kinds])
+        fail(f"--held is for {shown}", "leave out --held")
+    _check_for("answers", chosen, given=no_answers, name="--no-answers")
+    if no_answers and (values or policy == PolicyName.BEST):
+        fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
     times = _scale(scale, cell, chosen)
     if watch and not one:
         fail("--watch is for one level")
-    if watch and output is None and chosen not in _TEXTS:
+    if watch and output is None and not is_text:
         fail("--watch needs a file to write to", "add -o FILE")
-    if not one and output is None and chosen not in _TEXTS:
+    if not one and output is None and not is_text:
         fail("several pictures need a folder", "add -o FOLDER")
-    if chosen in _TEXTS and coordinates:
+    if is_text and coordinates:
         note("--coordinates has no effect on text output")
-    options = PictureOptions(
-        values, policy, seed or 0, times, held, answers=not no_answers, rules=rules
-    )
-    plain = chosen is PictureFormat.ASCII or output is not None
+    asked = {
+        "values": values,
+        "policy": policy,
+        "seed": seed or 0,
+        "scale": times,
+        "held": held,
+        "answers": not no_answers,
+        "rules": rules,
+    }
+    plain = chosen.name == "ascii" or output is not None
 
     def drawn(level: Level, report: Report) -> str | bytes:
         shown = _prepared(level, theme, coordinates, maze_seed, several=not one)
-        if chosen in _TEXTS:
-            return _text(shown, options, plain=plain) + (_rules_text(shown) if rules else "")
-        if chosen is PictureFormat.GIF:
-            return gif(shown, options, report)
-        if chosen is PictureFormat.HTML:
-            return page(shown, options)
-        return picture(shown, options, report, kind=chosen)
+        if is_text:
+            check_policy(chosen, policy)
+            text = _text(shown, values=values, policy=policy is not None, held=held, plain=plain)
+            return text + (_rules_text(shown) if rules else "")
+        return picture(shown, chosen.name, asked, report)
 
     def made() -> str | bytes:
         with working("drawing") as report:
@@ -274,13 +272,12 @@ def _put_all(
     if isinstance(levels, list):
         levels, _ = valid_levels(levels, "pictures were")
     folder = None if output is None else folder_for(output)
-    suffix = ".txt" if chosen in _TEXTS else f".{chosen}"
     loaded = track(each_loaded(levels), len(levels), "drawing")
     for index, (name, level) in enumerate(names_of_files(loaded)):
         result = drawn(level, lambda done, total: None)
         if folder is None:
             write(("\n" if index else "") + f"{printable(level.name or name)}\n\n")
-        _put(result, chosen, folder and folder / f"{name}{suffix}")
+        _put(result, chosen, folder and folder / f"{name}{chosen.suffixes[0]}")
 
 
 def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
@@ -306,7 +303,7 @@ def _put(made: str | bytes, chosen: PictureFormat, output: Path | None) -> None:
     elif isinstance(made, str):
         write(made)
     elif sys.stdout.isatty():
-        fail(f"a {chosen.upper()} cannot be shown in a terminal", "save it with -o FILE")
+        fail(f"a {chosen.title} cannot be shown in a terminal", "save it with -o FILE")
     else:
         sys.stdout.buffer.write(made)
 
@@ -318,40 +315,31 @@ def _rules_text(level: Level) -> str:
     return "\n" + "".join(f"{rule.text}\n" for rule in rules_of(level))
 
 
-def _check_no_answers(chosen: PictureFormat, *, asked: bool) -> None:
-    if chosen is not PictureFormat.HTML:
-        fail("--no-answers is for HTML output", "leave out --no-answers")
-    if asked:
-        fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
+def _check_for(option: str, chosen: PictureFormat, *, given: bool, name: str = "") -> None:
+    """Refuse an option that the format does not have."""
+    name = name or f"--{option}"
+    if given and option not in chosen.options:
+        fail(f"{name} is for {listed(titles_of(option))} output", f"leave out {name}")
 
 
-def _chosen_format(
-    picture_format: PictureFormat | None, output: Path | None, folder: Path | None
-) -> PictureFormat:
-    if picture_format is not None:
-        return picture_format
+def _chosen_format(asked: str | None, output: Path | None, folder: Path | None) -> PictureFormat:
+    if asked is not None:
+        return FORMATS[asked]
     if output is None:
-        return PictureFormat.TEXT if folder is None else PictureFormat.SVG
-    suffix = output.suffix.lower()
-    if suffix not in _SUFFIXES:
-        fail(
-            f"unknown suffix {suffix or '(none)'}",
-            f"use one of {', '.join(_SUFFIXES)}, or add --format",
-        )
-    return PictureFormat(_SUFFIXES[suffix])
+        return FORMATS["text" if folder is None else "svg"]
+    return FORMATS[format_by_suffix(output, SUFFIXES)]
 
 
 def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> float | None:
     """Return the scale of a picture, None for the default."""
-    from babyrobot_levels.analysis.pictures import MAX_SCALE
     from babyrobot_levels.render.scene.layout import CELL
 
     if scale is None and cell is None:
         return None
     if scale is not None and cell is not None:
         fail("--scale and --cell cannot be combined", "leave out one of the two")
-    if chosen not in _SCALED:
-        fail("--scale and --cell are for SVG, PDF, PNG and GIF output", "leave them out")
+    if "scale" not in chosen.options:
+        fail(f"--scale and --cell are for {listed(titles_of('scale'))} output", "leave them out")
     times = scale if scale is not None else (cell or 0) / CELL
     if not 0 < times <= MAX_SCALE:
         fail(
@@ -374,8 +362,6 @@ def _prepared(
 
     The seed is for the random mazes among several levels.
     """
-    from babyrobot_levels.analysis.pictures import dressed
-
     try:
         level = dressed(level, theme=theme, coordinates=coordinates or None)
     except LevelError as error:
@@ -390,20 +376,18 @@ def _prepared(
     return level
 
 
-def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
-    if options.policy is PolicyName.RANDOM:
-        fail("a text cannot show a random policy", "use --policy best, or a GIF or HTML output")
-    configuration = None if options.held is None else configuration_of(level, options.held)
-    if not (options.values or options.policy):
+def _text(level: Level, *, values: bool, policy: bool, held: str | None, plain: bool) -> str:
+    configuration = None if held is None else configuration_of(level, held)
+    if not (values or policy):
         return text_picture(level, plain=plain, configuration=configuration)
     plain = plain or not takes_pictures()
-    if options.values and plain and level.size[0] > WIDEST:
+    if values and plain and level.size[0] > WIDEST:
         note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
     return solution_text(
         level,
         solution_of(level),
-        values=options.values,
-        policy=options.policy is not None,
+        values=values,
+        policy=policy,
         plain=plain,
         configuration=configuration,
     )

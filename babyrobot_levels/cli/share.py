@@ -153,7 +153,7 @@ class _Shown:
 
 def _fragment(level: Level, *, answers: bool) -> str:
     """Return the part of a link after its `#`."""
-    from babyrobot_levels.analysis.pictures import guide_of
+    from babyrobot_levels.analysis.guides import guide_of
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.cli.pictures import check_page_size
     from babyrobot_levels.render.page import link_fragment

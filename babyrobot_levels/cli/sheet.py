@@ -18,6 +18,7 @@ from babyrobot_levels.cli.levels import (
     valid_levels,
 )
 from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.pictures import format_by_suffix
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 
@@ -168,13 +169,7 @@ def _with_maze(level: Level) -> Level:
 def _chosen_format(sheet_format: SheetFormat | None, output: Path | None) -> SheetFormat:
     if sheet_format is not None or output is None:
         return sheet_format or SheetFormat.PDF
-    suffix = output.suffix.lower()
-    if suffix not in {f".{each}" for each in SheetFormat}:
-        fail(
-            f"unknown suffix {suffix or '(none)'}",
-            f"use one of {', '.join(f'.{each}' for each in SheetFormat)}, or add --format",
-        )
-    return SheetFormat(suffix[1:])
+    return format_by_suffix(output, {f".{each}": each for each in SheetFormat})
 
 
 def _put(made: Sheet, chosen: SheetFormat, output: Path | None) -> None:

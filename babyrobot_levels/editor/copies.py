@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Literal, get_args
 
-from babyrobot_levels.analysis.pictures import guide_of
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.session import Session

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from babyrobot_levels.analysis import pictures
 from babyrobot_levels.analysis.environments import make
+from babyrobot_levels.analysis.pictures import Pictured
 from babyrobot_levels.mdp.gridworld import GridWorld
 
 if TYPE_CHECKING:
@@ -21,10 +20,8 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.previews import Preview
     from babyrobot_levels.analysis.solver.results import Solution
 
-Made = TypeVar("Made", str, bytes)
 
-
-class Level(GridWorld):
+class Level(Pictured, GridWorld):
     """A level: the contents of a level file, validated and frozen.
 
     Its attributes are the fields of the language, with what a drawing gives filled in. Levels are
@@ -109,209 +106,6 @@ class Level(GridWorld):
 
     # -- as a picture ----------------------------------------------------------------------
 
-    def to_svg(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        *,
-        values: Any = None,
-        policy: Any = None,
-        action_values: Any = None,
-        visits: Any = None,
-        coordinates: bool | None = None,
-        theme: Any = None,
-        held: str | Iterable[str] | None = None,
-        rules: bool = False,
-        scale: float | None = None,
-    ) -> str:
-        """Return the level's picture as an SVG document, as `babyrobot preview` makes it.
-
-        With values, actions or counts, the robot is left out, and terminal states show none.
-
-        Args:
-            path: a file to write it to as well, atomically; an existing one is replaced.
-            values: what cells show: True for the optimal values, a `Solution`, an `Evaluation` or
-                a `Sweep` for theirs, or an array as `show_info` takes it.
-            policy: the same for actions; `"best"` means True.
-            action_values: the same for the values of actions.
-            visits: counts of visits, as `show_info` takes them.
-            coordinates: whether cells show their coordinates; by default, what the level says.
-            theme: another theme: a name, or a mapping as in a level file.
-            held: the names of the items that are held and the switches that are on; `"nothing"`
-                or an empty list for none. By default, the level is shown as a whole, with values
-                and actions where episodes begin.
-            rules: whether the rules of the level are shown: in its panel, or below the picture.
-            scale: the size; 1, the default, is 64 pixels per cell.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-            UndefinedReturnError: the level has no solution that could be shown.
-            ValueError: another argument does not fit the level.
-        """
-        picture: str = pictures.to_svg(
-            self,
-            values=values,
-            policy=policy,
-            action_values=action_values,
-            visits=visits,
-            coordinates=coordinates,
-            theme=theme,
-            held=held,
-            rules=rules,
-            scale=scale,
-        )
-        return _saved(picture, path)
-
-    def to_pdf(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        *,
-        values: Any = None,
-        policy: Any = None,
-        action_values: Any = None,
-        visits: Any = None,
-        coordinates: bool | None = None,
-        theme: Any = None,
-        held: str | Iterable[str] | None = None,
-        rules: bool = False,
-        scale: float | None = None,
-    ) -> bytes:
-        """Return the level's picture as a PDF file of one page, as `babyrobot preview` makes it.
-
-        Args and errors are those of `to_svg`; a `scale` of 1 is 48 points per cell.
-        """
-        picture: bytes = pictures.to_pdf(
-            self,
-            values=values,
-            policy=policy,
-            action_values=action_values,
-            visits=visits,
-            coordinates=coordinates,
-            theme=theme,
-            held=held,
-            rules=rules,
-            scale=scale,
-        )
-        return _saved(picture, path)
-
-    def to_png(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        *,
-        values: Any = None,
-        policy: Any = None,
-        action_values: Any = None,
-        visits: Any = None,
-        coordinates: bool | None = None,
-        theme: Any = None,
-        held: str | Iterable[str] | None = None,
-        rules: bool = False,
-        scale: float | None = None,
-    ) -> bytes:
-        """Return the level's picture as a PNG file, as `babyrobot preview` makes it.
-
-        Args and errors are those of `to_svg`. Without a `scale`, a cell has 64 pixels, and fewer in
-        large levels: no side of the picture has more than 4,000.
-        """
-        picture: bytes = pictures.to_png(
-            self,
-            values=values,
-            policy=policy,
-            action_values=action_values,
-            visits=visits,
-            coordinates=coordinates,
-            theme=theme,
-            held=held,
-            rules=rules,
-            scale=scale,
-        )
-        return _saved(picture, path)
-
-    def to_gif(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        *,
-        policy: Any = "best",
-        seed: int = 0,
-        values: Any = None,
-        coordinates: bool | None = None,
-        theme: Any = None,
-        rules: bool = False,
-        scale: float | None = None,
-    ) -> bytes:
-        """Return an episode as an animated GIF, as `babyrobot preview` makes it.
-
-        It is cut after 500 steps, with a warning.
-
-        Args:
-            path: a file to write it to as well, atomically; an existing one is replaced.
-            policy: the policy that is followed: `"best"`, `"random"`, a `Solution`, an array, or
-                what else `evaluate` takes, of a robot that does not turn.
-            seed: the random seed; it is the same episode as after `env.reset(seed=…)`.
-            values: what cells show below the robot; see `to_svg`.
-            coordinates: whether cells show their coordinates; by default, what the level says.
-            theme: another theme: a name, or a mapping as in a level file.
-            rules: whether the rules of the level are shown below the film.
-            scale: the size; 1 is 64 pixels per cell. By default it is the largest up to 1 with
-                which no side has more than 800 pixels.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-            UndefinedReturnError: the level has no solution that could be followed or shown.
-            ValueError: another argument does not fit the level, or the film is too large.
-        """
-        film: bytes = pictures.to_gif(
-            self,
-            policy=policy,
-            seed=seed,
-            values=values,
-            coordinates=coordinates,
-            theme=theme,
-            rules=rules,
-            scale=scale,
-        )
-        return _saved(film, path)
-
-    def to_html(
-        self,
-        path: str | os.PathLike[str] | None = None,
-        *,
-        values: bool = False,
-        policy: str | bool | None = None,
-        seed: int = 0,
-        coordinates: bool | None = None,
-        theme: Any = None,
-        answers: bool = True,
-    ) -> str:
-        """Return a page on which the level can be played, as `babyrobot preview` makes it.
-
-        Args:
-            path: a file to write it to as well, atomically; an existing one is replaced.
-            values: whether optimal values are shown at first.
-            policy: the policy that can be watched, `"best"` or `"random"`. By default it is the
-                best one; with `"best"` or True, optimal actions are shown at first.
-            seed: the random seed of the first episode.
-            coordinates: whether cells show their coordinates; by default, what the level says.
-            theme: another theme: a name, or a mapping as in a level file.
-            answers: whether the page knows the solution: values, optimal actions, hints, and how
-                good a return is. With False, nothing of it is in the page.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-            UndefinedReturnError: the level has no solution that could be shown.
-            ValueError: the level is too large for a page, there is no such policy, or answers are
-                to be shown without answers.
-        """
-        page: str = pictures.to_html(
-            self,
-            values=values,
-            policy=policy,
-            seed=seed,
-            coordinates=coordinates,
-            theme=theme,
-            answers=answers,
-        )
-        return _saved(page, path)
-
     def preview(self, path: str | os.PathLike[str] | None = None, **shown: Any) -> Preview:
         """Return a picture, a film or a page; see `brl.preview` for arguments and errors."""
         from babyrobot_levels.analysis.previews import preview
@@ -341,12 +135,3 @@ class Level(GridWorld):
                 place of the level's `max_steps`, -1 of any limit.
         """
         return make(self, **kwargs)
-
-
-def _saved(made: Made, path: str | os.PathLike[str] | None) -> Made:
-    """Write what was made to a file, if one is given, and return it."""
-    from babyrobot_levels.text.files import write_bytes
-
-    if path is not None:
-        write_bytes(Path(path), made.encode("utf-8") if isinstance(made, str) else made)
-    return made

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.analysis import pictures
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
 from babyrobot_levels.publish.level_page import level_html
@@ -91,7 +92,7 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
         metrics=found,
         maze_seed=MAZE_SEED if is_random else None,
     )
-    guide = pictures.guide_of(level, solution) if solution is not None else None
+    guide = guide_of(level, solution) if solution is not None else None
     over = solution if shown.key else None
     scene = pictures.still(level, values=over, policy=over)
     png = _png(scene)

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Any
 
+from babyrobot_levels.analysis.guides import best_average
 from babyrobot_levels.analysis.learning.sweeps import value_iteration
-from babyrobot_levels.analysis.pictures import best_average, dressed, still
+from babyrobot_levels.analysis.pictures import dressed, still
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
 from babyrobot_levels.library.level import Level

@@ -13,7 +13,7 @@ from PIL import Image
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis import pictures
+from babyrobot_levels.analysis import guides, pictures
 
 ENDLESS = brl.loads("version: 1\nsize: [3, 1]\nexit: none\n")
 CANCELLING = brl.loads(
@@ -95,7 +95,7 @@ def test_where_a_guard_has_caught_the_robot_there_is_no_value() -> None:
     goes_on = (~mdp.is_terminal.reshape(mdp.shape)).any(axis=0)
     assert (over & goes_on).any()
     blank = np.where(over, np.nan, best.values[configuration])
-    given = pictures.overlay_of(level, {"values": best})
+    given = guides.overlay_of(level, {"values": best})
     assert given is not None
     shown = [[np.nan if each is None else each for each in row] for row in given.at().values or ()]
     np.testing.assert_array_equal(shown, blank)

@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.pictures import FORMATS
 
 pytestmark = pytest.mark.usefixtures("here")
 
 
-@pytest.mark.parametrize("suffix", ["svg", "png", "pdf", "gif", "html"])
+@pytest.mark.parametrize("suffix", [name for name, each in FORMATS.items() if each.make])
 def test_a_file_has_what_the_level_makes(suffix: str) -> None:
     level = brl.load("frozen-lake")
     Path(f"lake.{suffix}").write_bytes(b"replaced")
@@ -41,6 +42,7 @@ def test_options_are_those_of_the_picture() -> None:
     level = brl.load("frozen-lake")
     assert level.preview(values=True).data == level.to_svg(values=True)
     assert level.play("play.html", answers=False).data == level.to_html(answers=False)
+    assert brl.preview(level, "page.HTM").format == "html"
     assert Path("play.html").read_text("utf-8") == brl.play(level, answers=False).data
     with pytest.raises(ValueError, match="there is no format 'bmp'"):
         brl.preview(level, "lake.bmp")

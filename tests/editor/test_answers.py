@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from babyrobot_levels.analysis.pictures import guide_of
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.editor.protocol import answer, prepare
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown import answers as module

@@ -16,7 +16,7 @@ from support.packs import babyrobot, pack_text, packed
 from support.packs import level as pack_level
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.pictures import guide_of
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.publish.citation import bibtex, citation

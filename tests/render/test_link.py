@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from support.codes import play_data, play_stream
 from support.worlds import World, decorated_worlds, level_of
 
-from babyrobot_levels.analysis.pictures import guide_of
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level

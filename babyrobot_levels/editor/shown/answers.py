@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.pictures import random_return, solution_guide
+from babyrobot_levels.analysis.guides import random_return, solution_guide
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.reachability import reach_of
 from babyrobot_levels.mdp.states import initial_configuration

@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Page, expect
 from support.playground import KEYS, Playground
 
-from babyrobot_levels.analysis.pictures import guide_of
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.distribution import return_distribution
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.library.catalogue import load

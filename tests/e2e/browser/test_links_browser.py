@@ -19,7 +19,7 @@ from support.codes import CODE, play_sealed, played
 from support.playground import KEYS, Playground
 from support.worlds import World, decorated_worlds, level_of
 
-from babyrobot_levels.analysis.pictures import guide_of
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, to_html

@@ -1,0 +1,179 @@
+"""What is shown of a solution: over the cells of a picture, and what pages tell of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from babyrobot_levels.analysis.solver.results import Solution
+    from babyrobot_levels.mdp.gridworld import GridWorld
+    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.scene.overlay import Overlay
+
+BEST, RANDOM = "best", "random"
+"""The policies that have names."""
+
+
+def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
+    """Return what a picture shows over the cells.
+
+    Args:
+        level: the level.
+        info: as for `show_info`; True, and "best" for a policy, stand for the level's solution,
+            and what is None or False is not shown.
+
+    Raises:
+        UndefinedReturnError: a solution is asked for, and the level has none.
+        ValueError: an array does not fit the level.
+    """
+    from babyrobot_levels.analysis.shown import overlay_given
+
+    given = {key: value for key, value in info.items() if value is not None and value is not False}
+    if not given:
+        return None
+    asked = [key for key, value in given.items() if _asks(key, value)]
+    if asked:
+        from babyrobot_levels.analysis.solver.optimum import solve
+
+        given |= dict.fromkeys(asked, solve(level))
+    return overlay_given(level, given)
+
+
+def _asks(key: str, value: Any) -> bool:
+    """Return whether the level is to be solved for something that is shown."""
+    if key == "policy" and isinstance(value, str) and value != BEST:
+        raise ValueError(f"a policy given by name is {BEST!r}, not {value!r}")
+    return key != "visits" and (value is True or (key == "policy" and isinstance(value, str)))
+
+
+def policy_of(solution: Solution) -> list[int]:
+    """Return the optimal action of each state, as an `Action`; -1 for terminal states."""
+    actions: list[int] = (
+        (solution.policy + solution.first_action * (solution.policy >= 0)).ravel().tolist()
+    )
+    return actions
+
+
+def guide_of(level: GridWorld, solution: Solution | None = None, *, turns: bool = False) -> Guide:
+    """Return what a page shows of the solution.
+
+    Args:
+        level: the level; a maze needs a seed.
+        solution: its solution for a robot that moves, if it is known already.
+        turns: whether the robot of the page turns; it can, too, if the level sets a heading.
+
+    Raises:
+        UndefinedReturnError: the level has no solution.
+    """
+    from babyrobot_levels.analysis.solver.optimum import solve
+
+    solution = solve(level) if solution is None else solution
+    turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
+    return replace(solution_guide(level, solution), turning=turning, **_luck(level, solution))
+
+
+def solution_guide(level: GridWorld, solution: Solution) -> Guide:
+    """Return what a page shows of a solution but for what it tells of luck, which takes longer.
+
+    Args:
+        level: the level.
+        solution: its solution, for a robot that moves.
+    """
+    from babyrobot_levels.render.page_data import Guide
+
+    overlay = overlay_of(level, {"values": solution, "policy": solution})
+    assert overlay is not None
+    return Guide(policy_of(solution), overlay, best_average(level, solution))
+
+
+def _turning_guide(level: GridWorld) -> Guide | None:
+    """Return what a page shows of the solution for a robot that turns; None without one."""
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import TURNS, UndefinedReturnError
+    from babyrobot_levels.render.page_data import Guide
+
+    try:
+        solution = solve(level, actions=TURNS)
+    except UndefinedReturnError:
+        return None
+    overlay = overlay_of(level, {"values": solution})
+    assert overlay is not None
+    policy: list[int] = solution.policy.ravel().tolist()
+    guide = Guide(policy, overlay, best_average(level, solution))
+    return replace(guide, **_luck(level, solution))
+
+
+def best_average(level: GridWorld, solution: Solution) -> float:
+    """Return the optimal expected return within the level's time limit, if it has one.
+
+    It is nan where that takes too long to be computed.
+
+    Args:
+        level: the level.
+        solution: its solution without a limit.
+    """
+    from babyrobot_levels.analysis.solver.horizon import best_return_within
+
+    steps, actions = level.max_steps, solution.actions
+    if steps is None:
+        return solution.expected_return
+    with suppress(ArithmeticError):
+        return best_return_within(
+            level, steps, actions=actions, discount=level.discount, quick=True
+        )
+    return math.nan
+
+
+def _random_within(level: GridWorld, actions: str) -> float:
+    """Return the expected return of random actions within the time limit that the level has."""
+    from babyrobot_levels.analysis.solver.chain import weights_of
+    from babyrobot_levels.analysis.solver.many import worth_within
+    from babyrobot_levels.analysis.solver.space import space_of
+
+    assert level.max_steps is not None
+    space = space_of(level, actions)
+    weights = weights_of(RANDOM, space)
+    found = worth_within([space], [level.max_steps], [level.discount], [weights], quick=True)
+    return float(found.returns[0])
+
+
+def _luck(level: GridWorld, solution: Solution) -> dict[str, Any]:
+    """Return what a page compares a return with, within the level's time limit.
+
+    These are quantiles of the optimal policy's return, and the expected return of random actions.
+    """
+    import numpy as np
+
+    from babyrobot_levels.analysis.solver.distribution import distribution_of
+    from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS as FOLLOWED
+    from babyrobot_levels.analysis.solver.space import space_of
+
+    actions, limit = solution.actions, level.max_steps or FOLLOWED
+    luck: dict[str, Any] = {"random_return": random_return(level, actions)}
+    with suppress(ArithmeticError):
+        # Each stands for one in a hundred episodes.
+        found = distribution_of(
+            space_of(level, actions), solution, level.discount, limit, quick=True
+        )
+        quantiles = found.quantiles((np.arange(100) + 0.5) / 100)
+        alike = np.unique(quantiles).size == 1
+        luck["quantiles"] = quantiles[: 1 if alike else None].tolist()
+    return luck
+
+
+def random_return(level: GridWorld, actions: str = "all") -> float | None:
+    """Return the expected return of random actions, within the level's time limit.
+
+    It is None where that is undefined, or takes too long to be computed exactly.
+    """
+    from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+
+    with suppress(ArithmeticError):
+        if level.max_steps is not None:
+            return _random_within(level, actions)
+        return evaluation_of(level, RANDOM, actions=actions).expected_return
+    return None
