@@ -93,7 +93,7 @@ def _sokoban() -> Codec:
 
 
 def _tiled() -> Codec:
-    from babyrobot_levels.convert.tiled_writing import CODEC
+    from babyrobot_levels.convert.tiled import CODEC
 
     return CODEC
 

@@ -160,7 +160,7 @@ class Pictures:
         return None
 
     def _show(self) -> None:
-        from babyrobot_levels.render.notebook.frontend import in_notebook
+        from babyrobot_levels.render.notebook.html import in_notebook
 
         if self._view is None and in_notebook():
             self._canvas().show()

@@ -24,20 +24,18 @@ from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import CHEER, EVENTS, HEADING_POSES, POSES, rows_of
 from babyrobot_levels.render.page_things import Marks, things_data
 from babyrobot_levels.render.scene.build import floor_shapes, ground_layer, sign_shapes
-from babyrobot_levels.render.scene.heat import BAR_STEPS, Heat, frame_shapes
+from babyrobot_levels.render.scene.heat import BAR_STEPS, STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
-from babyrobot_levels.render.scene.scale import STEPS
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.situation import Pose
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.scene.things import CORNERS, SMALL
 from babyrobot_levels.render.svg import number
-from babyrobot_levels.render.words.describe import describe
-from babyrobot_levels.render.words.goal import goal_of
+from babyrobot_levels.render.words.describe import describe, goal_of
 from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.render.words.rules import rules_of
 

@@ -19,17 +19,23 @@ from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.doors import door_name, door_sides
 from babyrobot_levels.render.page_shapes import BAR, Group, Palette, length, pack
-from babyrobot_levels.render.scene.heat import Heat, legend_bar, legend_plate, legend_texts
-from babyrobot_levels.render.scene.icons import Spot
-from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.overlay_shapes import (
+from babyrobot_levels.render.scene.build import (
     Lengths,
     arrow_lengths,
     arrow_shapes,
     number_form,
 )
-from babyrobot_levels.render.scene.scale import ink_on, scale_of
+from babyrobot_levels.render.scene.heat import (
+    Heat,
+    ink_on,
+    legend_bar,
+    legend_plate,
+    legend_texts,
+    scale_of,
+)
+from babyrobot_levels.render.scene.icons import Spot
+from babyrobot_levels.render.scene.layout import Layout
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.situation import look_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots

@@ -9,23 +9,25 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.colors import Rgb, rgba
-from babyrobot_levels.render.scene.heat import Heat
+from babyrobot_levels.render.scene.heat import Heat, Scale
 from babyrobot_levels.render.scene.layout import layout_of
 from babyrobot_levels.render.scene.overlay import Overlay, Rows
-from babyrobot_levels.render.scene.scale import Scale
 from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import Form, form_of
 from babyrobot_levels.render.terminal import ALL_COLORS, cut_out
-from babyrobot_levels.render.text_colors import RESET, Palette, TextGrounds, escape
 from babyrobot_levels.render.text_plan import (
+    RESET,
     USUAL,
     WINDS,
+    Palette,
     Symbols,
     TextCells,
+    TextGrounds,
     TextMark,
     ascii_lines,
     drawing_without_things,
+    escape,
     held_line,
     marks_of,
     symbols_of,

@@ -19,10 +19,10 @@ from support.conversions import SAMPLES, level_of_world, lost_fields, world_of
 from support.worlds import World, decorated_worlds, level_of
 
 import babyrobot_levels as brl
-from babyrobot_levels.convert import tiled_reading
+from babyrobot_levels.convert import tiled
 from babyrobot_levels.convert.conversion import ConversionError
 from babyrobot_levels.convert.exporting import export
-from babyrobot_levels.convert.tiled_reading import read_tiled
+from babyrobot_levels.convert.tiled import read_tiled
 from babyrobot_levels.text.source import SourceFile
 
 SAVED = (SAMPLES / "saved-by-tiled.tmj").read_text(encoding="utf-8")
@@ -182,7 +182,7 @@ def test_polylines_along_the_sides_of_cells_are_walls(
 
 @pytest.mark.parametrize("most", [4, 5])
 def test_the_length_of_all_walls_is_bounded(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tiled_reading, "MAX_LENGTH", most)
+    monkeypatch.setattr(tiled, "MAX_LENGTH", most)
     corner = line(0, 8, (0, 0), (32, 0), (32, 8))
     layer = {"type": "objectgroup", "name": "w", "objects": [corner, line(16, 0, (0, 0), (0, 16))]}
     if most == 5:
@@ -341,9 +341,9 @@ def test_many_large_layers_are_refused_before_any_is_unpacked() -> None:
 
 def test_more_entries_than_a_file_can_hold_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     layer = {"type": "tilelayer", "name": "a", "data": [5, 5, 5, 0, 0, 0]}
-    monkeypatch.setattr(tiled_reading, "MAX_THINGS", 3)
+    monkeypatch.setattr(tiled, "MAX_THINGS", 3)
     world_of(foreign(layers=[layer]), "tiled")
-    monkeypatch.setattr(tiled_reading, "MAX_THINGS", 2)
+    monkeypatch.setattr(tiled, "MAX_THINGS", 2)
     with pytest.raises(ConversionError, match="3 starts, exits, walls"):
         world_of(foreign(layers=[layer]), "tiled")
 

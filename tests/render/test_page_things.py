@@ -18,8 +18,8 @@ from babyrobot_levels.render import page_data as pages
 from babyrobot_levels.render.page import link_fragment, to_html
 from babyrobot_levels.render.page_data import Guide, TooLargeError, page_data
 from babyrobot_levels.render.page_tables import EVENTS
+from babyrobot_levels.render.scene.heat import STEPS
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.scale import STEPS
 
 WITH_THINGS = [info.name for info in levels() if load(info.name).has_things]
 VAULT = vault()

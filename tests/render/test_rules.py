@@ -16,7 +16,7 @@ from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Text
-from babyrobot_levels.render.words.goal import goal_of
+from babyrobot_levels.render.words.describe import goal_of
 from babyrobot_levels.render.words.phrases import chance, color_name, ranges
 from babyrobot_levels.render.words.rules import MOST, rules_of
 

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.scene.heat import scale_of
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.scale import scale_of
 from babyrobot_levels.render.terminal import ALL_COLORS
 from babyrobot_levels.render.text import TextPainter, unicode_drawing
-from babyrobot_levels.render.text_colors import escape
+from babyrobot_levels.render.text_plan import escape
 
 ESCAPE = re.compile(r"\x1b\[[\d;]*m")
 

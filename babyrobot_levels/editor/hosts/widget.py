@@ -16,8 +16,15 @@ from babyrobot_levels.editor.protocol import SLOW, answer, prepare
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.state import state_of
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.notebook.frontend import Frontend, frontend
-from babyrobot_levels.render.notebook.html import SVG, TEXT, WIDGET, Bundle, level_mimebundle
+from babyrobot_levels.render.notebook.html import (
+    SVG,
+    TEXT,
+    WIDGET,
+    Bundle,
+    Frontend,
+    frontend,
+    level_mimebundle,
+)
 from babyrobot_levels.text.files import write_text
 
 QUIET_SECONDS = 0.5

@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.notebook.frontend import Frontend, frontend
 from babyrobot_levels.render.notebook.html import (
     MARKDOWN,
     SVG,
     TEXT,
     WIDGET,
     Bundle,
+    Frontend,
+    frontend,
     in_words,
     is_too_large,
     picture_mimebundle,
 )
-from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.build import build_layers, overlay_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted, toned
 from babyrobot_levels.render.scene.situation import (

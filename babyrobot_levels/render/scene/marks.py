@@ -1,28 +1,33 @@
-"""The marks of what cells do, such as holes and glints, and of what differs between levels."""
+"""The marks of what cells do: holes, glints, warps and wind; and of what differs between levels."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.effects import STRENGTHS, Effects
-from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.icons import INK, RIM, Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
+    QUARTER,
     Command,
     Commands,
+    Ellipse,
     Path,
+    Point,
     Scene,
     Shape,
     circle,
+    curve,
     polygon,
     polyline,
     rounded,
 )
-from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.slots import ICON, LABEL_MARGIN, Arrow, Box, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -190,7 +195,7 @@ MARK = "#d6006c"
 _INSET = 6.0
 """How far the mark of a cell is from its sides, in pixels."""
 
-_WIDTH, _RIM_WIDTH = 4.0, 8.0
+_MARK_WIDTH, _MARK_RIM = 4.0, 8.0
 
 
 class MarkedSide(NamedTuple):
@@ -245,5 +250,227 @@ def _bars(layout: Layout, sides: Iterable[MarkedSide]) -> list[Command]:
 def _lines(commands: list[Command], *, dotted: bool = False) -> Iterator[Shape]:
     dash = (0.01, CELL / 6) if dotted else None
     if commands:
-        for color, width in ((RIM, _RIM_WIDTH), (MARK, _WIDTH)):
+        for color, width in ((RIM, _MARK_RIM), (MARK, _MARK_WIDTH)):
             yield Path(tuple(commands), stroke=color, width=width, cap="round", dash=dash)
+
+
+# -- warps and wind --------------------------------------------------------------------------------
+
+_WIDTH = 3.0
+_HEAD = 11.0
+_RIM = 1.8
+_RING = 9.0
+_DOT_RING, _SIGN_RING = (10.5, _RING, 6.0, 3.0), (15.5, 13.5, 10.5)
+"""The radii of the discs of a ring, from the bottom up: with a dot in it, and with a sign."""
+
+_SHRINK = 0.7
+"""How much rings and chevrons shrink with their boxes: 1 is in proportion."""
+
+_WAYS = ((0.16, 0.0), (0.06, 0.0), (0.16, 48.0), (0.16, 96.0))
+"""The ways of arrows, the best one first: how far they bow, as a share of their length, and from
+how far beside their targets they arrive, in pixels; 0 leaves that to the bow."""
+
+_AWAY = LABEL_MARGIN
+"""How far arrows keep away from the border, as from labels, if they can, in pixels."""
+
+_MOST_POINTS = 64
+"""In how many points the ways of an arrow are compared, at most."""
+
+_MAX_CHEVRONS = 3
+
+Dash = tuple[float, float] | None
+
+
+def warp_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, effects: Effects
+) -> Iterator[Shape]:
+    """Yield the warps: an arrow from a ring to a cell, or a turning one for the start.
+
+    A warp that acts on entering is drawn solid, one that acts on leaving dashed. Arrows keep away
+    from the labels of areas, and rings have room for the sign of what a warp pays or costs.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: where rings and heads of arrows are.
+        effects: what its cells do.
+    """
+    color = level.resolved_theme.colors.arrows
+    rim = rim_on([color])
+    for warp in level.warps:
+        box = slots.icon(warp.at)
+        centre, size = box.centre, _scale(box)
+        dash = (6.0, 4.0) if warp.when == "leave" else None
+        if isinstance(warp.to, str):
+            yield from _outlined(*_turning_arrow(centre, size), color, rim, dash)
+            continue
+        if warp.to != warp.at:
+            yield from _outlined(*_arrow(level, layout, slots, warp.at, warp.to), color, rim, dash)
+        has_sign = warp.at in effects.pays or warp.at in effects.costs
+        for number, radius in enumerate(_SIGN_RING if has_sign else _DOT_RING):
+            fill = color if number % 2 else rim
+            yield Ellipse(*centre, size * radius, size * radius, fill)
+
+
+def _scale(box: Box) -> float:
+    """Return the scale of a ring or chevrons: in small boxes they take more of the room."""
+    return round(math.pow(box.width / ICON, _SHRINK), 3)
+
+
+def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
+    """Return shaft and head of an arrow that turns clockwise."""
+    x, y = centre[0], centre[1] + 2 * size
+    r, k, h = 11.0 * size, 11.0 * size * QUARTER, 6.0 * size
+    shaft: Commands = (
+        ("M", (x + r, y)),
+        ("C", (x + r, y + k, x + k, y + r, x, y + r)),
+        ("C", (x - k, y + r, x - r, y + k, x - r, y)),
+        ("C", (x - r, y - k, x - k, y - r, x, y - r)),
+    )
+    return shaft, polygon([(x - 1, y - r - h), (x - 1, y - r + h), (x + 1.3 * h, y - r)])
+
+
+def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+    """Return the cells that the arrows of warps cross."""
+    return {
+        layout.cell(point)
+        for warp in level.warps
+        if not isinstance(warp.to, str) and warp.to != warp.at
+        for point in _points(_arrow(level, layout, slots, warp.at, warp.to)[0])
+    }
+
+
+def _arrow(level: GridWorld, layout: Layout, slots: Slots, at: Cell, to: Cell) -> Arrow:
+    """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible."""
+    if (at, to) in slots.arrows:
+        return slots.arrows[at, to]
+    start, target = slots.icon(at).centre, slots.icon(to)
+    end = target.centre
+    has_ring = any(warp.at == to for warp in level.warps)
+    gap = _RING * _scale(target) + 4 if has_ring else 0.0
+    edge, width, height = layout.margin + _AWAY, layout.grid_width, layout.grid_height
+    grid = Box(edge, edge, edge + width - 2 * _AWAY, edge + height - 2 * _AWAY)
+
+    def bad(parts: Arrow) -> int:
+        """Return how many points of the shaft lie outside of the grid or on labels."""
+        return sum(
+            not _is_in(point, grid)
+            or any(_is_in(point, box) for box in slots.near(layout.cell(point)))
+            for point in _points(parts[0], _MOST_POINTS)
+        )
+
+    ways = (
+        _bowed(start, end, gap, side * bow, side * reach)
+        for bow, reach in _WAYS
+        for side in (1, -1)
+    )
+    found = slots.arrows[at, to] = _least(ways, bad)
+    return found
+
+
+def _least(ways: Iterable[Arrow], bad: Callable[[Arrow], int]) -> Arrow:
+    """Return the first way with nothing bad; else, the first one with the least."""
+    least, best = math.inf, None
+    for way in ways:
+        count = bad(way)
+        if count < least:
+            least, best = count, way
+        if not count:
+            break
+    assert best is not None
+    return best
+
+
+def _is_in(point: Point, box: Box) -> bool:
+    return box.left < point[0] < box.right and box.top < point[1] < box.bottom
+
+
+def _bowed(start: Point, end: Point, gap: float, bow: float, reach: float) -> Arrow:
+    """Return shaft and head of an arrow; see `_WAYS`. Negative numbers are for its other side.
+
+    Args:
+        start: where it begins.
+        end: where it points to.
+        gap: the distance in pixels from its tip to `end`.
+        bow: how far it bows.
+        reach: from how far it arrives.
+    """
+    length = math.dist(start, end)
+    along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
+    away = max(-CELL, min(bow * length, CELL))
+    middle = (
+        (start[0] + end[0]) / 2 + away * along_y,
+        (start[1] + end[1]) / 2 - away * along_x,
+    )
+    control = (end[0] + reach * along_y, end[1] - reach * along_x) if reach else middle
+    distance = math.dist(control, end)
+    toward_x, toward_y = (end[0] - control[0]) / distance, (end[1] - control[1]) / distance
+
+    def behind(back: float, aside: float = 0.0) -> Point:
+        """Return a point so many pixels behind the tip, and beside the arrow."""
+        back += gap
+        return (
+            end[0] - back * toward_x - aside * toward_y,
+            end[1] - back * toward_y + aside * toward_x,
+        )
+
+    neck = behind(0.8 * _HEAD)
+    head = polygon([behind(0), behind(_HEAD, 0.5 * _HEAD), neck, behind(_HEAD, -0.5 * _HEAD)])
+    if not reach:
+        return curve(start, middle, neck), head
+    return (("M", start), ("C", (*middle, *control, *neck))), head
+
+
+def _points(shaft: Commands, most: int | None = None) -> Iterator[Point]:
+    """Yield points along a shaft, less than half a cell apart, but not many more than `most`."""
+    (_, (x0, y0)), (_, (x1, y1, x2, y2, x3, y3)) = shaft
+    count = math.ceil(4 * math.dist((x0, y0), (x3, y3)) / CELL)
+    if most is not None:
+        count = min(count, most)
+    for step in range(count + 1):
+        t = step / count
+        u = 1 - t
+        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+        yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
+
+
+def _outlined(shaft: Commands, head: Commands, color: str, rim: str, dash: Dash) -> Iterator[Shape]:
+    """Yield an arrow with the rim that sets it off on puddles and areas."""
+    yield Path(shaft, stroke=rim, width=_WIDTH + 2 * _RIM)
+    yield Path(head, stroke=rim, width=2 * _RIM)
+    yield Path(shaft, stroke=color, width=_WIDTH, dash=dash)
+    yield Path(head, fill=color)
+
+
+def wind_shapes(winds: Mapping[Cell, tuple[int, int]], slots: Slots, color: str) -> Iterator[Shape]:
+    """Yield chevrons where the wind blows: one for each cell that it pushes, at most three.
+
+    Args:
+        winds: how far the wind pushes in each cell, east and south.
+        slots: where the chevrons are.
+        color: their colour.
+    """
+    by_size: dict[float, list[Command]] = {}
+    for cell, (east, south) in winds.items():
+        box = slots.icon(cell)
+        commands = by_size.setdefault(_scale(box), [])
+        commands += _chevrons(box.centre, _scale(box), east, south)
+    for size, commands in by_size.items():
+        lines, width = tuple(commands), 3.4 * size
+        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round")
+        yield Path(lines, stroke=color, width=width, cap="round")
+
+
+def _chevrons(centre: Point, size: float, east: int, south: int) -> Iterator[Command]:
+    strength = math.hypot(east, south)
+    along_x, along_y = size * east / strength, size * south / strength
+    count = min(max(abs(east), abs(south)), _MAX_CHEVRONS)
+    for index in range(count):
+        middle = 10 * (index - (count - 1) / 2)
+        yield from polyline(
+            (
+                centre[0] + along * along_x - across * along_y,
+                centre[1] + along * along_y + across * along_x,
+            )
+            for along, across in ((middle - 4.5, -11), (middle + 4.5, 0), (middle - 4.5, 11))
+        )

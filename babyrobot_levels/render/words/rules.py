@@ -6,17 +6,121 @@ They are also the legend of a picture: each names the sample that is drawn besid
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from babyrobot_levels.language.cells import Told, as_skid, shifts
+from babyrobot_levels.language.cells import Skid, Told, Warp, as_skid, shifts
+from babyrobot_levels.language.kinds import NEEDED
+from babyrobot_levels.mdp.doors import door_name
+from babyrobot_levels.render.effects import End, effects_of
 from babyrobot_levels.render.words import phrases
-from babyrobot_levels.render.words.grounds import Ground, grounds_of
-from babyrobot_levels.render.words.things import thing_rules
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
+    from babyrobot_levels.language.cells import Area
+    from babyrobot_levels.language.things import Door, Item, Mover
     from babyrobot_levels.mdp.gridworld import GridWorld
+
+_PROPERTIES = ("color", "label", "reward", "skid", "ends")
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """A kind of ground.
+
+    Attributes:
+        cells: the numbers of its cells, row by row.
+        name: what it is called: by its label, by its mark in pictures, or by its colour.
+        reward: the reward for entering it.
+        skid: its own skid; None for that of the level.
+        end: how it ends the episode; None if it does not.
+        warp: the warp in it.
+    """
+
+    cells: tuple[int, ...]
+    name: str
+    reward: float
+    skid: Skid | None
+    end: End | None
+    warp: Warp | None
+
+    def places(self, level: GridWorld) -> list[tuple[int, int]]:
+        """Return its cells as `(x, y)`."""
+        width = level.size[0]
+        return [(cell % width, cell // width) for cell in self.cells]
+
+
+def grounds_of(level: GridWorld) -> Iterator[Ground]:
+    """Yield the kinds of ground that areas and warps make, in the order of their first cells.
+
+    Exits, blocked cells and puddles are left out, except for puddles in which episodes end.
+    """
+    if not (level.areas or level.warps):
+        return
+    # Levels without areas need no NumPy for their words.
+    import numpy as np
+
+    width, height = level.size
+    table = np.full((len(_PROPERTIES) + 1, height, width), -1)
+    for number, area in enumerate(level.areas):
+        (x, y), (columns, rows) = area.at, area.size
+        given = [getattr(area, name) is not None for name in _PROPERTIES]
+        table[:-1, y : y + rows, x : x + columns][given] = number
+    for number, warp in enumerate(level.warps):
+        table[-1, warp.at[1], warp.at[0]] = number
+    flat = table.reshape(len(table), -1)
+    left_out = np.frombuffer(level.grid().blocked_cells, np.uint8).astype(bool)
+    left_out[[y * width + x for x, y in level.exits]] = True
+    places = np.flatnonzero((flat >= 0).any(axis=0) & ~left_out)
+    kinds, kind = np.unique(flat[:, places], axis=1, return_inverse=True)
+    by_kind = np.argsort(kind.ravel(), kind="stable")
+    ends = np.cumsum(np.bincount(kind.ravel()))[:-1]
+    cells = [tuple(places[part].tolist()) for part in np.split(by_kind, ends)]
+    told = effects_of(level).ends
+    wet = {y * width + x for x, y in (puddle.at for puddle in level.puddles)}
+    for index in sorted(range(kinds.shape[1]), key=lambda index: cells[index][0]):
+        *areas, warp = kinds[:, index].tolist()
+        ground = _ground(level, cells[index], areas, warp, told)
+        if ground.end or ground.cells[0] not in wet:
+            yield ground
+
+
+def _ground(
+    level: GridWorld,
+    cells: tuple[int, ...],
+    areas: list[int],
+    warp: int,
+    told: Mapping[tuple[int, int], End],
+) -> Ground:
+    def given(name: str) -> Area | None:
+        number = areas[_PROPERTIES.index(name)]
+        return level.areas[number] if number >= 0 else None
+
+    color, label, reward, skid, ends = (given(name) for name in _PROPERTIES)
+    y, x = divmod(cells[0], level.size[0])
+    end = told.get((x, y)) if ends and ends.ends else None
+    name = phrases.worded(phrases.name_of(label.label)) if label else ""
+    if not name and end is not None:
+        name = "chest" if end.is_good else "trap" if end.costs else "hole"
+    elif not name and warp >= 0:
+        name = "warp"
+    elif not name:
+        shown = color.color if color else None
+        theme = level.resolved_theme.colors
+        name = "some cells" if shown is None else f"{phrases.color_name(shown, theme)} cell"
+    return Ground(
+        cells=cells,
+        name=name,
+        reward=reward.reward if reward and reward.reward is not None else level.rewards.step,
+        skid=as_skid(skid.skid) if skid and skid.skid is not None else None,
+        end=end,
+        warp=level.warps[warp] if warp >= 0 else None,
+    )
+
+
+# -- the rules ------------------------------------------------------------------------------------
 
 MOST = 20
 """The most rules that are told: pages take no more from links."""
@@ -207,3 +311,104 @@ def _step_rewards(level: GridWorld) -> Rules:
         for told in field.metadata if reward is not None else ():
             if isinstance(told, Told):
                 yield Rule(told.sample, f"{told.text}: {phrases.reward(reward)}")
+
+
+# -- what things do --------------------------------------------------------------------------------
+
+Names = tuple[str, ...]
+
+
+def spoken(names: Sequence[str]) -> str:
+    """Return names of things as a list in words, the names' hyphens as spaces."""
+    return listed([phrases.name_of(name.replace("-", " ")) for name in names])
+
+
+def item_count(count: int, shape: str) -> str:
+    """Return a number of items of a shape: `6 coins`."""
+    return phrases.counted(count, shape, "boxes" if shape == "box" else None)
+
+
+def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
+    """Yield what the things of a level do, movers last: each as a sample's name and a text."""
+    acts = _acts(level)
+    pays = {item.name: item.reward for item in level.items if item.reward is not None}
+    told = {(name,) for name in pays} | {*acts}
+    for (shape, _), items in _by_look(level.items).items():
+        lone = [item.name for item in items if item.name in pays and (item.name,) not in acts]
+        if len(lone) > 1:
+            each = phrases.rewards(pays[name] for name in lone)
+            yield f"item:{lone[0]}", f"{item_count(len(lone), shape)}: each {each}"
+            told -= {(name,) for name in lone}
+    known = {thing.name: (kind, thing) for kind in NEEDED for thing in kind.of(level)}
+    order = [*known]
+    for names in sorted(told, key=lambda names: [order.index(name) for name in names]):
+        kind, thing = known[names[0]]
+        parts = [f"{verb if len(names) == 1 else verb[:-1]} {what}" for verb, what in acts[names]]
+        if len(names) == 1 and names[0] in pays:
+            parts.append(phrases.reward(pays[names[0]]))
+        when = _when(thing) if "on" in kind.properties and len(names) == 1 else ""
+        yield f"{kind.name}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
+    yield from _movers(level)
+
+
+def _when(thing: Any) -> str:
+    """Return when something that can be on does what it does."""
+    return f"{'flips once, ' * thing.once}{'on at first, ' * thing.on}while on: "
+
+
+def _acts(level: GridWorld) -> dict[Names, list[tuple[str, str]]]:
+    """Return what things that belong together open and close, each as a verb and its object."""
+    doors: dict[tuple[str, Names], list[Door]] = defaultdict(list)
+    for door in level.doors:
+        if door.keys:
+            doors["opens", door.keys].append(door)
+        for name in door.locks:
+            doors["closes", (name,)].append(door)
+    acts: dict[Names, list[tuple[str, str]]] = defaultdict(list)
+    for (verb, names), found in doors.items():
+        acts[names].append((verb, _doors(level, found)))
+    if level.exit_keys:
+        acts[level.exit_keys].append(("opens", "the exit" if len(level.exits) == 1 else "exits"))
+    return acts
+
+
+def _doors(level: GridWorld, doors: Sequence[Door]) -> str:
+    """Return how doors are called: by their colour, if no other door has it."""
+    if len(level.doors) == len(doors) == 1:
+        return "the door"
+    if len(doors) > 1:
+        return f"{len(doors)} doors"
+    colors = [_color(level, door) for door in level.doors]
+    color = _color(level, doors[0])
+    is_own = color is not None and colors.count(color) == 1
+    return f"the {color} door" if is_own else f"the {door_name(doors[0])}"
+
+
+def _color(level: GridWorld, door: Door) -> str | None:
+    """Return the colour of a door in words: its own, or that of the first item that it needs."""
+    named = {item.name: item.color for item in level.items}
+    color = door.color or next((named[name] for name in door.keys if name in named), None)
+    return None if color is None else phrases.color_name(color, level.resolved_theme.colors)
+
+
+def _by_look(items: Iterable[Item]) -> dict[tuple[str, str | None], list[Item]]:
+    looks: dict[tuple[str, str | None], list[Item]] = defaultdict(list)
+    for item in items:
+        looks[item.picture, item.color].append(item)
+    return looks
+
+
+def _movers(level: GridWorld) -> Iterator[tuple[str, str]]:
+    """Yield one text for all guards, and one for all wanderers."""
+    hit = f"meeting it {phrases.reward(level.hit.reward)}"
+    hit += ", ends the episode" if level.hit.ends else ""
+    kinds: dict[str, list[tuple[int, Mover]]] = defaultdict(list)
+    for number, mover in enumerate(level.movers):
+        kinds["guard" if mover.within is None else "wanderer"].append((number, mover))
+    for kind, movers in kinds.items():
+        ways = "walks its path" if kind == "guard" else "wanders at random"
+        number, mover = movers[0]
+        name = phrases.counted(len(movers), kind)
+        if len(movers) == 1:
+            name = spoken([mover.name or kind])
+        yield f"mover:{number}", f"{name}: {ways}, {hit}"

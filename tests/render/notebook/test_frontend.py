@@ -9,7 +9,7 @@ from typing import Any
 import IPython
 import pytest
 
-from babyrobot_levels.render.notebook.frontend import Frontend, frontend, in_notebook
+from babyrobot_levels.render.notebook.html import Frontend, frontend, in_notebook
 
 
 def kernel(*, allow_stdin: bool | None) -> SimpleNamespace:

@@ -14,7 +14,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.render.notebook import view as views
 from babyrobot_levels.render.notebook.canvas import LayeredCanvas
-from babyrobot_levels.render.notebook.frontend import Frontend
+from babyrobot_levels.render.notebook.html import Frontend
 from babyrobot_levels.render.notebook.view import LevelView
 from babyrobot_levels.render.scene.build import LAYERS, build_layers
 from babyrobot_levels.render.scene.overlay import Overlay

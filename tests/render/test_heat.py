@@ -8,7 +8,7 @@ import pytest
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
 from babyrobot_levels.render.colors import contrast, rgba
-from babyrobot_levels.render.scene.scale import STEPS, count_scale, scale_of
+from babyrobot_levels.render.scene.heat import STEPS, count_scale, scale_of
 
 THEMES = sorted(BUILTIN_THEMES)
 BLACK, WHITE = "#000000", "#ffffff"
