@@ -98,7 +98,6 @@ class Snapshot:
 _COLORS = {"yellow": "gold"}
 """Colours of MiniGrid that are hard to see on the ground of a level, and what they become."""
 
-_WITHOUT_ENDS = str.maketrans({d.START: d.PLAIN, d.EXIT: d.PLAIN})
 _SHAPES = {"key": "key", "ball": "coin", "box": "box"}
 _STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
 _LETTERS = "abcdefghijklmnpqrstuvwxyzABCDFGHIJKLMNPQRTUVWXYZ0123456789"

@@ -39,7 +39,6 @@ from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.colors import rgba
-from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.errors import LevelError
@@ -459,6 +458,9 @@ def _tileset(image: str) -> dict[str, Any]:
 
 def _picture(level: Level) -> bytes:
     """Return the picture of the tiles, drawn as a level with one of each."""
+    # It imports Pillow, and maps are read without it.
+    from babyrobot_levels.render.raster import to_png
+
     theme = plain(level.resolved_theme)
     tiles = Level.from_fields(
         {

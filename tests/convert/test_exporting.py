@@ -33,8 +33,8 @@ LOOKS |= {"theme", "display", "maze"}
 
 def writing(name: str, write: Callable[[Level], Conversion]) -> Format:
     """Return a format with another writer."""
-    codec = replace(FORMATS[name].codec(), write=write)
-    return replace(FORMATS[name], codec=lambda: codec)
+    codec = replace(FORMATS[name].codec, write=write)
+    return replace(FORMATS[name], codec=codec)
 
 
 @each_format
