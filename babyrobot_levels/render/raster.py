@@ -24,6 +24,7 @@ from babyrobot_levels.render.scene.shapes import (
     Scene,
     Shape,
     Text,
+    cubic,
 )
 from babyrobot_levels.text.diagnostics import one_line
 
@@ -440,16 +441,10 @@ def polylines(commands: Commands, scale: float = 1.0) -> list[Polyline]:
 
 
 def _cubic(start: Point, numbers: tuple[float, ...], scale: float) -> Iterator[Point]:
-    x1, y1, x2, y2, x3, y3 = numbers
-    x0, y0 = start
-    length = math.dist(start, (x1, y1)) + math.dist((x1, y1), (x2, y2))
-    length += math.dist((x2, y2), (x3, y3))
+    places = start, numbers[:2], numbers[2:4], numbers[4:]
+    length = sum(math.dist(one, next_one) for one, next_one in pairwise(places))
     parts = min(_MAX_PARTS, 3 + int(math.sqrt(length * scale)))
-    for part in range(1, parts + 1):
-        t = part / parts
-        u = 1 - t
-        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
-        yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
+    return (cubic(start, numbers, part / parts) for part in range(1, parts + 1))
 
 
 def dashes(line: Polyline, dash: float, gap: float) -> Iterator[Polyline]:

@@ -309,10 +309,3 @@ def _step(before: Cell, after: Cell) -> tuple[int, int] | None:
     """Return the step to a neighbouring cell; None to another one, or the same."""
     dx, dy = after[0] - before[0], after[1] - before[1]
     return (dx, dy) if abs(dx) + abs(dy) == 1 else None
-
-
-def _on_its_way(
-    figure: Iterable[Shape], step: tuple[int, int] | None, share: float
-) -> Iterable[Shape]:
-    """Return a figure that has done a part of its step."""
-    return figure if step is None else shifted(figure, *(share * CELL * part for part in step))

@@ -20,6 +20,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     circle,
     curve,
+    placed,
     polygon,
     polyline,
     rounded,
@@ -56,16 +57,7 @@ class Spot:
 
     def moved(self, commands: Iterable[Command]) -> Commands:
         """Return a path of the figure in the picture."""
-        return tuple(
-            (
-                letter,
-                tuple(
-                    (self.y if index % 2 else self.x) + self.scale * number
-                    for index, number in enumerate(numbers)
-                ),
-            )
-            for letter, numbers in commands
-        )
+        return placed(commands, self.x, self.y, self.scale)
 
     def ink(self, color: str) -> str:
         """Return the colour in which something of this colour is painted."""

@@ -22,6 +22,7 @@ from babyrobot_levels.render.scene.shapes import (
     Scene,
     Shape,
     circle,
+    cubic,
     curve,
     polygon,
     polyline,
@@ -423,15 +424,12 @@ def _bowed(start: Point, end: Point, gap: float, bow: float, reach: float) -> Ar
 
 def _points(shaft: Commands, most: int | None = None) -> Iterator[Point]:
     """Yield points along a shaft, less than half a cell apart, but not many more than `most`."""
-    (_, (x0, y0)), (_, (x1, y1, x2, y2, x3, y3)) = shaft
-    count = math.ceil(4 * math.dist((x0, y0), (x3, y3)) / CELL)
+    (_, (x, y)), (_, numbers) = shaft
+    count = math.ceil(4 * math.dist((x, y), numbers[-2:]) / CELL)
     if most is not None:
         count = min(count, most)
     for step in range(count + 1):
-        t = step / count
-        u = 1 - t
-        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
-        yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
+        yield cubic((x, y), numbers, step / count)
 
 
 def _outlined(shaft: Commands, head: Commands, color: str, rim: str, dash: Dash) -> Iterator[Shape]:

@@ -10,7 +10,6 @@ from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.scene.shapes import (
     Command,
-    Commands,
     Ellipse,
     Path,
     Point,
@@ -18,6 +17,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     circle,
     curve,
+    mapped,
     polygon,
     polyline,
     rounded,
@@ -250,7 +250,7 @@ class Figure:
     ) -> Rect | Path:
         """Return a rectangle with round corners; `x`, `y` is its upper left one."""
         if self.lean:
-            outline = self._bent(rounded(x, y, width, height, radius))
+            outline = mapped(rounded(x, y, width, height, radius), self.at)
             return Path(outline, fill=fill, opacity=opacity)
         corner = self.at(x, y)
         return Rect(*corner, _SCALE * width, _SCALE * height, fill, _SCALE * radius, opacity)
@@ -260,27 +260,14 @@ class Figure:
     ) -> Ellipse | Path:
         """Return an ellipse; `x`, `y` is its centre."""
         if self.lean and rx != ry:
-            outline = self._bent(circle(x, y, rx, ry))
+            outline = mapped(circle(x, y, rx, ry), self.at)
             return Path(outline, fill=fill, opacity=opacity)
         return Ellipse(*self.at(x, y), _SCALE * rx, _SCALE * ry, fill, opacity)
 
     def line(self, commands: Iterable[Command], stroke: str, width: float) -> Path:
         """Return a line with round ends."""
-        return Path(self._bent(commands), stroke=stroke, width=_SCALE * width, cap="round")
+        return Path(mapped(commands, self.at), stroke=stroke, width=_SCALE * width, cap="round")
 
     def patch(self, commands: Iterable[Command], fill: str) -> Path:
         """Return a filled outline."""
-        return Path(self._bent(commands), fill=fill)
-
-    def _bent(self, commands: Iterable[Command]) -> Commands:
-        return tuple(
-            (
-                letter,
-                tuple(
-                    place
-                    for x, y in zip(numbers[::2], numbers[1::2], strict=True)
-                    for place in self.at(x, y)
-                ),
-            )
-            for letter, numbers in commands
-        )
+        return Path(mapped(commands, self.at), fill=fill)

@@ -7,7 +7,7 @@ colour's own alpha.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -19,6 +19,8 @@ Command = tuple[str, tuple[float, ...]]
 
 Commands = tuple[Command, ...]
 """A path."""
+
+Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,21 +96,35 @@ class Scene:
     description: str = ""
 
 
+def mapped(commands: Iterable[Command], at: Callable[[float, float], Point]) -> Commands:
+    """Return a path with each of its points elsewhere."""
+    return tuple(
+        (
+            letter,
+            tuple(
+                place
+                for x, y in zip(numbers[::2], numbers[1::2], strict=True)
+                for place in at(x, y)
+            ),
+        )
+        for letter, numbers in commands
+    )
+
+
+def placed(commands: Iterable[Command], right: float, down: float, scale: float = 1.0) -> Commands:
+    """Return a path so many times as large around (0, 0), and then elsewhere."""
+    to = right, down
+    return tuple(
+        (letter, tuple([to[index & 1] + scale * number for index, number in enumerate(numbers)]))
+        for letter, numbers in commands
+    )
+
+
 def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shape]:
     """Yield shapes as they are elsewhere: so many pixels to the right, and down."""
     for shape in shapes:
         if isinstance(shape, Path):
-            commands = tuple(
-                (
-                    letter,
-                    tuple(
-                        number + (down if index % 2 else right)
-                        for index, number in enumerate(numbers)
-                    ),
-                )
-                for letter, numbers in shape.commands
-            )
-            yield replace(shape, commands=commands)
+            yield replace(shape, commands=placed(shape.commands, right, down))
         else:
             yield replace(shape, x=shape.x + right, y=shape.y + down)
 
@@ -138,23 +154,10 @@ def scaled(
                 start = at(shape.x, shape.y)
                 yield replace(shape, x=start[0], y=start[1], size=scale * shape.size)
             case Path():
-                commands = tuple(
-                    (
-                        letter,
-                        tuple(
-                            (y if index % 2 else x) + scale * (place - (y if index % 2 else x))
-                            for index, place in enumerate(places)
-                        ),
-                    )
-                    for letter, places in shape.commands
-                )
-                dash = shape.dash
-                if dash is not None:
-                    dash = scale * dash[0], scale * dash[1]
-                yield replace(shape, commands=commands, width=scale * shape.width, dash=dash)
+                dash = shape.dash and (scale * shape.dash[0], scale * shape.dash[1])
+                commands, width = mapped(shape.commands, at), scale * shape.width
+                yield replace(shape, commands=commands, width=width, dash=dash)
 
-
-Point = tuple[float, float]
 
 QUARTER = 0.5523
 """A quarter of a circle is the cubic curve with controls this share of the radius away, to a
@@ -181,6 +184,14 @@ def curve(start: Point, control: Point, end: Point) -> Commands:
     first = tuple(a + 2 / 3 * (b - a) for a, b in zip(start, control, strict=True))
     second = tuple(a + 2 / 3 * (b - a) for a, b in zip(end, control, strict=True))
     return ("M", start), ("C", (*first, *second, *end))
+
+
+def cubic(start: Point, numbers: Sequence[float], share: float) -> Point:
+    """Return the point of a cubic Bézier curve at a share, 0 to 1, of its way."""
+    (x0, y0), (x1, y1, x2, y2, x3, y3) = start, numbers
+    t, u = share, 1 - share
+    a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+    return a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
 
 
 def smooth(points: Sequence[Point]) -> Commands:
