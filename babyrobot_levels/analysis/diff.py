@@ -14,7 +14,7 @@ from babyrobot_levels.analysis.compare import LevelLike
 from babyrobot_levels.analysis.diff_things import thing_changes
 from babyrobot_levels.analysis.diff_transitions import transition_changes
 from babyrobot_levels.analysis.metrics import metrics
-from babyrobot_levels.analysis.shown import MAX_CELLS, WIDTH, Shown, count_cells, number
+from babyrobot_levels.analysis.shown import WIDTH, Shown, number
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
 from babyrobot_levels.language.cells import SkidRule, as_skid
 from babyrobot_levels.language.fields import Role, fields_with
@@ -370,13 +370,14 @@ def _side_data(state: float) -> Any:
 
 def _both(result: Difference) -> Iterator[str]:
     """Yield the pictures of both levels, in which changed cells and walls are marked."""
-    if result.levels is None or max(map(count_cells, result.levels)) > MAX_CELLS:
-        return
-    from babyrobot_levels.render.notebook.html import picture_of, strip
+    from babyrobot_levels.render.notebook.html import is_too_large, picture_of, strip
     from babyrobot_levels.render.page_data import bare
     from babyrobot_levels.render.scene.build import build_scene
     from babyrobot_levels.render.scene.layout import layout_of
     from babyrobot_levels.render.scene.marks import MarkedSide, marked
+
+    if result.levels is None or any(map(is_too_large, result.levels)):
+        return
 
     cells = {change.cell for change in cell_changes(*result.levels, None).first if change.cell}
     walls = wall_changes(*result.levels, None).first

@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.render.notebook.html import Picture
     from babyrobot_levels.render.scene.overlay import Overlay
 
-MAX_CELLS = 40_000
-"""The largest level of which a result shows a picture."""
-
 MAX_SOLVED = 5_000
 """The most states of a level that is solved only to be shown."""
 
@@ -77,14 +74,14 @@ def state_picture(result: Any, extent: tuple[float, float] | None = None) -> Pic
         result: the result.
         extent: the lowest and highest value of all pictures that are to have the same colours.
     """
-    level: GridWorld | None = getattr(result, "level", None)
-    if level is None or count_cells(level) > MAX_CELLS:
-        return None
     from babyrobot_levels.mdp.states import initial_configuration
-    from babyrobot_levels.render.notebook.html import picture_of
+    from babyrobot_levels.render.notebook.html import is_too_large, picture_of
     from babyrobot_levels.render.page_data import bare
     from babyrobot_levels.render.scene.build import build_scene
 
+    level: GridWorld | None = getattr(result, "level", None)
+    if level is None or is_too_large(level):
+        return None
     given = {"values": result, **({"policy": result} if hasattr(result, "policy") else {})}
     try:
         overlay = overlay_given(level, given)
@@ -111,22 +108,16 @@ def extent_of(results: Sequence[Any]) -> tuple[float, float] | None:
 
 def level_picture(level: GridWorld, width: float, *, small: bool = False) -> Picture | None:
     """Return a picture of a level, or a thumbnail; None if the level is too large."""
-    if count_cells(level) > MAX_CELLS:
-        return None
-    from babyrobot_levels.render.notebook.html import picture_of, thumbnail_of
+    from babyrobot_levels.render.notebook.html import is_too_large, picture_of, thumbnail_of
     from babyrobot_levels.render.page_data import bare
     from babyrobot_levels.render.scene.build import build_scene
 
+    if is_too_large(level):
+        return None
     if level.has_random_maze:
         level = level.with_maze_seed(0)
     scene = build_scene(bare(level))
     return thumbnail_of(scene, width) if small else picture_of(scene, width)
-
-
-def count_cells(level: GridWorld) -> int:
-    """Return how many cells a level has, blocked ones included."""
-    columns, rows = level.size
-    return columns * rows
 
 
 def image(picture: Picture | None) -> str:

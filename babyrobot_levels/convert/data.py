@@ -42,7 +42,7 @@ def read_data(source: SourceFile) -> Any:
     """
     _check_depth(source)
     try:
-        return _json(source.text)
+        return json.loads(source.text, parse_constant=_refuse)
     except ValueError as json_error:
         try:
             return _literal(source.text)
@@ -57,10 +57,6 @@ def read_data(source: SourceFile) -> Any:
         except (ValueError, MemoryError, RecursionError):
             message = "this is neither JSON nor a plain Python literal"
             raise ConversionError.at(source, _first_code(source.text), message, _PLAIN) from None
-
-
-def _json(text: str) -> Any:
-    return json.loads(text, parse_constant=_refuse)
 
 
 def _refuse(constant: str) -> NoReturn:

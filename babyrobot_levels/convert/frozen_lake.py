@@ -187,14 +187,15 @@ def _hole_reward(level: Level) -> float:
 # -- what is a map ---------------------------------------------------------------------------
 
 
-def _is_drawn(_: SourceFile, letters: set[str]) -> bool:
-    return letters <= {*LETTERS, " ", "\t"}
-
-
 def _is_map(data: Any) -> bool:
     if isinstance(data, dict):
         return bool(data.keys() & KEYWORDS)
     return isinstance(data, list | tuple) and bool(data) and letters_in(data) <= LETTERS.keys()
 
 
-CODEC = Codec(read_frozen_lake, write_frozen_lake, draws=_is_drawn, holds=_is_map)
+CODEC = Codec(
+    read_frozen_lake,
+    write_frozen_lake,
+    draws=lambda _, letters: letters <= {*LETTERS, " ", "\t"},
+    holds=_is_map,
+)

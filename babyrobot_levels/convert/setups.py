@@ -186,7 +186,8 @@ class _Reader:
         self._puddle_types()
         given = sequence(self.setup.pop("puddles", None) or [], "puddles")
         found: dict[Cell, int] = {}
-        is_table = bool(given) and isinstance(given[0], list) and not _is_puddle(given[0])
+        is_row = bool(given) and isinstance(given[0], list)
+        is_table = is_row and not (given[0] and isinstance(given[0][0], list))
         for index, entry in enumerate(given):
             where = f"puddles[{index}]"
             row = sequence(entry, where)
@@ -312,10 +313,6 @@ class _Reader:
         display = _read_display(self.setup, self.lost)
         if display:
             self.fields["display"] = display
-
-
-def _is_puddle(entry: list[Any]) -> bool:
-    return bool(entry) and isinstance(entry[0], list)
 
 
 # -- looks -----------------------------------------------------------------------------------

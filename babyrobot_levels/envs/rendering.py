@@ -236,13 +236,12 @@ class Pictures:
         if self._view is not None:
             return self._view.mimebundle()
         from babyrobot_levels.render.notebook.html import (
-            MAX_CELLS,
+            is_too_large,
             level_mimebundle,
             picture_mimebundle,
         )
 
-        columns, rows = self._level.size
-        if columns * rows > MAX_CELLS:
+        if is_too_large(self._level):
             # It contains a note that the level is too large.
             return level_mimebundle(self._level)
         return picture_mimebundle(self._scene(), self.text().rstrip("\n"))

@@ -170,7 +170,7 @@ class TextPainter:
         lines, below = with_marks(drawn.lines, shown), drawn.below
         if held and (line := held_line(self._level, situation)):
             below = ["", line, *below]
-        window = _whole(lines)
+        window = _Window(0, 0, len(lines[0]), len(lines))
         if room is not None:
             below = cut_out(below, 0, 0, room.columns, room.lines // 2)
             at = robot or self._level.starts[0]
@@ -337,10 +337,6 @@ class _Window(NamedTuple):
     top: int
     width: int
     height: int
-
-
-def _whole(lines: list[str]) -> _Window:
-    return _Window(0, 0, len(lines[0]), len(lines))
 
 
 def _window(

@@ -134,9 +134,9 @@ class Editor(anywidget.AnyWidget):
         view = {WIDGET: bundle[WIDGET], TEXT: ""}
         if kind is Frontend.NONE:
             return view | self._picture(), {}
-        from babyrobot_levels.render.notebook.output import StandIn
+        from babyrobot_levels.render.notebook.view import Output
 
-        self._stand_ins.append(StandIn(self._picture, self._class))
+        self._stand_ins.append(Output(self._picture, self._class))
         return view, {}
 
     def _picture(self) -> Bundle:

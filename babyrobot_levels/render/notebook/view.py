@@ -1,15 +1,22 @@
-"""A level in a notebook, and the robot moving in it."""
+"""A level in a notebook, the robot moving in it, and the picture that stays in the notebook's file.
+
+A notebook stores every MIME type of a cell's output, and a program that opens it later shows the
+one it prefers. JupyterLab, Notebook and VS Code prefer widgets, even without a kernel, and then
+show only an error. So the picture is displayed as an output of its own beside the widget, and a
+style sheet shows the one of the two that has something to show.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.notebook.html import (
+    HTML,
     MARKDOWN,
     SVG,
     TEXT,
@@ -42,10 +49,10 @@ from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
+    from IPython.display import DisplayHandle
 
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.canvas import LayeredCanvas
-    from babyrobot_levels.render.notebook.output import Output
 
 STEP_SECONDS = 0.25
 """The duration of a step at speed 1."""
@@ -111,8 +118,6 @@ class LevelView:
         """Show the view in the running cell, once. Outside a notebook nothing happens."""
         if self._output is not None or self._frontend is Frontend.NONE:
             return
-        from babyrobot_levels.render.notebook.output import display_bundle
-
         self._begin()
         if self._frontend is Frontend.CANVAS:
             display_bundle(self._widget_bundle())
@@ -132,12 +137,10 @@ class LevelView:
         return widget | self._picture()
 
     def _begin(self) -> None:
-        from babyrobot_levels.render.notebook.output import CellOutput, HiddenOutput, Output
-
         if self._frontend is Frontend.CANVAS:
             self._name = f"babyrobot-{self.widget.model_id}"
             self.widget.add_class(self._name)
-            self._output = HiddenOutput(self._picture, self._name)
+            self._output = CellOutput(self._picture, self._name)
         elif self._frontend is Frontend.PROGRAM:
             self._output = CellOutput(self._picture)
         else:
@@ -309,3 +312,79 @@ def _step(before: Cell, after: Cell) -> tuple[int, int] | None:
     """Return the step to a neighbouring cell; None to another one, or the same."""
     dx, dy = after[0] - before[0], after[1] - before[1]
     return (dx, dy) if abs(dx) + abs(dy) == 1 else None
+
+
+# -- the output of a cell --------------------------------------------------------------------------
+
+_STYLE = """\
+<style class="{name}">
+.jp-OutputArea:has(:is(canvas, div).{name}) .jp-OutputArea-child:has(style.{name})\
+ + .jp-OutputArea-child,
+body:has(:is(canvas, div).{name}) svg.{name},
+.jp-OutputArea-child:has(style.{name}) + * + .jp-OutputArea-child:has(> .lm-Panel:last-child)\
+:not(:has(> .lm-Panel > *)),
+.jp-OutputArea-child:has(style.{name}) {{ display: none }}
+</style>"""
+"""Hides the picture if the widget's canvas or element is shown: in JupyterLab and Notebook its
+whole output, elsewhere its SVG. Hides a widget's output that contains only an error, and itself."""
+
+
+def display_bundle(bundle: Bundle) -> DisplayHandle:
+    """Display a bundle in the running cell; return a handle to replace it."""
+    from IPython.display import display
+
+    handle: DisplayHandle = display(  # type: ignore[no-untyped-call]
+        bundle, raw=True, display_id=True
+    )
+    return handle
+
+
+class Output:
+    """A picture in the running cell.
+
+    Args:
+        still: returns the picture as it is now.
+        beside: the CSS class of the picture, and of the widget that is displayed after it: it is
+            shown only if that is not. Empty for no widget.
+    """
+
+    def __init__(self, still: Callable[[], Bundle], beside: str = "") -> None:
+        if beside:
+            display_bundle({HTML: _STYLE.format(name=beside), TEXT: ""})
+        self._still = still
+        self._handle = display_bundle(still())
+
+    def refresh(self) -> None:
+        """Show the changed picture."""
+        self._handle.update(self._still(), raw=True)  # type: ignore[no-untyped-call]
+
+    def close(self) -> None:
+        """Stop updating the picture."""
+
+
+class CellOutput(Output):
+    """A picture that is updated once, when a cell has finished."""
+
+    def __init__(self, still: Callable[[], Bundle], beside: str = "") -> None:
+        from IPython.core.getipython import get_ipython
+
+        super().__init__(still, beside)
+        self._is_stale = False
+        shell = get_ipython()
+        assert shell is not None
+        self._events = shell.events
+        self._events.register("post_run_cell", self._update)
+
+    def refresh(self) -> None:
+        """Note that the picture has changed; it is updated when the cell has finished."""
+        self._is_stale = True
+
+    def _update(self, _: object = None) -> None:
+        if self._is_stale:
+            super().refresh()
+        self._is_stale = False
+
+    def close(self) -> None:
+        """Stop updating the picture."""
+        self._update()
+        self._events.unregister("post_run_cell", self._update)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -93,7 +93,7 @@ def overlay_from(info: Mapping[str, Any], level: GridWorld) -> Overlay:
         if key not in KEYS:
             raise ValueError(f"unknown key `{key}`{_hint(str(key))}")
     given = {key: value for key, value in info.items() if value is not None}
-    parts = InfoParts(given, level, flat_overlay)
+    parts = InfoParts(given, level)
     return replace(parts(None, None), parts=parts) if parts.differ else flat_overlay(given, level)
 
 
@@ -354,12 +354,10 @@ class InfoParts:
     Args:
         info: the mapping, as for `show_info`.
         level: the level.
-        flat: returns the overlay of a mapping whose arrays are over cells alone.
     """
 
     info: Mapping[str, Any]
     level: GridWorld
-    flat: Callable[[Mapping[str, Any], GridWorld], Overlay]
     _made: dict[tuple[int | None, int | None], Overlay] = field(default_factory=dict)
 
     @cached_property
@@ -398,7 +396,7 @@ class InfoParts:
             parts = {key: _part(key, array, number, heading) for key, array in self._arrays.items()}
             if len(self._made) >= _CACHED:
                 del self._made[next(iter(self._made))]
-            overlay = replace(self.flat({**self.info, **parts}, self.level), extent=self._extent)
+            overlay = replace(flat_overlay({**self.info, **parts}, self.level), extent=self._extent)
             self._made[configuration, heading] = overlay
         return self._made[configuration, heading]
 

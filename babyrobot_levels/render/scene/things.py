@@ -234,7 +234,7 @@ def _door(
         for along in (-12.5, 12.5):
             line = polyline([at(along, -thick / 2), at(along, thick / 2)])
             yield spot.line(line, INK, 1.8, 0.7)
-        if _has_lock(level, door):
+        if not {item.name for item in level.items}.isdisjoint(door.keys):
             yield spot.fill(circle(0, 0, 5.2), INK)
             yield spot.fill(circle(0, 0, 2.0), _WHITE)
     else:
@@ -243,10 +243,6 @@ def _door(
     post = mixed(color, INK, 0.35)
     for along in (-28, 28):
         yield from spot.body(bar(along - 3.5, along + 3.5, thick + 3, 2), post)
-
-
-def _has_lock(level: GridWorld, door: Door) -> bool:
-    return not {item.name for item in level.items}.isdisjoint(door.keys)
 
 
 # -- exits ---------------------------------------------------------------------------------------
@@ -349,7 +345,7 @@ def mover_spots(
     lying = situation.lying | {switch.at for switch in level.switches}
     spots = []
     for number, cell in enumerate(places):
-        centre = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
+        centre = _centre(layout, cell)
         if not crowded and cell != robot and cell not in lying and places.count(cell) == 1:
             spots.append(Spot(*centre))
             continue

@@ -254,12 +254,10 @@ def _effects(level: GridWorld, ground: Ground, *, arrows: bool) -> Iterator[str]
             yield f"{moves}leads along its arrow"
         else:
             yield f"{moves}leads to {phrases.cells([warp.to])}"
-    elif ground.skid is not None and ground.end is None and ground.skid != _usual(level):
+    elif (
+        ground.skid is not None and ground.end is None and ground.skid != as_skid(level.skid or 0.0)
+    ):
         yield phrases.skidding(ground.skid)
-
-
-def _usual(level: GridWorld) -> object:
-    return as_skid(level.skid or 0.0)
 
 
 def _wind(level: GridWorld) -> Rules:
