@@ -138,7 +138,7 @@ class Kind:
 
 
 def _mover_label(mover: Mover) -> str:
-    return mover.name or ("wanderer" if mover.within else "guard")
+    return mover.name or mover.picture
 
 
 def _door_label(door: Door) -> str:

@@ -102,6 +102,11 @@ class Switch(Model):
         """The cells in which it may lie: its own."""
         return (self.at,)
 
+    @property
+    def picture(self) -> str:
+        """How it is drawn."""
+        return "switch"
+
 
 class Mover(Model):
     """A guard that walks a path, or a wanderer that walks at random in a rectangle."""
@@ -120,6 +125,11 @@ class Mover(Model):
     """The colour, if it is not the theme's."""
     label: Text | None = None
     """A text to show on it."""
+
+    @property
+    def picture(self) -> str:
+        """How it is drawn, and what it is called."""
+        return "guard" if self.within is None else "wanderer"
 
     @property
     def phases(self) -> tuple[tuple[int, int], ...]:

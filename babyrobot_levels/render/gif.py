@@ -17,7 +17,7 @@ from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.frames import Backdrops
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
-from babyrobot_levels.render.scene.build import build_base
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -223,7 +223,7 @@ class _Painter:
             self._grounds = Backdrops(level, layout, self._size, overlay=overlay)
             self.ground = self._grounds.at(configuration).whole
         else:
-            self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
+            self.ground = to_rgb(build_scene(level, overlay=overlay, robot=False), self._size)
         self._changed: dict[Hashable, tuple[Patch, ...]] = {}
         self._robots: dict[Pose, Translucent] = {}
         self._movers: dict[tuple[int, float, Cell], Translucent] = {}

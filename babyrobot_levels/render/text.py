@@ -15,7 +15,7 @@ from babyrobot_levels.render.scene.overlay import Overlay, Rows
 from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import Form, form_of
-from babyrobot_levels.render.terminal import ALL_COLORS, cut_out
+from babyrobot_levels.render.terminal import cut_out
 from babyrobot_levels.render.text_plan import (
     RESET,
     USUAL,
@@ -37,7 +37,6 @@ from babyrobot_levels.render.text_plan import (
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.mdp.grid import Grid
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 ROBOT = "☻"
@@ -78,35 +77,12 @@ class _Drawn(NamedTuple):
     below: list[str]
 
 
-def unicode_drawing(
-    level: GridWorld,
-    grid: Grid,
-    *,
-    state: int | None = None,
-    configuration: int | None = None,
-    color: bool = False,
-) -> str:
-    """Return a picture for terminals; each line ends with a newline.
-
-    Starts, exits and a legend's characters are shown as in the drawing; puddles are rings, warps
-    double arrows (`↻` to the start), wind single ones. Every character takes one column, and
-    every cell as many as in the language's drawing.
-
-    Args:
-        level: the level.
-        grid: its walls and cells.
-        state: the configuration and the cell of the robot, as in `level.compile()`.
-        configuration: what is where, if no state is given; None is the level as a whole.
-        color: whether to use the theme's colours, as 24-bit ANSI escapes.
-    """
-    colors = ALL_COLORS if color else 0
-    painter = TextPainter(level)
-    return "\n".join([*painter.lines(state, configuration=configuration, colors=colors,
-                                     held=False), ""])  # fmt: skip
-
-
 class TextPainter:
     """Draws a level as text, one picture for each state of the robot.
+
+    Starts, exits and a legend's characters are shown as in the language's drawing; puddles are
+    rings, warps double arrows (`↻` to the start), wind single ones. Every character takes one
+    column, and every cell as many as in that drawing.
 
     In colour, values and visits are the backgrounds of cells, with numbers where they fit, and
     arrows are beside the symbols of cells. Without colour, arrows take the place of symbols, and

@@ -13,7 +13,7 @@ from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.drawn import drawing_of
 from babyrobot_levels.render.colors import Rgb, contrast, over
-from babyrobot_levels.render.scene.icons import default_color
+from babyrobot_levels.render.scene.icons import thing_color
 from babyrobot_levels.render.scene.situation import Situation
 from babyrobot_levels.render.scene.things import door_color
 from babyrobot_levels.render.scene.walls import GLASS
@@ -101,15 +101,12 @@ def _in_cells(
 ) -> Iterator[tuple[int, int, TextMark]]:
     colors = level.resolved_theme.colors
     for mover, (x, y) in zip(level.movers, situation.movers, strict=True):
-        name = "guard" if mover.within is None else "wanderer"
-        yield x, y, TextMark(MOVER[kind], mover.color or default_color(name, colors))
+        yield x, y, TextMark(MOVER[kind], thing_color(mover, colors))
     for item, cells in zip(level.items, situation.items, strict=True):
         for x, y in cells:
-            color = item.color or default_color(item.picture, colors)
-            yield x, y, TextMark(ITEMS[item.picture][kind], color)
+            yield x, y, TextMark(ITEMS[item.picture][kind], thing_color(item, colors))
     for switch, is_on in zip(level.switches, situation.on, strict=True):
-        color = switch.color or default_color("switch", colors)
-        yield *switch.at, TextMark(ON if is_on else OFF, color)
+        yield *switch.at, TextMark(ON if is_on else OFF, thing_color(switch, colors))
     if situation.is_locked or level.exit_one_of is not None:
         for x, y in situation.exits:
             yield x, y, TextMark(LOCKED if situation.is_locked else d.EXIT)

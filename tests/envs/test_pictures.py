@@ -20,7 +20,7 @@ from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
-from babyrobot_levels.render.text import unicode_drawing
+from babyrobot_levels.render.text import TextPainter
 
 N, E, S, W = brl.Action.NORTH, brl.Action.EAST, brl.Action.SOUTH, brl.Action.WEST
 
@@ -110,7 +110,7 @@ def test_a_text_is_the_drawing() -> None:
     env = make("ansi")
     level = level_named("default")
     env.step(S)
-    assert env.render() == unicode_drawing(level, level.grid(), state=3)
+    assert env.render() == "\n".join([*TextPainter(level).lines(3), ""])
 
 
 def test_image_observations_know_nothing_of_poses_and_infos() -> None:

@@ -17,7 +17,7 @@ from support.sessions import environment
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.terminal import Terminal
-from babyrobot_levels.render.text import unicode_drawing
+from babyrobot_levels.render.text import TextPainter
 
 pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
 fcntl = pytest.importorskip("fcntl")
@@ -40,8 +40,7 @@ env.close()
 
 
 def drawing(state: int) -> str:
-    level = level_named("default")
-    return unicode_drawing(level, level.grid(), state=state)
+    return "\n".join([*TextPainter(level_named("default")).lines(state, held=False), ""])
 
 
 class Screen:

@@ -17,7 +17,7 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.situation import STANDING, pose_of
 
@@ -77,7 +77,7 @@ def test_large_even_grounds_keep_their_exact_colours() -> None:
 
 def test_the_robot_glides() -> None:
     frames, _ = shown(to_gif(ROW, WALK))
-    ground = to_rgb(build_base(ROW)).astype(int)
+    ground = to_rgb(build_scene(ROW, robot=False)).astype(int)
     different = np.abs(frames - ground).max(axis=3) > 60
     middles = [np.flatnonzero(frame.any(axis=0)).mean() for frame in different]
     steps = np.diff(middles[: PER_STEP + 1])
@@ -187,7 +187,7 @@ def test_the_robot_is_seen_in_a_large_level() -> None:
     maze = Level.from_fields({"version": 1, "size": [64, 64]})
     walk = [Step(0, Action.EAST, 1, -1.0), Step(1, Action.EAST, 2, -1.0)]
     frames, _ = shown(to_gif(maze, walk))
-    ground = to_rgb(build_base(maze), frames[0].shape[1::-1]).astype(int)
+    ground = to_rgb(build_scene(maze, robot=False), frames[0].shape[1::-1]).astype(int)
     for frame in (frames[0], frames[-1]):
         changed = np.abs(frame.astype(int) - ground).max(axis=2) > 40
         assert changed[:40, :60].sum() > 150

@@ -15,7 +15,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import gray, over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
-from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
     Path,
@@ -179,7 +179,7 @@ def test_the_theme_s_colours_are_where_they_belong(name: str) -> None:
         areas=[{"at": [2, 2], "color": "plum"}],
     )
     colors, margin = BUILTIN_THEMES[name].colors, 3
-    picture = to_rgb(build_base(world))
+    picture = to_rgb(build_scene(world, robot=False))
     for (x, y), color in {
         (1.5, 0.5): colors.base,
         (0.1, 0.1): colors.start,

@@ -13,7 +13,7 @@ from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import polylines, to_rgb
-from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
@@ -152,7 +152,7 @@ def test_he_stands_out_from_every_ground_even_when_small(name: str, facing: Acti
             "display": {"start_text": False, "exit_text": False},
         }
     )
-    without = to_rgb(build_base(world, cells_only=True), (48, 16)).astype(np.int64)
+    without = to_rgb(build_scene(world, cells_only=True, robot=False), (48, 16)).astype(np.int64)
     for state in range(3):
         scene = build_scene(world, state=state, pose=Pose(facing), cells_only=True)
         cell = (slice(0, 16), slice(16 * state, 16 * state + 16))

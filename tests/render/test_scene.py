@@ -12,7 +12,7 @@ import pytest
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import polylines
-from babyrobot_levels.render.scene.build import build_base, build_layers, build_scene
+from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
@@ -50,7 +50,7 @@ def bounds(shape: Shape) -> tuple[float, float, float, float]:
 
 
 def strokes(world: Any, color: str) -> Iterator[Path]:
-    for shape in build_base(world).shapes:
+    for shape in build_scene(world, robot=False).shapes:
         if isinstance(shape, Path) and shape.stroke == color:
             yield shape
 
@@ -144,7 +144,7 @@ def test_what_changes_has_a_layer_of_its_own() -> None:
 def robot(**options: Any) -> tuple[float, float] | None:
     """Return the cell that the robot is in."""
     world = options.pop("world", level(size=[4, 3], start=[[2, 1], [0, 0]]))
-    base = build_base(world).shapes
+    base = build_scene(world, robot=False).shapes
     added = [shape for shape in build_scene(world, **options).shapes if shape not in base]
     if not added:
         return None
@@ -206,7 +206,7 @@ def test_labels_are_cut_where_they_have_no_room() -> None:
 def test_blocked_cells_are_one_shape_without_lines_inside() -> None:
     world = level(size=[4, 4], blocked=[{"at": [1, 1], "size": [2, 2]}])
     colors = world.resolved_theme.colors
-    shapes = build_base(world).shapes
+    shapes = build_scene(world, robot=False).shapes
     assert Rect(*corner(1, 1), 2 * CELL, 2 * CELL, colors.blocked) in shapes
     (grid_lines,) = strokes(world, colors.lines)
     for points in lines(grid_lines):
@@ -221,7 +221,7 @@ def test_blocked_cells_that_are_no_rectangle_are_one_shape() -> None:
     color = world.resolved_theme.colors.blocked
     (block,) = [
         shape
-        for shape in build_base(world).shapes
+        for shape in build_scene(world, robot=False).shapes
         if not isinstance(shape, Text) and shape.fill == color
     ]
     assert isinstance(block, Path)
@@ -235,7 +235,7 @@ def test_puddles_differ_by_cell_and_not_by_level() -> None:
     def outlines(**fields: Any) -> dict[tuple[int, int], list[tuple[float, float]]]:
         world = level(size=[5, 5], **fields)
         found = {}
-        for shape in build_base(world).shapes:
+        for shape in build_scene(world, robot=False).shapes:
             water = world.resolved_theme.colors.puddle
             if isinstance(shape, Path) and shape.fill == water:
                 ((points, _),) = polylines(shape.commands)
@@ -288,8 +288,8 @@ def test_a_wall_can_have_a_look_of_its_own() -> None:
 def test_glass_looks_unlike_other_walls() -> None:
     def around(probability: float) -> list[Path]:
         wall = {"at": [1, 0], "side": "E", "pass": probability}
-        base = set(build_base(level()).shapes)
-        shapes = build_base(level(walls=[wall])).shapes
+        base = set(build_scene(level(), robot=False).shapes)
+        shapes = build_scene(level(walls=[wall]), robot=False).shapes
         return [shape for shape in shapes if shape not in base and isinstance(shape, Path)]
 
     solid, glass = around(0), around(0.5)
@@ -309,7 +309,7 @@ def test_glass_looks_unlike_other_walls() -> None:
 
 def heads(world: Any) -> list[tuple[float, float, float, float]]:
     arrows = world.resolved_theme.colors.arrows
-    shapes = build_base(world).shapes
+    shapes = build_scene(world, robot=False).shapes
     return [bounds(s) for s in shapes if isinstance(s, Path) and s.fill == arrows]
 
 

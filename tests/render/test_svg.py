@@ -16,7 +16,7 @@ from support.places import GALLERY_FOLDER
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import Command, Rect, Scene, Text, polyline
 from babyrobot_levels.render.svg import number, path_data, to_svg
 
@@ -136,7 +136,7 @@ def test_a_path_of_many_lines_is_written_as_steps_to_the_same_places() -> None:
 
 def test_the_base_lacks_the_robot_and_nothing_else() -> None:
     world = level(size=[3, 2], puddles=[{"at": [1, 1]}], display={"compass": True})
-    with_robot, without = build_scene(world, state=2).shapes, build_base(world).shapes
+    with_robot, without = build_scene(world, state=2).shapes, build_scene(world, robot=False).shapes
     robot = [shape for shape in with_robot if shape not in without]
     assert [shape for shape in with_robot if shape in without] == list(without)
     assert len(robot) > 10

@@ -16,7 +16,7 @@ from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.heat import scale_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.terminal import ALL_COLORS
-from babyrobot_levels.render.text import TextPainter, unicode_drawing
+from babyrobot_levels.render.text import TextPainter
 from babyrobot_levels.render.text_plan import escape
 
 ESCAPE = re.compile(r"\x1b\[[\d;]*m")
@@ -26,8 +26,9 @@ def level(**fields: Any) -> Any:
     return Level.from_fields({"version": 1, **fields})
 
 
-def picture(world: Any, **options: Any) -> str:
-    return unicode_drawing(world, world.grid(), **options)
+def picture(world: Any, state: int | None = None, *, color: bool = False) -> str:
+    lines = TextPainter(world).lines(state, colors=ALL_COLORS if color else 0, held=False)
+    return "\n".join([*lines, ""])
 
 
 EXPECTED = {

@@ -28,7 +28,7 @@ from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.situation import Mood, Pose
 from babyrobot_levels.render.terminal import ALL_COLORS
-from babyrobot_levels.render.text import TextPainter, unicode_drawing
+from babyrobot_levels.render.text import TextPainter
 
 VAULT = load(str(FOLDER / "things.yaml"))
 
@@ -133,7 +133,7 @@ def test_the_robot_cheers_only_at_an_open_exit() -> None:
 
 
 def test_the_level_as_a_whole_in_unicode() -> None:
-    assert unicode_drawing(VAULT, VAULT.grid()) == (
+    assert "\n".join([*TextPainter(VAULT).lines(None, held=False), ""]) == (
         "┌───────────────────┬───────┐\n"
         "│ S           ¢     │     Ω │\n"
         "│   ·   ·   ·   ·   │   ·   │\n"

@@ -14,7 +14,7 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.effects import End, effects_of
 from babyrobot_levels.render.raster import polylines, to_rgb
-from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -33,15 +33,15 @@ def texts(world: Any) -> dict[str, tuple[float, float]]:
     """Return the texts of a picture, and the cell coordinates where they are, with fractions."""
     return {
         shape.text: ((shape.x - MARGIN) / CELL, (shape.y - MARGIN) / CELL)
-        for shape in build_base(world).shapes
+        for shape in build_scene(world, robot=False).shapes
         if isinstance(shape, Text)
     }
 
 
 def added(world: Any, plain: Any) -> list[Shape]:
     """Return the shapes that only the first of two pictures has."""
-    known = set(build_base(plain).shapes)
-    return [shape for shape in build_base(world).shapes if shape not in known]
+    known = set(build_scene(plain, robot=False).shapes)
+    return [shape for shape in build_scene(world, robot=False).shapes if shape not in known]
 
 
 # -- glass ---------------------------------------------------------------------------------
@@ -273,8 +273,8 @@ def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
         "warps": [{"at": [3, 1], "to": "start", "when": "leave"}],
     }
     answers = Overlay(actions=[[(Action.EAST,)] * 5] * 5)
-    shapes = set(build_base(level(**fields), overlay=answers).shapes)
-    shapes -= set(build_base(level(), overlay=answers).shapes)
+    shapes = set(build_scene(level(**fields), overlay=answers, robot=False).shapes)
+    shapes -= set(build_scene(level(), overlay=answers, robot=False).shapes)
     points = [
         ((x - MARGIN) % CELL, (y - MARGIN) % CELL)
         for shape in shapes
@@ -289,7 +289,9 @@ def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
 def test_marks_in_one_row_of_an_area_are_in_line() -> None:
     fields = {"at": [0, 1], "size": [5, 1], "reward": -5}
     world = level(areas=[{**fields, "label": "here"}], start=[2, 3])
-    (line,) = [s for s in build_base(world).shapes if isinstance(s, Path) and s.stroke == INK]
+    (line,) = [
+        s for s in build_scene(world, robot=False).shapes if isinstance(s, Path) and s.stroke == INK
+    ]
     heights = {y for points, _ in polylines(line.commands) for _, y in points}
     assert len(heights) == 1
     assert heights != {MARGIN + 1.5 * CELL}
@@ -298,7 +300,10 @@ def test_marks_in_one_row_of_an_area_are_in_line() -> None:
 def test_glints_give_way_to_values_of_actions() -> None:
     def glints(overlay: Overlay | None) -> bool:
         wet, dry = (level(**fields) for fields in ({"skid": 0.6}, {}))
-        return build_base(wet, overlay=overlay).shapes != build_base(dry, overlay=overlay).shapes
+        return (
+            build_scene(wet, overlay=overlay, robot=False).shapes
+            != build_scene(dry, overlay=overlay, robot=False).shapes
+        )
 
     assert glints(None)
     assert glints(Overlay(actions=[[(Action.EAST,)] * 5] * 5))
@@ -311,7 +316,7 @@ def test_glints_give_way_to_values_of_actions() -> None:
 def shaft(world: Any) -> list[tuple[float, float]]:
     """Return the line of the only arrow."""
     color = world.resolved_theme.colors.arrows
-    shapes = build_base(world).shapes
+    shapes = build_scene(world, robot=False).shapes
     (path,) = [s for s in shapes if isinstance(s, Path) and s.stroke == color]
     ((points, _),) = polylines(path.commands)
     return points
@@ -326,7 +331,9 @@ def test_arrows_of_warps_go_around_the_labels_of_their_targets(
 ) -> None:
     label = {"at": to, "label": text, "color": "gold"}
     world = level(warps=[{"at": at, "to": to}], areas=[label], exit="none", start=[2, 2])
-    (name,) = [s for s in build_base(world).shapes if isinstance(s, Text) and s.text == text]
+    (name,) = [
+        s for s in build_scene(world, robot=False).shapes if isinstance(s, Text) and s.text == text
+    ]
     half = name.size * 0.3 * len(text)
     for x, y in shaft(world):
         assert not (abs(x - name.x) < half and name.y - name.size < y < name.y)
@@ -337,8 +344,12 @@ def test_arrows_of_warps_go_around_the_labels_of_their_targets(
 def test_a_ring_has_room_for_the_sign_of_its_reward() -> None:
     warp = {"at": [1, 1], "to": [3, 3], "when": "leave", "reward": 5}
     world = level(warps=[warp])
-    *_, inner = [s for s in build_base(world).shapes if isinstance(s, Ellipse) and s.rx == s.ry]
-    (line,) = [s for s in build_base(world).shapes if isinstance(s, Path) and s.stroke == INK]
+    *_, inner = [
+        s for s in build_scene(world, robot=False).shapes if isinstance(s, Ellipse) and s.rx == s.ry
+    ]
+    (line,) = [
+        s for s in build_scene(world, robot=False).shapes if isinstance(s, Path) and s.stroke == INK
+    ]
     points = [point for part, _ in polylines(line.commands) for point in part]
     reach = max(math.dist(point, (inner.x, inner.y)) for point in points) + line.width / 2
     assert reach <= inner.rx

@@ -178,13 +178,6 @@ def ground_layer(level: GridWorld, layout: Layout) -> tuple[Shape, ...]:
     return toned(shapes, level.resolved_theme.colors)
 
 
-def build_base(
-    level: GridWorld, *, cells_only: bool = False, overlay: Overlay | None = None
-) -> Scene:
-    """Return the picture of a level without the robot; see `build_scene`."""
-    return build_scene(level, robot=False, cells_only=cells_only, overlay=overlay)
-
-
 def _base_shapes(
     level: GridWorld, overlay: Overlay, layout: Layout, *, cells_only: bool
 ) -> Iterator[Shape]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
+from babyrobot_levels.language.things import Item, Mover, Switch
 from babyrobot_levels.render.colors import gray, is_gray, mixed
 from babyrobot_levels.render.scene.shapes import (
     Command,
@@ -113,6 +114,11 @@ KINDS = tuple(_COLORS)
 def default_color(kind: str, colors: Colors) -> str:
     """Return the colour of a kind of thing in a theme; a theme of greys takes a grey."""
     return gray(_COLORS[kind]) if is_gray(colors) else _COLORS[kind]
+
+
+def thing_color(thing: Item | Switch | Mover, colors: Colors) -> str:
+    """Return the colour of a thing: its own, or that of its kind in a theme."""
+    return thing.color or default_color(thing.picture, colors)
 
 
 # -- items ---------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import ink_on, mixed, plate_for
 from babyrobot_levels.render.effects import Effects, effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
-from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes
+from babyrobot_levels.render.scene.icons import Spot, item_shapes, thing_color
 from babyrobot_levels.render.scene.layout import (
     CELL,
     COMPASS,
@@ -233,7 +233,7 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
         yield from _effects(small, effects_of(small))
     elif kind == "item":
         item = next(item for item in level.items if item.name == what)
-        color = item.color or default_color(item.picture, level.resolved_theme.colors)
+        color = thing_color(item, level.resolved_theme.colors)
         yield from item_shapes(item.picture, color, _SPOT)
     elif kind == "switch":
         switch = next(switch for switch in level.switches if switch.name == what)

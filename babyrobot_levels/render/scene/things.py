@@ -19,6 +19,7 @@ from babyrobot_levels.render.scene.icons import (
     figure_shapes,
     item_shapes,
     padlock_shapes,
+    thing_color,
 )
 from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.shapes import (
@@ -128,7 +129,7 @@ def _item(
     level: GridWorld, layout: Layout, number: int, cell: Cell, faint: bool, slots: Slots | None
 ) -> Iterator[Shape]:
     item, colors = level.items[number], level.resolved_theme.colors
-    color = item.color or default_color(item.picture, colors)
+    color = thing_color(item, colors)
     ground = colors.base if faint else None
     if slots is not None and slots.is_crowded:
         box = slots.icon(cell)
@@ -174,7 +175,7 @@ def _switch(level: GridWorld, layout: Layout, number: int, is_on: bool) -> Itera
     """
     switch = level.switches[number]
     spot = Spot(*_centre(layout, switch.at))
-    color = switch.color or default_color("switch", level.resolved_theme.colors)
+    color = thing_color(switch, level.resolved_theme.colors)
     plate = rounded(-22.5, -22.5, 45, 45, 9)
     if is_on:
         yield from spot.body(plate, color)
@@ -208,8 +209,7 @@ def door_color(level: GridWorld, door: Door) -> str:
     named = {item.name: item for item in level.items}
     for name in door.keys:
         if name in named:
-            item = named[name]
-            return item.color or default_color(item.picture, colors)
+            return thing_color(named[name], colors)
     return default_color("door", colors)
 
 
@@ -309,7 +309,7 @@ def held_pieces(level: GridWorld, layout: Layout, situation: Situation) -> Itera
     for number, (item, cells) in enumerate(zip(level.items, situation.items, strict=True)):
         x, y = slots.centre(number)
         half = slots.side / 2
-        color = item.color or default_color(item.picture, colors)
+        color = thing_color(item, colors)
         spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None, _NOT_HELD)
         box = Box(x - half, y - half, x + half, y + half)
         draw = partial(item_shapes, item.picture, color, spot)
@@ -364,9 +364,8 @@ def mover_shapes(level: GridWorld, number: int, spot: Spot, look: Cell = (0, 0))
         look: where it looks, `(dx, dy)`.
     """
     mover = level.movers[number]
-    kind = "guard" if mover.within is None else "wanderer"
-    color = mover.color or default_color(kind, level.resolved_theme.colors)
-    yield from figure_shapes(kind, color, spot, look)
+    color = thing_color(mover, level.resolved_theme.colors)
+    yield from figure_shapes(mover.picture, color, spot, look)
 
 
 def moving_pieces(
@@ -422,7 +421,7 @@ def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     colors = level.resolved_theme.colors
     for mover in level.movers:
         if mover.within is not None:
-            color = mover.color or default_color("wanderer", colors)
+            color = thing_color(mover, colors)
             (left, top), (width, height) = mover.within.at, mover.within.size
             x, y = layout.corner(left, top)
             box = x + 7, y + 7, width * CELL - 14, height * CELL - 14

@@ -160,7 +160,7 @@ def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
         cells = [
             now.movers[number] if now is not None else None
             for number, mover in enumerate(level.movers)
-            if (mover.within is None) == (label == "guard")
+            if mover.picture == label
         ]
         if cells:
             at = f" at {show_cell(cells[0])}" if len(cells) == 1 and cells[0] is not None else ""

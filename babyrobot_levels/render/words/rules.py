@@ -402,7 +402,7 @@ def _movers(level: GridWorld) -> Iterator[tuple[str, str]]:
     hit += ", ends the episode" if level.hit.ends else ""
     kinds: dict[str, list[tuple[int, Mover]]] = defaultdict(list)
     for number, mover in enumerate(level.movers):
-        kinds["guard" if mover.within is None else "wanderer"].append((number, mover))
+        kinds[mover.picture].append((number, mover))
     for kind, movers in kinds.items():
         ways = "walks its path" if kind == "guard" else "wanders at random"
         number, mover = movers[0]

@@ -15,7 +15,7 @@ from support.pictures import Cell, Pixels, changed_cells, landmarks, photograph,
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.layout import layout_of
 
 LEVEL = brl.load("final-maze")
@@ -73,7 +73,7 @@ def way() -> list[Cell]:
 
 def robot_in(picture: Pixels) -> set[Cell]:
     """The cells in which a picture shows more than the empty level: the robot's, or two."""
-    return changed_cells(LEVEL, picture, to_rgb(build_base(LEVEL)))
+    return changed_cells(LEVEL, picture, to_rgb(build_scene(LEVEL, robot=False)))
 
 
 def at_rest_in(cell: Cell, element: Locator) -> Pixels:
