@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
 
@@ -16,20 +17,16 @@ def situation(level: GridWorld, number: int) -> dict[str, Any]:
     Items are `"held"`, `"lies"` in their only place, or the cell of those in which they may lie;
     switches are `"on"` or `"off"`; movers and a drawn exit are the cells in which they are.
     """
-    found = level.configuration(number)
-    exits = [list(found.exits[0])] if level.exit_one_of is not None else []
-    items = [
-        "held" if cell is None else "lies" if len(item.places) == 1 else list(cell)
-        for item, cell in zip(level.items, found.items, strict=True)
-    ]
-    switches = ["on" if is_on else "off" for is_on in found.on]
-    movers = [list(cell) for cell in found.movers]
-    return dict(zip(level.things().names, [*exits, *items, *switches, *movers], strict=True))
+    things, values = level.things(), level.compile().configurations[number].tolist()
+    states = [thing.states[value] for thing, value in zip(things, values, strict=True)]
+    told = [state if isinstance(state, str) else list(state) for state in states]
+    return dict(zip(things.names, told, strict=True))
 
 
 def situation_words(things: Mapping[str, Any]) -> str:
     """Return a situation in words, without what goes without saying: "key held, bat at [2, 4]"."""
-    states = [f"{name} {value}" for name, value in things.items() if value in ("held", "on")]
+    met = [kind.need.met for kind in NEEDED if kind.need is not None]
+    states = [f"{name} {value}" for name, value in things.items() if value in met]
     return ", ".join([*states, *_places(things)])
 
 

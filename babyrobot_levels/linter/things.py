@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.kinds import NEEDED, Kind
+from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.kinds import KIND, Kind
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.reachability import ends_by_hit
@@ -51,12 +52,7 @@ class ThingEffects:
     def met(self) -> dict[str, Flags]:
         """For each item whether it is held, for each switch whether it is on, when played."""
         values, things = self.mdp.configurations[self.is_played], self._things
-        met = {}
-        for column, item in enumerate(self.level.items, things.items.start):
-            met[item.name] = values[:, column] == len(item.places)
-        for column, switch in enumerate(self.level.switches, things.switches.start):
-            met[switch.name] = values[:, column] == 1
-        return met
+        return {name: values[:, column] == met for name, (column, met) in things.needed.items()}
 
     def are_met(self, names: Iterable[str]) -> Flags:
         """Return in which of the played configurations all names are held or on."""
@@ -118,11 +114,10 @@ class ThingEffects:
     def changed(self, before: int, after: int) -> tuple[Kind | None, int]:
         """Return the kind and number of what a transition takes or flips; None for nothing."""
         rows = self.mdp.configurations[[before // self.mdp.cells, after // self.mdp.cells]]
-        for kind in NEEDED:
-            columns: slice = getattr(self._things, kind.field)
-            numbers = np.flatnonzero(rows[0, columns] != rows[1, columns])
-            if numbers.size:
-                return kind, int(numbers[0])
+        for column in np.flatnonzero(rows[0] != rows[1]).tolist():
+            kind = self._things.kinds[column]
+            if not self._things[column].moves:
+                return KIND[kind], column - self._things.of_kind(kind).start
         return None, 0
 
     @property
@@ -178,22 +173,11 @@ class ThingEffects:
         return listed([self._value(column, int(values[column])) for column in named])
 
     def _value(self, column: int, value: int) -> str:
-        things, level = self._things, self.level
-        name = f"`{things.names[column]}`"
-        if column >= things.static:
-            return f"{name} on {_cell(level.movers[column - things.static].phases[value])}"
-        if column >= things.switches.start:
-            return f"{name} {'on' if value else 'off'}"
-        if column < things.items.start:
-            return f"the exit on {_cell(level.exits[value])}"
-        places = level.items[column - things.items.start].places
-        if value == len(places):
-            return f"{name} held"
-        return f"{name} not held" if len(places) == 1 else f"{name} on {_cell(places[value])}"
-
-
-def _cell(cell: tuple[int, int]) -> str:
-    return f"[{cell[0]}, {cell[1]}]"
+        thing, name = self._things[column], f"`{self._things.names[column]}`"
+        state, need = thing.states[value], KIND[thing.kind].need
+        if isinstance(state, str) and need is not None:
+            return f"{name} {need.met if value == thing.is_met else need.unmet}"
+        return f"{'the exit' if thing.kind == 'exit' else name} on {show_cell(thing.cells[value])}"
 
 
 MAX_ROUNDS = 1_000

@@ -1,20 +1,116 @@
 """Configurations: the value of every thing of a level, and what they come to. Needs no NumPy.
 
-Things count in this order: the drawn exit, items, switches, movers, each as listed.
+Things count in this order: the drawn exit, items, switches, movers, each as listed. A `Thing` says
+all that compilers, words and pictures need to know of one; a kind of things with a state is a
+function that makes them of its entries, and its line in `_MAKERS`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.language.things import Item, Mover, Switch
+from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.text.words import listed
 
-Cell = tuple[int, int]
 Values = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """What has a state: numbered values, and what each of them means.
+
+    Attributes:
+        kind: its kind, as in `language.kinds`.
+        name: its name; empty for one to which the program gives a name, by `usual_name`.
+        cells: for each value, the cell in which it is, None where it is in none.
+        states: for each value, the state in words, or the cell, where that is what changes.
+        begins: the values with which an episode may begin, all equally probable.
+        after: for each value, that after the robot arrives at its cell. Empty if arrivals change
+            nothing.
+        reward: the reward of the step that changes it; None if that of the cell counts.
+        is_met: the value in which doors and exits that need it have it; None if none can need it.
+        at_start: whether a robot that begins an episode at its cell arrives there.
+        moves: whether its value changes by itself, at each step.
+        usual_name: what the program calls one without a name.
+    """
+
+    kind: str
+    name: str
+    cells: tuple[Cell | None, ...]
+    states: tuple[str | Cell, ...]
+    begins: Sequence[int]
+    after: tuple[int, ...] = ()
+    reward: float | None = None
+    is_met: int | None = None
+    at_start: bool = False
+    moves: bool = False
+    usual_name: str = ""
+
+    @property
+    def values(self) -> int:
+        """How many values it has."""
+        return len(self.states)
+
+
+def _drawn_exit(level: LevelFields) -> Iterator[Thing]:
+    cells = level.exit_one_of
+    if cells is not None:
+        yield Thing("exit", "", cells, cells, range(len(cells)), usual_name="exit")
+
+
+def _items(level: LevelFields) -> Iterator[Thing]:
+    for item in level.items:
+        held = len(item.places)
+        yield Thing(
+            "item",
+            item.name,
+            cells=(*item.places, None),
+            states=(*(item.places if held > 1 else ["lies"]), "held"),
+            begins=range(held),
+            after=(held,) * (held + 1),
+            reward=item.reward,
+            is_met=held,
+            at_start=True,
+        )
+
+
+def _switches(level: LevelFields) -> Iterator[Thing]:
+    for switch in level.switches:
+        flipped = (1, 0)
+        if switch.once:
+            flipped = (1, 1) if not switch.on else (0, 0)
+        yield Thing(
+            "switch",
+            switch.name,
+            cells=(switch.at, switch.at),
+            states=("off", "on"),
+            begins=(int(switch.on),),
+            after=flipped,
+            is_met=1,
+        )
+
+
+def _movers(level: LevelFields) -> Iterator[Thing]:
+    for number, mover in enumerate(level.movers, 1):
+        cells = mover.phases
+        begins: Sequence[int] = (0,)
+        if mover.within is not None:
+            begins = range(len(cells)) if mover.start is None else (cells.index(mover.start),)
+        name = f"mover-{number}"
+        yield Thing("mover", mover.name or "", cells, cells, begins, moves=True, usual_name=name)
+
+
+_MAKERS: tuple[Callable[[LevelFields], Iterator[Thing]], ...] = (
+    _drawn_exit,
+    _items,
+    _switches,
+    _movers,
+)
+"""Things in the order in which they count. Those that move by themselves come last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,65 +154,59 @@ class Things:
 
     def __init__(self, level: LevelFields):
         self.level = level
-        named: list[Item | Switch | Mover] = [*level.items, *level.switches, *level.movers]
-        taken = {thing.name for thing in named}
+        self._each = tuple(thing for make in _MAKERS for thing in make(level))
+        taken = {thing.name for thing in self._each}
 
         def free(name: str) -> str:
             return free(f"the-{name}") if name in taken else name
 
-        exits = () if level.exit_one_of is None else ((free("exit"), len(level.exit_one_of)),)
-        self._items = len(exits)
-        self._switches = self._items + len(level.items)
-        self._movers = self._switches + len(level.switches)
-        self._phases = [mover.phases for mover in level.movers]
-        columns = [
-            *exits,
-            *((item.name, len(item.places) + 1) for item in level.items),
-            *((switch.name, 2) for switch in level.switches),
-            *(
-                (mover.name or free(f"mover-{number}"), len(phases))
-                for number, (mover, phases) in enumerate(
-                    zip(level.movers, self._phases, strict=True), 1
-                )
-            ),
+        self.names = tuple(thing.name or free(thing.usual_name) for thing in self._each)
+        self.kinds = tuple(thing.kind for thing in self._each)
+        self.radices = tuple(thing.values for thing in self._each)
+        self._needed = [
+            (column, name, thing.is_met)
+            for column, (name, thing) in enumerate(zip(self.names, self._each, strict=True))
+            if thing.is_met is not None
         ]
-        self.names: tuple[str, ...] = tuple(name for name, _ in columns)
-        self.radices: tuple[int, ...] = tuple(count for _, count in columns)
-        counts = (len(exits), len(level.items), len(level.switches), len(level.movers))
-        kinds = zip(("exit", "item", "switch", "mover"), counts, strict=True)
-        self.kinds: tuple[str, ...] = tuple(kind for kind, count in kinds for _ in range(count))
 
     def __len__(self) -> int:
-        return len(self.names)
+        return len(self._each)
+
+    def __iter__(self) -> Iterator[Thing]:
+        return iter(self._each)
+
+    def __getitem__(self, column: int) -> Thing:
+        return self._each[column]
 
     @property
     def static(self) -> int:
         """The number of things other than movers, which come first."""
-        return self._movers
+        return sum(not thing.moves for thing in self._each)
 
     @property
     def switches(self) -> slice:
         """Where the values of switches are."""
-        return slice(self._switches, self._movers)
+        return self.of_kind("switch")
 
     @property
     def items(self) -> slice:
         """Where the values of items are."""
-        return slice(self._items, self._switches)
+        return self.of_kind("item")
+
+    def of_kind(self, kind: str) -> slice:
+        """Return where the values of a kind of things are."""
+        count = self.kinds.count(kind)
+        first = self.kinds.index(kind) if count else 0
+        return slice(first, first + count)
+
+    @property
+    def needed(self) -> dict[str, tuple[int, int]]:
+        """Where the value of each thing that doors and exits can need is, and what meets that."""
+        return {name: (column, value) for column, name, value in self._needed}
 
     def met(self, values: Sequence[int]) -> frozenset[str]:
         """Return the names of the items that are held and of the switches that are on."""
-        held = {
-            item.name
-            for item, value in zip(self.level.items, values[self.items], strict=True)
-            if value == len(item.places)
-        }
-        on = {
-            switch.name
-            for switch, value in zip(self.level.switches, values[self.switches], strict=True)
-            if value
-        }
-        return frozenset(held | on)
+        return frozenset(name for column, name, value in self._needed if values[column] == value)
 
     def closed(self, met: frozenset[str]) -> tuple[bool, ...]:
         """Return for each door whether it is closed, by the names of what is held or on."""
@@ -142,22 +232,23 @@ class Things:
         """Return what is where while the things have these values, `[things]`."""
         values = tuple(int(value) for value in values)
         met = self.met(values)
-        items = self.level.items
         return Configuration(
             values=values,
             exits=self.exits(values),
             exit_is_open=self.exit_is_open(values),
-            items=tuple(
-                (*item.places, None)[value]
-                for item, value in zip(items, values[self.items], strict=True)
-            ),
-            held=tuple(item.name for item in items if item.name in met),
+            items=self._cells("item", values),
+            held=tuple(name for name in self.names[self.items] if name in met),
             on=tuple(value == 1 for value in values[self.switches]),
-            movers=tuple(
-                phases[value]
-                for phases, value in zip(self._phases, values[self.static :], strict=True)
-            ),
+            movers=tuple(cell for cell in self._cells("mover", values) if cell is not None),
             doors=self.closed(met),
+        )
+
+    def _cells(self, kind: str, values: Values) -> tuple[Cell | None, ...]:
+        """Return in which cell each thing of a kind is."""
+        return tuple(
+            thing.cells[value]
+            for thing, value in zip(self._each, values, strict=True)
+            if thing.kind == kind
         )
 
     def condition(self, values: Sequence[int]) -> str:
@@ -165,34 +256,23 @@ class Things:
 
         It is empty where there is nothing that could be held or on.
         """
-        met = self.met(values)
-        items = [item.name for item in self.level.items]
-        switches = [switch.name for switch in self.level.switches]
-        if not items and not switches:
+        met: dict[str, list[str]] = {}
+        for column, name, value in self._needed:
+            need = KIND[self.kinds[column]].need
+            names = met.setdefault(need.met if need else "", [])
+            names += [name] if values[column] == value else []
+        if not met:
             return ""
         told = [
             f"{listed(names)} {'is' if len(names) == 1 else 'are'} {state}"
-            for state, all_names in (("held", items), ("on", switches))
-            if (names := [name for name in all_names if name in met])
+            for state, names in met.items()
+            if names
         ]
-        states = ["held"] * bool(items) + ["on"] * bool(switches)
-        return "while " + (" and ".join(told) or f"nothing is {' or '.join(states)}")
+        return "while " + (" and ".join(told) or f"nothing is {' or '.join(met)}")
 
     def begins(self) -> list[Sequence[int]]:
         """Return for each thing its values at reset, before the robot takes anything."""
-        begins: list[Sequence[int]] = []
-        if self.level.exit_one_of is not None:
-            begins.append(range(len(self.level.exit_one_of)))
-        begins += [range(len(item.places)) for item in self.level.items]
-        begins += [(int(switch.on),) for switch in self.level.switches]
-        for mover, phases in zip(self.level.movers, self._phases, strict=True):
-            if mover.within is None:
-                begins.append((0,))
-            elif mover.start is None:
-                begins.append(range(len(phases)))
-            else:
-                begins.append((phases.index(mover.start),))
-        return begins
+        return [thing.begins for thing in self._each]
 
     def draws(self) -> Iterator[Values]:
         """Yield the values with which episodes may begin, before the robot takes anything."""
@@ -200,11 +280,10 @@ class Things:
 
     def taken_at_start(self, values: Values, cell: Cell) -> Values:
         """Return the values at reset: an item that lies under the start is held."""
-        taken = list(values)
-        for column, item in enumerate(self.level.items, self._items):
-            if cell in item.places and item.places[values[column]] == cell:
-                taken[column] = len(item.places)
-        return tuple(taken)
+        return tuple(
+            thing.after[value] if thing.at_start and thing.cells[value] == cell else value
+            for thing, value in zip(self._each, values, strict=True)
+        )
 
 
 def largest_radices(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:

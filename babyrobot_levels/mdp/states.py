@@ -42,7 +42,7 @@ def configuration_with(level: GridWorld, names: Iterable[str]) -> int:
         ValueError: a name is not that of an item or switch, or no episode comes to this.
     """
     wanted, things, mdp = frozenset(names), level.things(), level.compile()
-    known = things.names[things.items] + things.names[things.switches]
+    known = (*things.needed,)
     for name in sorted(wanted.difference(known)):
         if not known:
             raise ValueError(f"the level has no {name!r}: it has no items and no switches")

@@ -13,8 +13,9 @@ from babyrobot_levels.mdp.compiler.terrain import Terrain
 from babyrobot_levels.mdp.doors import door_sides
 
 if TYPE_CHECKING:
+    from babyrobot_levels.language.geometry import Cell
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.configurations import Cell, Configuration
+    from babyrobot_levels.mdp.configurations import Configuration
 
 Flags = NDArray[np.bool_]
 

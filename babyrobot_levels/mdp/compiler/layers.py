@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from array import array
 from collections import deque
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import prod
@@ -101,38 +100,27 @@ class Changes:
     """What arriving at cells changes, by the values of all things but the movers."""
 
     def __init__(self, level: LevelFields, things: Things):
-        width = level.size[0]
-        # Column, cell of each value, and what changes there.
-        self._items = [
-            (column, [y * width + x for x, y in item.places], Change(column, held, item.reward))
-            for column, item in enumerate(level.items, things.items.start)
-            for held in [len(item.places)]
-        ]
-        # Column, cell, and for the values 0 and 1 what changes there.
-        self._switches = [
+        # The column of each thing that arrivals change, and for each of its values cell and change.
+        self._things = [
             (
                 column,
-                switch.at[1] * width + switch.at[0],
                 [
-                    None if switch.once and value != switch.on else Change(column, 1 - value, None)
-                    for value in (0, 1)
+                    (cell[1] * level.size[0] + cell[0], Change(column, after, thing.reward))
+                    if cell is not None and after != value
+                    else None
+                    for value, (cell, after) in enumerate(
+                        zip(thing.cells, thing.after, strict=True)
+                    )
                 ],
             )
-            for column, switch in enumerate(level.switches, things.switches.start)
+            for column, thing in enumerate(things)
+            if thing.after
         ]
 
     def at(self, values: Values) -> dict[int, Change]:
         """Return what changes at the cells at which something does."""
-        found = {
-            cells[value]: change
-            for column, cells, change in self._items
-            if (value := values[column]) < len(cells)
-        }
-        for column, cell, changes in self._switches:
-            change = changes[values[column]]
-            if change is not None:
-                found[cell] = change
-        return found
+        found = (changes[values[column]] for column, changes in self._things)
+        return dict(each for each in found if each is not None)
 
 
 @dataclass(eq=False)
@@ -169,8 +157,7 @@ class Layer:
     @cached_property
     def closed(self) -> tuple[bool, ...]:
         """For each door, whether it is closed."""
-        values = (*self.values, *[0] * len(self.level.movers))
-        return self.things.closed(self.things.met(values)) if self.level.doors else ()
+        return self.things.closed(self.things.met(self.values)) if self.level.doors else ()
 
     @cached_property
     def arrivals(self) -> dict[int, Change]:
@@ -210,7 +197,7 @@ class Layers:
         places = [level.exits] if level.exit_one_of is None else [[c] for c in level.exit_one_of]
         self._exits = [tuple(y * grid.width + x for x, y in cells) for cells in places]
         self._changes = Changes(level, things)
-        self._exit_needs = [*self._columns(level.exit_keys)]
+        self._exit_needs = [things.needed[name] for name in level.exit_keys]
         self._grounds: dict[tuple[tuple[bool, ...], tuple[int, ...]], Ground] = {}
         self._overs: dict[tuple[tuple[int, ...], bool], bytes] = {}
         self._ways: dict[tuple[bool, ...], Ways] = {}
@@ -224,22 +211,9 @@ class Layers:
         self.starts = self._begin()
         self._search()
 
-    def _columns(self, names: Iterable[str]) -> Iterator[tuple[int, int]]:
-        """Yield for each item and switch named its column, and its value while held or on."""
-        column = {name: number for number, name in enumerate(self.things.names)}
-        for name in names:
-            is_switch = column[name] >= self.things.switches.start
-            yield column[name], 1 if is_switch else self.things.radices[column[name]] - 1
-
     def _check_draws(self) -> None:
         """Refuse at once what cannot be within the bound: more draws, or a change of anything."""
-        level = self.level
-        draws = prod(len(item.places) for item in level.items) * len(level.exit_one_of or " ")
-        draws *= prod(
-            len(mover.phases)
-            for mover in level.movers
-            if mover.within is not None and mover.start is None
-        )
+        draws = prod(len(thing.begins) for thing in self.things)
         if draws > self._most or (self._most < 2 and max(self.things.radices, default=1) > 1):
             raise TooManyStates
 

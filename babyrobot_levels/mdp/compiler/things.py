@@ -14,6 +14,7 @@ from math import log10, prod
 import numpy as np
 
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.bounds import (
     MAX_OUTCOMES,
@@ -69,16 +70,14 @@ def compile_things(level: LevelFields, grid: Grid) -> Mdp:
 def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
     """Return the error that names what costs most."""
     costs: list[tuple[int, str, str]] = []
-    if level.exit_one_of is not None:
-        count = len(level.exit_one_of)
-        costs.append((count, f"{count} exits to draw from", "exit_one_of"))
-    factor = prod(len(item.places) + 1 for item in level.items)
-    costs.append((factor, _counted(len(level.items), "item", "items"), field_of(level, "items")))
-    factor = 2 ** len(level.switches)
-    switches = _counted(len(level.switches), "switch", "switches")
-    costs.append((factor, switches, field_of(level, "switches")))
-    factor = prod(things.radices[things.static :])
-    costs.append((factor, _counted(len(level.movers), "mover", "movers"), "movers"))
+    for kind in dict.fromkeys(things.kinds):
+        radices = things.radices[things.of_kind(kind)]
+        factor, record = prod(radices), KIND[kind]
+        if kind == "exit":
+            costs.append((factor, f"{factor} exits to draw from", record.by_lot))
+        else:
+            what = _counted(len(radices), record.noun, record.plural)
+            costs.append((factor, what, field_of(level, record.field)))
     costs = sorted((cost for cost in costs if cost[0] > 1), key=lambda cost: -cost[0])
     told = ", ".join(f"{what} ({_up_to(factor)})" for factor, what, _ in costs[:3])
     message = (
