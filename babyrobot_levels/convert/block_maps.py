@@ -39,9 +39,11 @@ from babyrobot_levels.convert.conversion import (
     Lost,
     World,
     fields_lost,
+    letters_in,
+    read_data,
+    sequence,
     shown,
 )
-from babyrobot_levels.convert.data import letters_in, read_data, sequence
 from babyrobot_levels.convert.minigrid_grids import LAVA, Cell, Object, Snapshot, moved, world_of
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import Rewards

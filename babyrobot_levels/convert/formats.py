@@ -7,8 +7,14 @@ from pathlib import PurePath
 from typing import Any
 
 from babyrobot_levels.convert import block_maps, frozen_lake, setups, tiled
-from babyrobot_levels.convert.conversion import Codec, Conversion, ConversionError, World
-from babyrobot_levels.convert.data import looks_like_data, read_data
+from babyrobot_levels.convert.conversion import (
+    Codec,
+    Conversion,
+    ConversionError,
+    World,
+    looks_like_data,
+    read_data,
+)
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 

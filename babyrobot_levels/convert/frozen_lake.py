@@ -24,15 +24,13 @@ from babyrobot_levels.convert.conversion import (
     Lost,
     World,
     fields_lost,
-    shown,
-)
-from babyrobot_levels.convert.data import (
     letters_in,
     looks_like_data,
     number,
     probability,
     read_data,
     sequence,
+    shown,
     truncated,
 )
 from babyrobot_levels.language import drawing as d

@@ -7,8 +7,17 @@ from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.convert.blocks import Edge, edge_of, edge_runs, is_inner
-from babyrobot_levels.convert.conversion import ConversionError, Lost, shown
-from babyrobot_levels.convert.data import color, integers, mapping, number, probability, sequence
+from babyrobot_levels.convert.conversion import (
+    ConversionError,
+    Lost,
+    color,
+    integers,
+    mapping,
+    number,
+    probability,
+    sequence,
+    shown,
+)
 from babyrobot_levels.mdp.grid import BIT
 from babyrobot_levels.mdp.mazes import carve
 

@@ -10,25 +10,22 @@ from babyrobot_levels.convert.conversion import (
     ConversionError,
     Lost,
     World,
-    level_of,
-    shown,
-)
-from babyrobot_levels.convert.data import (
     color,
     integer,
     integers,
+    level_of,
     mapping,
     number,
     probability,
     read_data,
     sequence,
+    shown,
     truncated,
 )
 from babyrobot_levels.convert.setup_walls import maze_edges, toggle
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import did_you_mean
 
 Cell = tuple[int, int]
@@ -418,15 +415,7 @@ def _with_blocked_color(colors: Iterable[Any], theme: Any, lost: list[Lost]) -> 
     return {"colors": {**theme.pop("colors", {}), "blocked": first}, **theme}
 
 
-# -- texts -----------------------------------------------------------------------------------
-
-
-def _read(source: SourceFile) -> World:
-    return read_setup(mapping(read_data(source), "the setup"))
-
-
-def _is_setup(data: Any) -> bool:
-    return isinstance(data, dict) and (not data or bool(data.keys() & KEYWORDS))
-
-
-CODEC = Codec(_read, holds=_is_setup)
+CODEC = Codec(
+    lambda source: read_setup(mapping(read_data(source), "the setup")),
+    holds=lambda data: isinstance(data, dict) and (not data or bool(data.keys() & KEYWORDS)),
+)

@@ -20,9 +20,12 @@ from babyrobot_levels.convert.conversion import (
     ConversionError,
     Lost,
     World,
+    integer,
+    mapping,
+    read_data,
+    sequence,
     shown,
 )
-from babyrobot_levels.convert.data import integer, mapping, read_data, sequence
 from babyrobot_levels.convert.tiled_tiles import (
     CLASSES,
     FAR,

@@ -12,8 +12,16 @@ from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
-from babyrobot_levels.convert.conversion import ConversionError, Lost, shown
-from babyrobot_levels.convert.data import MAX_DEPTH, integer, mapping, read_data, sequence
+from babyrobot_levels.convert.conversion import (
+    MAX_DEPTH,
+    ConversionError,
+    Lost,
+    integer,
+    mapping,
+    read_data,
+    sequence,
+    shown,
+)
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError

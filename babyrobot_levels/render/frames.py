@@ -215,18 +215,16 @@ class Backdrops:
     ) -> NDArray[np.uint8]:
         shapes = toned(scene.shapes, self._level.resolved_theme.colors)
         pixels = to_rgb(replace(scene, shapes=shapes), size, ground)
-        return _gray(pixels) if self._grayscale else pixels
+        if not self._grayscale:
+            return pixels
+        brightness: NDArray[np.float64] = np.rint(pixels @ np.array(_GRAY))
+        return brightness[..., np.newaxis].astype(np.uint8)
 
 
 def _joined(scene: Scene, *others: Scene) -> Scene:
     """Return scenes as one."""
     shapes = (shape for other in others for shape in other.shapes)
     return replace(scene, shapes=(*scene.shapes, *shapes))
-
-
-def _gray(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    brightness: NDArray[np.float64] = np.rint(pixels @ np.array(_GRAY))
-    return brightness[..., np.newaxis].astype(np.uint8)
 
 
 def remember(cache: dict[_Key, _Value], key: _Key, value: _Value, limit: int) -> None:

@@ -223,7 +223,8 @@ class TextPainter:
             lines = ascii_lines(self._drawing, symbols)
         else:
             lines = unicode_lines(self._drawing, [[f" {each} " for each in row] for row in symbols])
-        below = [*_numbers_below(overlay), *_texts_below(overlay)]
+        below = [*_table(overlay.values, overlay.precision), *_table(overlay.visits, 0)]
+        below += _texts_below(overlay)
         return _Drawn(lines, USUAL, frozenset(arrows), {}, below)
 
     def _painted(self, overlay: Overlay, colors: int, columns: int | None) -> _Drawn:
@@ -258,7 +259,7 @@ class TextPainter:
         ]
         fills = {cell: rgba(color)[:3] for cell, color in heat.tiles.items()}
         below = [*_legend(heat.scale, form, colors)] if fills else []
-        if overlay.values is not None and overlay.visits is not None:
+        if overlay.values is not None:
             below += _table(overlay.visits, 0)
         below += _texts_below(overlay)
         lines = unicode_lines(self._drawing, contents)
@@ -345,15 +346,8 @@ def _texts_below(overlay: Overlay) -> Iterator[str]:
             yield from map(printable, text.splitlines())
 
 
-def _numbers_below(overlay: Overlay) -> Iterator[str]:
-    if overlay.values is not None:
-        yield from _table(overlay.values, overlay.precision)
-    if overlay.visits is not None:
-        yield from _table(overlay.visits, 0)
-
-
-def _table(rows: Rows[float | None], precision: int) -> Iterator[str]:
-    if len(rows[0]) > WIDEST:
+def _table(rows: Rows[float | None] | None, precision: int) -> Iterator[str]:
+    if rows is None or len(rows[0]) > WIDEST:
         return
     yield ""
     yield from number_lines(rows, precision)

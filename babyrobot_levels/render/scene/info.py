@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -102,14 +102,11 @@ def flat_overlay(given: Mapping[str, Any], level: GridWorld) -> Overlay:
     precision = given.get("precision", 2)
     if isinstance(precision, bool) or precision not in range(MAX_PRECISION + 1):
         raise ValueError(f"`precision` must be 0 to {MAX_PRECISION}, not {precision!r}")
+    arrays = {
+        name: read(given[key], level) for name, (key, read) in _ARRAYS.items() if key in given
+    }
     return Overlay(
-        values=_values(given["values"], level) if "values" in given else None,
-        actions=policy_actions(given["policy"], level) if "policy" in given else None,
-        probabilities=_probabilities(given["policy"], level) if "policy" in given else None,
-        action_values=(
-            _action_values(given["action_values"], level) if "action_values" in given else None
-        ),
-        visits=_visits(given["visits"], level) if "visits" in given else None,
+        **arrays,
         coordinates=bool(given.get("coordinates", False)),
         notes=tuple(_note(item, precision, level) for item in _items(given, "text")),
         side_panel=_lines(given, "side_panel"),
@@ -124,13 +121,12 @@ def _hint(key: str) -> str:
     return did_you_mean(key, KEYS) or f"; the keys are {', '.join(KEYS)}"
 
 
-def _values(given: Any, level: GridWorld) -> list[list[float | None]]:
-    rows = cells_of(given, "values", level)
-    return [[number_of(cell, "values") for cell in row] for row in rows]
+def _numbers(given: Any, key: str, level: GridWorld) -> list[list[float | None]]:
+    return [[number_of(cell, key) for cell in row] for row in cells_of(given, key, level)]
 
 
 def _visits(given: Any, level: GridWorld) -> list[list[float | None]]:
-    rows = [[number_of(cell, "visits") for cell in row] for row in cells_of(given, "visits", level)]
+    rows = _numbers(given, "visits", level)
     for count in (count for row in rows for count in row if count is not None):
         if not 0 <= count < math.inf:
             raise ValueError(f"`visits` must be counts, not {count:g}")
@@ -256,6 +252,16 @@ def _actions(entry: Any, first: int) -> set[Action]:
     if not number.is_integer() or number + first >= NUM_ACTIONS or math.isinf(number):
         raise ValueError(f"invalid action in `policy`: {entry!r}; actions are 0 to 4")
     return {Action(first + int(number))}
+
+
+_ARRAYS: dict[str, tuple[str, Callable[[Any, GridWorld], Any]]] = {
+    "values": ("values", lambda given, level: _numbers(given, "values", level)),
+    "actions": ("policy", policy_actions),
+    "probabilities": ("policy", _probabilities),
+    "action_values": ("action_values", _action_values),
+    "visits": ("visits", _visits),
+}
+"""The rows of an overlay, each with the key that gives them, and how they are read."""
 
 
 # -- arrays --------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from babyrobot_levels.language.drawing import consecutive
-from babyrobot_levels.language.walls import Wall, sides_of
+from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds
@@ -179,7 +179,7 @@ def _own_styles(level: GridWorld, place: dict[Edge, _Style]) -> dict[Edge, _Styl
         if wall.color is None and wall.width is None and not wall.fit:
             continue
         for x, y in sides_of(wall):
-            edge = _edge(wall, x, y)
+            edge = wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
             # An opening may have removed the wall.
             if edge in place:
                 style = own.get(edge, place[edge])
@@ -190,10 +190,6 @@ def _own_styles(level: GridWorld, place: dict[Edge, _Style]) -> dict[Edge, _Styl
                     fit=style.fit or wall.fit,
                 )
     return own
-
-
-def _edge(wall: Wall, x: int, y: int) -> Edge:
-    return wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
 
 
 def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape]:
