@@ -39,7 +39,7 @@ def fault(path: str | Path) -> Diagnostic:
 def not_read(path: str) -> Diagnostic:
     """Return the one thing that is wrong with a path where a single level is needed."""
     with pytest.raises(LevelError) as raised:
-        brl.Level.load(path)
+        brl.load(path)
     (found,) = raised.value.diagnostics
     return found
 
