@@ -14,6 +14,7 @@ import pytest
 from support.markup import Reader
 from support.packs import babyrobot, pack_text, packed
 from support.packs import level as pack_level
+from support.worlds import level
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.guides import guide_of
@@ -43,10 +44,6 @@ FILES = Files(
     values="own/values.svg",
 )
 SIZES = dict.fromkeys((FILES.level, FILES.svg, FILES.png, FILES.film, FILES.values), 12_345)
-
-
-def level(**fields: Any) -> Level:
-    return Level.from_fields({"version": 1, **fields})
 
 
 def page_of(

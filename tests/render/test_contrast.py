@@ -13,6 +13,7 @@ import pytest
 from PIL import Image, ImageSequence
 from support.contrasts import faint_parts
 from support.playing import GALLERY, level_named
+from support.worlds import level
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.looks import BUILTIN_THEMES
@@ -67,10 +68,6 @@ MORE_OVERLAID = (
     "shell-game",
     "treasure-chests",
 )
-
-
-def level(**fields: Any) -> Level:
-    return Level.from_fields({"version": 1, **fields})
 
 
 @cache

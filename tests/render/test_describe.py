@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import io
 import xml.etree.ElementTree as ElementTree
-from typing import Any
 
 import pytest
 from PIL import Image
+from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page_data import page_data
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
@@ -18,10 +17,6 @@ from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.words.describe import MOST_CHARACTERS, describe
 
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-def level(**fields: Any) -> Level:
-    return Level.from_fields({"version": 1, **fields})
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import pickle
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 import pytest
 from support.scenes import without_legend
+from support.worlds import level
 
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render import frames
 from babyrobot_levels.render.frames import FramePainter, default_image_size
@@ -18,11 +17,6 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.situation import Mood, Pose
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
-
 
 WORLD = level(
     size=[5, 4],

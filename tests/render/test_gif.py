@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import io
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageSequence
+from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -23,10 +23,6 @@ from babyrobot_levels.render.scene.situation import STANDING, pose_of
 
 PER_STEP = 5
 """Frames of a step: four on the way, and the arrival."""
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 ROW = level(size=[4, 1])

@@ -8,9 +8,9 @@ from itertools import combinations
 from typing import Any
 
 import pytest
+from support.worlds import level
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.raster import polylines, to_rgb
@@ -23,10 +23,6 @@ from babyrobot_levels.render.scene.texts import short
 N, E, S, W = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST
 EVERY = tuple(Action)
 Box = tuple[float, float, float, float]
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 def bare(*size: int) -> Any:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 from support.markup import Reader
+from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import embedded_json, to_html
 from babyrobot_levels.render.page_data import Guide, facts, playable
@@ -24,10 +24,6 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.situation import Mood, Pose, pose_of
 
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 ROW = level(size=[3, 1], title="A row")

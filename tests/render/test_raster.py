@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 from support.work import counted_calls
+from support.worlds import level
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, NAMES
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import gray, over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
@@ -28,10 +28,6 @@ from babyrobot_levels.render.scene.shapes import (
 )
 
 WHITE = (255, 255, 255)
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 def painted(*shapes: Shape, side: int = 40) -> np.ndarray[Any, np.dtype[np.uint8]]:

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.worlds import level
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.library.catalogue import levels, load
@@ -31,10 +32,6 @@ GALLERY = [
     "drawbridge",
     "large-corridor",
 ]
-
-
-def level(**fields: Any) -> Level:
-    return Level.from_fields({"version": 1, **fields})
 
 
 def told(world: Level) -> list[str]:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from support.worlds import level
 
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_layers, build_scene
@@ -21,10 +21,6 @@ from babyrobot_levels.text.errors import LevelError
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 def corner(x: float, y: float) -> tuple[float, float]:

@@ -8,14 +8,13 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import Any
 
 import pytest
 from support.golden import FOLDER, pictures, svg
 from support.places import GALLERY_FOLDER
+from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import Command, Rect, Scene, Text, polyline
 from babyrobot_levels.render.svg import number, path_data, to_svg
@@ -26,10 +25,6 @@ SHAPES = {"rect", "ellipse", "path", "text"}
 
 def parsed(scene: Scene) -> ET.Element:
     return ET.fromstring(to_svg(scene))
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 @pytest.mark.parametrize("name", pictures())

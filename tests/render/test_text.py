@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.worlds import level
 
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.heat import scale_of
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -20,10 +20,6 @@ from babyrobot_levels.render.text import TextPainter
 from babyrobot_levels.render.text_plan import escape
 
 ESCAPE = re.compile(r"\x1b\[[\d;]*m")
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 def picture(world: Any, state: int | None = None, *, color: bool = False) -> str:

@@ -15,9 +15,9 @@ import pytest
 from PIL import Image
 from support.golden import FOLDER
 from support.scenes import without_legend
+from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.states import configuration_with, initial_configuration
 from babyrobot_levels.render.frames import FramePainter
@@ -31,10 +31,6 @@ from babyrobot_levels.render.terminal import ALL_COLORS
 from babyrobot_levels.render.text import TextPainter
 
 VAULT = load(str(FOLDER / "things.yaml"))
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 CORRIDOR = level(

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from support.golden import FOLDER
 from support.scenes import without_legend
+from support.worlds import level
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.events import hits_of
 from babyrobot_levels.mdp.states import configuration_with
@@ -30,10 +30,6 @@ from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
 
 VAULT = load(str(FOLDER / "things.yaml"))
 CELLS = 35
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, **fields})
 
 
 def names(world: Any, configuration: int | None) -> set[tuple[Any, ...]]:

@@ -34,6 +34,11 @@ def level_of(world: World) -> Level:
     return level
 
 
+def level(**fields: Any) -> Any:
+    """Return the level with these fields, which must be valid."""
+    return Level.from_fields({"version": 1, **fields})
+
+
 def level_of_text(text: str) -> Level:
     """Return the level that the text says, which must be valid."""
     level, diagnostics = parse_text(SourceFile("level.yaml", text), Level)
