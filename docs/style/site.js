@@ -1,4 +1,3 @@
-"use strict";
 // Pages of a file system cannot be fetched: there, the results of a search have no excerpts.
 if (location.protocol === "file:") DOCUMENTATION_OPTIONS.SHOW_SEARCH_SUMMARY = false;
 

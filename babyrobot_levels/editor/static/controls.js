@@ -190,6 +190,7 @@ function colorControl({ label, default: usual }, change) {
   return { element, show };
 }
 
+/** @type {{ fillStyle: any }} */
 const PEN = document.createElement("canvas").getContext("2d"); // Knows all colours.
 const DIGITS = new Map();
 

@@ -23,7 +23,16 @@ import { DEFAULT_OPTIONS, sameRoute } from "./tools.js";
 export class Editor {
   constructor(connection) {
     this.connection = connection;
+    /** @type {EditorState | null} */
     this.state = null;
+    /** @type {Game | null} */
+    this.game = null;
+    /** @type {Stage | null} */
+    this.stage = null;
+    /** @type {Pointer | null} */
+    this.pointer = null;
+    this.said = "";
+    this.saidKind = "";
     this.cursor = { cell: [0, 0], side: null };
     this.pointed = null;
     this.selection = null;

@@ -66,7 +66,12 @@ export class Help {
 const HELP_ICON =
   "M12 3a9 9 0 1 1 0 18a9 9 0 0 1 0-18zM9.5 9.5a2.5 2.5 0 1 1 3.600 2.200c-.7.4-1.100.9-1.100 1.800M12 16.500v.5";
 
-/** Return a group of the list; `shown` makes elements of the keys, else they are words. */
+/**
+ * Return a group of the list; `shown` makes elements of the keys, else they are words.
+ *
+ * @param {{ title: string, keys: any[][], needsKeys?: boolean }} group
+ * @param {(pressed: string) => (Node | string)[]} [shown]
+ */
 function helpGroup({ title, keys, needsKeys }, shown = (pressed) => [pressed]) {
   const rows = keys.map(([pressed, words]) =>
     html("div", {}, html("dt", {}, ...shown(pressed)), html("dd", {}, words)),

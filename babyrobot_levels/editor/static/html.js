@@ -3,6 +3,11 @@
 /**
  * Return an HTML element. Attributes that are undefined, null or false are left out; functions are
  * listeners, such as `onclick`.
+ *
+ * @param {string} name
+ * @param {Record<string, any>} attributes
+ * @param {(Node | string | null)[]} children
+ * @returns {any}
  */
 export function html(name, attributes, ...children) {
   const made = document.createElement(name);
@@ -15,12 +20,23 @@ export function html(name, attributes, ...children) {
   return made;
 }
 
-/** Return a button; what it shows may be a text or an element. */
+/**
+ * Return a button; what it shows may be a text or an element.
+ *
+ * @param {Node | string} shown
+ * @param {Record<string, any>} [attributes]
+ * @returns {HTMLButtonElement}
+ */
 export function button(shown, attributes) {
   return html("button", { type: "button", ...attributes }, shown);
 }
 
-/** Return the parts of a message; what stands between backticks is code. */
+/**
+ * Return the parts of a message; what stands between backticks is code.
+ *
+ * @param {string} message
+ * @returns {(string | HTMLElement)[]}
+ */
 export function prose(message) {
   return message.split("`").map((part, index) => (index % 2 === 1 ? html("code", {}, part) : part));
 }

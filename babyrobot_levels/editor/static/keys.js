@@ -4,7 +4,7 @@ import { ZOOM_STEP } from "../../render/static/view.js";
 import { cellName, SIDE_NAMES } from "./announce.js";
 import { MODIFIERS } from "./rail.js";
 import { beyond, isSameCell, spotOf } from "./spots.js";
-import { drawnWalls, gestureOf, sizeOf, toolNamed, TOOLS, wallAt } from "./tools.js";
+import { drawnWalls, gestureOf, sizeOf, TOOLS, toolNamed, wallAt } from "./tools.js";
 
 const ARROWS = { ArrowUp: "N", ArrowRight: "E", ArrowDown: "S", ArrowLeft: "W" };
 

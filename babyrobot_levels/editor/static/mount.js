@@ -60,6 +60,7 @@ const LAYOUT = `
 </div>
 `;
 
+/** @type {[string, string, (view: Stage["view"]) => void][]} */
 const ZOOMS = [
   ["Zoom out", "M6 12h12", (view) => view.zoomBy(1 / ZOOM_STEP)],
   ["Show the whole level", "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5", (view) => view.fit()],

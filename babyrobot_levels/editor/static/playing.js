@@ -36,6 +36,7 @@ export class Playing {
         element("svg", { viewBox: "0 0 24 24", "aria-hidden": true }, element("path", { d })),
       ),
     );
+    /** @type {[string, string, () => void][]} */
     const quick = [
       ["Undo", "Z", () => this.undo()],
       ["Retry", "R", () => this.begin()],

@@ -89,7 +89,8 @@ export class PolicyDrawing {
           ...things.on(configuration).map(({ name }) => `${name} on`),
         ].join(", ") || "Nothing",
     );
-    this.situations = new Map(this.words.map((words, at) => [words, at]).reverse());
+    /** @type {Map<string, number>} */
+    this.situations = new Map(this.words.map((words, at) => /** @type {[string, number]} */ ([words, at])).reverse());
     this.begun = this.words[game.configurationOf(data.starts[0])];
     const count = (held) => held.split(",").length;
     const names = [...this.situations.keys()].sort(

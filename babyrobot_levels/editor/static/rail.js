@@ -2,14 +2,19 @@
 
 import { element } from "../../render/static/paint.js";
 import { html } from "./html.js";
-import { toolNamed, TOOLS } from "./tools.js";
+import { TOOLS, toolNamed } from "./tools.js";
 
 /** Return an icon of strokes in a square of 24 by 24. */
 function iconElement(path) {
   return element("svg", { viewBox: "0 0 24 24", class: "icon", "aria-hidden": true }, element("path", { d: path }));
 }
 
-/** Return a button with an icon, or with a text, and the key that does the same. */
+/**
+ * Return a button with an icon, or with a text, and the key that does the same.
+ *
+ * @param {{ icon?: string, key?: string, text?: string, title?: string, [attribute: string]: any }} shown
+ * @param {(event: Event) => void} onclick
+ */
 export function toolButton({ icon, key, text, title, ...attributes }, onclick) {
   const shown = [
     icon === undefined ? null : iconElement(icon),

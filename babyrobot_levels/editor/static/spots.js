@@ -2,19 +2,33 @@
 // the cell there, or null outside; `side`, the side of the cell that is near enough to be meant, or
 // null; and `rim`, the side beyond which it is, or null.
 
+/** @type {Record<Side, [number, number]>} */
 const SIDE_SHIFTS = { N: [0, -1], E: [1, 0], S: [0, 1], W: [-1, 0] };
 export const REACH = 0.22; // How far from a side, in cells, a mouse means it;
 export const FINGER_REACH = 0.32; // and a finger.
 
-/** Return the spot at a point of the grid. */
+/**
+ * Return the spot at a point of the grid.
+ *
+ * @param {[number, number]} at
+ * @param {[number, number]} size
+ * @param {number} [reach]
+ * @returns {Spot}
+ */
 export function spotAt([x, y], [width, height], reach = REACH) {
+  /** @type {Cell} */
   const cell = [Math.floor(x), Math.floor(y)];
   const isInside = x >= 0 && y >= 0 && x < width && y < height;
   const [dx, dy] = [x - cell[0], y - cell[1]];
+  /** @type {Record<string, number>} */
   const distances = { N: dy, E: 1 - dx, S: 1 - dy, W: dx };
-  const nearest = Object.keys(distances).reduce((best, side) => (distances[side] < distances[best] ? side : best));
+  const nearest = /** @type {Side} */ (
+    Object.keys(distances).reduce((best, side) => (distances[side] < distances[best] ? side : best))
+  );
   const beyond = { N: -y, E: x - width, S: y - height, W: -x };
-  const outermost = Object.keys(beyond).reduce((best, side) => (beyond[side] > beyond[best] ? side : best));
+  const outermost = /** @type {Side} */ (
+    Object.keys(beyond).reduce((best, side) => (beyond[side] > beyond[best] ? side : best))
+  );
   return {
     at: [x, y],
     cell: isInside ? cell : null,
@@ -23,29 +37,56 @@ export function spotAt([x, y], [width, height], reach = REACH) {
   };
 }
 
-/** Return the spot of a cell, or of one of its sides. */
+/**
+ * Return the spot of a cell, or of one of its sides.
+ *
+ * @param {Cell} cell
+ * @param {Side | null} [side]
+ * @returns {Spot}
+ */
 export function spotOf([x, y], side = null) {
   const [dx, dy] = SIDE_SHIFTS[side] ?? [0, 0];
   return { at: [x + 0.5 + dx / 2, y + 0.5 + dy / 2], cell: [x, y], side, rim: null };
 }
 
-/** Return the cell beyond a side of a cell. */
+/**
+ * Return the cell beyond a side of a cell.
+ *
+ * @param {Cell} cell
+ * @param {Side} side
+ * @returns {Cell}
+ */
 export function beyond([x, y], side) {
   return [x + SIDE_SHIFTS[side][0], y + SIDE_SHIFTS[side][1]];
 }
 
+/**
+ * @param {Cell} one
+ * @param {Cell} other
+ */
 export function isSameCell(one, other) {
   return one[0] === other[0] && one[1] === other[1];
 }
 
-/** Return a side as level files prefer it: of the cell to the north or west, where there is one. */
+/**
+ * Return a side as level files prefer it: of the cell to the north or west, where there is one.
+ *
+ * @param {Cell} cell
+ * @param {Side} side
+ * @returns {[Cell, Side]}
+ */
 export function usualSide([x, y], side) {
   if (side === "N" && y > 0) return [[x, y - 1], "S"];
   if (side === "W" && x > 0) return [[x - 1, y], "E"];
   return [[x, y], side];
 }
 
-/** Return the cells that lines between spots pass through, each once, in their order. */
+/**
+ * Return the cells that lines between spots pass through, each once, in their order.
+ *
+ * @param {Spot[]} spots
+ * @returns {Cell[]}
+ */
 export function cellsAlong(spots) {
   const cells = new Map();
   const last = spots.reduce((from, spot) => {
@@ -64,6 +105,10 @@ export function cellsAlong(spots) {
  * Return the straight run of sides from the first spot to the last, as the gesture `walls` has it.
  *
  * It lies along the side of the first spot; at a corner, along the way that was dragged.
+ *
+ * @param {Spot[]} spots
+ * @param {[number, number]} size
+ * @returns {Run}
  */
 export function runAlong(spots, [width, height]) {
   const [first, last] = [spots[0], spots.at(-1)];
@@ -75,6 +120,7 @@ export function runAlong(spots, [width, height]) {
   const most = [width, height][along] - 1;
   const ends = [first, last].map(({ at }) => Math.min(most, Math.max(0, Math.floor(at[along]))));
   const line = Math.round(first.at[across]);
+  /** @type {any} */
   const at = [];
   at[along] = Math.min(...ends);
   at[across] = Math.max(0, line - 1);
@@ -82,7 +128,12 @@ export function runAlong(spots, [width, height]) {
   return { at, side, length: Math.abs(ends[1] - ends[0]) + 1 };
 }
 
-/** Return the sides of a run, each as a cell and its side. */
+/**
+ * Return the sides of a run, each as a cell and its side.
+ *
+ * @param {Run} run
+ * @returns {[Cell, Side][]}
+ */
 export function sidesOfRun({ at: [x, y], side, length = 1 }) {
   const isHorizontal = "NS".includes(side);
   return Array.from({ length }, (_, step) => [[x + (isHorizontal ? step : 0), y + (isHorizontal ? 0 : step)], side]);

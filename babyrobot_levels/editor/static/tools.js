@@ -4,7 +4,11 @@
 
 import { beyond, cellsAlong, isSameCell, runAlong, sidesOfRun, spotOf, usualSide } from "./spots.js";
 
-/** The tools in the order of the rail. `key` is the key that chooses it. */
+/**
+ * The tools in the order of the rail. `key` is the key that chooses it.
+ *
+ * @type {Tool[]}
+ */
 export const TOOLS = [
   {
     name: "walls",
@@ -127,7 +131,11 @@ export const TOOLS = [
   },
 ];
 
-/** What is drawn with a tool besides its place; the strip of options changes it. */
+/**
+ * What is drawn with a tool besides its place; the strip of options changes it.
+ *
+ * @type {Record<string, any>}
+ */
 export const DEFAULT_OPTIONS = {
   walls: { to: "wall", pass: 0.5 },
   area: { color: "#8fb996" },
@@ -143,6 +151,11 @@ export function toolNamed(name) {
  * Return the message for spots that were drawn over: the first is where it began.
  *
  * `erases` takes the eraser instead of the tool; `rectangle` and `fill` change what brushes do.
+ *
+ * @param {Editor} editor
+ * @param {Spot[]} spots
+ * @param {{ erases?: boolean, rectangle?: boolean, fill?: boolean }} [how]
+ * @returns {Message | null}
  */
 export function gestureOf(editor, spots, { erases = false, ...modifiers } = {}) {
   const tool = toolNamed(erases ? "erase" : editor.tool);
@@ -231,6 +244,10 @@ function walked(editor, tool, spots, { rectangle }) {
   return cells.length < 2 ? null : { do: "path", cells };
 }
 
+/**
+ * @param {Editor} editor
+ * @returns {[number, number]}
+ */
 export function sizeOf({ game: { data } }) {
   return [data.width, data.height];
 }

@@ -6,7 +6,12 @@ const TOKENS =
   /(?<string>"(?:[^"\\]|\\.)*"|'(?:[^']|'')*')|(?<comment>(?<=^|\s)#.*)|(?<key>[\w-]+(?=:(?:\s|$)))|(?<number>(?<![\w.#-])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]))/g;
 const BLOCK = /^( *)(?:- +)*(?:[\w-]+: +)?[|>][-+\d]*(?:\s+#.*)?$/;
 
-/** Return for each line whether it belongs to a text that is written as it is, such as a drawing. */
+/**
+ * Return for each line whether it belongs to a text that is written as it is, such as a drawing.
+ *
+ * @param {string[]} lines
+ * @returns {boolean[]}
+ */
 export function plainLines(lines) {
   let indent = null;
   return lines.map((line) => {
@@ -16,7 +21,13 @@ export function plainLines(lines) {
   });
 }
 
-/** Return a line as an element; `marks` are places in it, from a column to another, with a class. */
+/**
+ * Return a line as an element; `marks` are places in it, from a column to another, with a class.
+ *
+ * @param {string} line
+ * @param {Mark[]} marks
+ * @param {boolean} isPlain
+ */
 export function lineElement(line, marks, isPlain) {
   const spans = marks.map(({ from, to, kind }) => ({ from, to, kind }));
   if (!isPlain) {
@@ -37,7 +48,13 @@ export function lineElement(line, marks, isPlain) {
   return html("div", { class: "line" }, ...parts, "\n");
 }
 
-/** Return the places of a finding in the text: where in its first line. */
+/**
+ * Return the places of a finding in the text: where in its first line.
+ *
+ * @param {Finding} finding
+ * @param {string[]} lines
+ * @returns {Mark}
+ */
 export function markOf({ line, column, end_line, end_column, severity }, lines) {
   const content = lines[line - 1] ?? "";
   // Python counts characters, JavaScript their halves.

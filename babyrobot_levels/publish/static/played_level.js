@@ -6,5 +6,5 @@ import { showLevel } from "../../render/static/player.js";
 import { starsOf } from "../../render/static/result.js";
 import { playWhenSeen, reach } from "./level.js";
 
-document.addEventListener("episodeend", ({ detail: game }) => reach(game, starsOf(game)));
+document.addEventListener("episodeend", (/** @type {any} */ { detail: game }) => reach(game, starsOf(game)));
 playWhenSeen(() => showLevel(checked(JSON.parse(byId("data").textContent))));

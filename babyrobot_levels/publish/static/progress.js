@@ -2,7 +2,11 @@
 
 export const STORE = "babyrobot:progress";
 
-/** Return the progress in all levels; nothing if there is none, or no storage. */
+/**
+ * Return the progress in all levels; nothing if there is none, or no storage.
+ *
+ * @returns {Record<string, any>}
+ */
 export function storedProgress() {
   try {
     const found = JSON.parse(localStorage.getItem(STORE));
@@ -12,7 +16,11 @@ export function storedProgress() {
   }
 }
 
-/** Keep the progress in all levels; without storage, this fails. */
+/**
+ * Keep the progress in all levels; without storage, this fails.
+ *
+ * @param {Record<string, any>} progress
+ */
 export function storeProgress(progress) {
   localStorage.setItem(STORE, JSON.stringify(progress));
 }

@@ -145,7 +145,7 @@ function sort() {
   const number = (tile) => tile.numbers[SORTS.indexOf(name)] ?? null;
   // Levels without the number come last in both directions.
   const byNumber = (a, b) =>
-    (number(a) === null) - (number(b) === null) || sign * (number(a) - number(b)) || a.index - b.index;
+    Number(number(a) === null) - Number(number(b) === null) || sign * (number(a) - number(b)) || a.index - b.index;
   const rule = { "": (a, b) => a.index - b.index, title: (a, b) => compare(a.title, b.title) }[name] ?? byNumber;
   tiles.sort(rule);
 }

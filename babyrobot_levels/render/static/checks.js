@@ -16,34 +16,66 @@ export class LinkError extends Error {}
 
 export const NOT_A_LEVEL = "This link is damaged: its content is not a level.";
 
-/** Throw a LinkError unless a condition holds. */
+/**
+ * Throw a LinkError unless a condition holds.
+ *
+ * @param {boolean} holds
+ * @returns {asserts holds}
+ */
 export function need(holds) {
   if (!holds) throw new LinkError(NOT_A_LEVEL);
 }
 
-/** Return an integer from `least` to `most`. */
+/**
+ * Return an integer from `least` to `most`.
+ *
+ * @param {any} value
+ * @param {number} [least]
+ * @param {number} [most]
+ * @returns {number}
+ */
 export function whole(value, least = -FARTHEST, most = FARTHEST) {
   need(Number.isInteger(value) && value >= least && value <= most);
   return value;
 }
 
+/**
+ * @param {any} value
+ * @param {number} [most]
+ * @param {number} [least]
+ * @returns {any[]}
+ */
 export function list(value, most = Infinity, least = 0) {
   need(Array.isArray(value) && value.length >= least && value.length <= most);
   return value;
 }
 
+/**
+ * @param {any} value
+ * @returns {string}
+ */
 export function text(value) {
   need(typeof value === "string");
   return value;
 }
 
-/** Return a colour of six or eight hexadecimal digits. */
+/**
+ * Return a colour of six or eight hexadecimal digits.
+ *
+ * @param {any} value
+ * @returns {string}
+ */
 export function color(value) {
   need(/^#[0-9a-f]{6}(?:[0-9a-f]{2})?$/.test(text(value)));
   return value;
 }
 
-/** Return the data of a level that can be played. */
+/**
+ * Return the data of a level that can be played.
+ *
+ * @param {any} data
+ * @returns {LevelData}
+ */
 export function checked(data) {
   need(data !== null && typeof data === "object");
   checkTexts(data);
@@ -66,7 +98,13 @@ export function checked(data) {
   return data;
 }
 
-/** Things: what they are called, and what is where; return the number of configurations. */
+/**
+ * Things: what they are called, and what is where; return the number of configurations.
+ *
+ * @param {any} data
+ * @param {number} cells
+ * @returns {number}
+ */
 function checkThings({ things = [], picture }, cells) {
   const configurations = list(things, MOST_THINGS)[0]?.values.length ?? 1;
   const last = list(picture?.looks ?? []).length - 1;
@@ -104,6 +142,7 @@ function checkThings({ things = [], picture }, cells) {
   return configurations;
 }
 
+/** @param {any} data */
 function checkTexts(data) {
   const { title, description, best, seed, facts, shown, robot } = data;
   const { goal = "", alt = "", rules = [] } = data; // Links of earlier versions have none.
@@ -121,7 +160,13 @@ function checkTexts(data) {
   need([2, COMMON.robot.length].includes(robot.length)); // All of them in themes of greys.
 }
 
-/** Rows: outcome distributions, whose probabilities add up to 1. */
+/**
+ * Rows: outcome distributions, whose probabilities add up to 1.
+ *
+ * @param {any} rows
+ * @param {number} states
+ * @param {number} events
+ */
 function checkRows(rows, states, events) {
   for (const row of list(rows, 5 * states, 1)) {
     list(row, Infinity, OUTCOME_LENGTH);
@@ -141,7 +186,12 @@ function checkRows(rows, states, events) {
   }
 }
 
-/** The table: each state and action has a row, and all next states are in the level. */
+/**
+ * The table: each state and action has a row, and all next states are in the level.
+ *
+ * @param {any} data
+ * @param {number} states
+ */
 function checkTable({ rows, table, starts, possible }, states) {
   list(table, 5 * states, 5 * states);
   list(possible, states, states);
@@ -165,7 +215,12 @@ function checkTable({ rows, table, starts, possible }, states) {
   }
 }
 
-/** Policies, and the marks of values and policies: one number for each state. */
+/**
+ * Policies, and the marks of values and policies: one number for each state.
+ *
+ * @param {any} data
+ * @param {number} states
+ */
 function checkAdvice({ policy, walker, marks, returns, turns, picture }, states) {
   need(walker === null || walker === "random" || (walker === "best" && policy !== null));
   checkNumbers(policy, states, 4);
@@ -181,7 +236,11 @@ function checkAdvice({ policy, walker, marks, returns, turns, picture }, states)
   checkNumbers(turns.marks?.values ?? null, 4 * states, last);
 }
 
-/** The returns of the optimal policy, ascending, with their average, and that of random actions. */
+/**
+ * The returns of the optimal policy, ascending, with their average, and that of random actions.
+ *
+ * @param {any} returns
+ */
 function checkReturns(returns) {
   if (returns === undefined) return;
   need(returns !== null && Number.isFinite(returns.best));
@@ -190,6 +249,11 @@ function checkReturns(returns) {
   need(quantiles.every((value, at) => Number.isFinite(value) && !(value < quantiles[at - 1])));
 }
 
+/**
+ * @param {any} numbers
+ * @param {number} count
+ * @param {number} most
+ */
 function checkNumbers(numbers, count, most) {
   if (numbers === null) return;
   for (const number of list(numbers, count, count)) whole(number, -1, most);

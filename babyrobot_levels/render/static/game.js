@@ -10,6 +10,10 @@ export const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right,
 
 /** One robot in one level, without a picture. */
 export class Game {
+  /**
+   * @param {LevelData} data
+   * @param {boolean} [isTurning]
+   */
   constructor(data, isTurning = false) {
     this.data = data;
     this.cells = data.width * data.height;
@@ -18,7 +22,11 @@ export class Game {
     this.begin(data.seed);
   }
 
-  /** Start the episode of a seed: as text, a whole number. */
+  /**
+   * Start the episode of a seed: as text, a whole number.
+   *
+   * @param {string} seed
+   */
   begin(seed) {
     this.seed = seed;
     this.random = new Generator(seed);
@@ -47,7 +55,11 @@ export class Game {
     return String((BigInt(this.seed) + 1n) % 10n ** 40n);
   }
 
-  /** What is known about the robot as it moves: the whole data, or those of one that turns. */
+  /**
+   * What is known about the robot as it moves: the whole data, or those of one that turns.
+   *
+   * @returns {Answers}
+   */
   get known() {
     return this.isTurning ? this.data.turns : this.data;
   }
@@ -65,6 +77,7 @@ export class Game {
     return this.configurationOf(this.state);
   }
 
+  /** @param {number} state */
   configurationOf(state) {
     return Math.floor(state / this.cells);
   }
@@ -75,12 +88,18 @@ export class Game {
     return this.state + (3 * this.configuration + this.heading) * this.cells;
   }
 
-  /** The action of the level that an action of the robot comes to. */
+  /**
+   * The action of the level that an action of the robot comes to.
+   *
+   * @param {number} action
+   * @returns {number}
+   */
   moveOf(action) {
     if (!this.isTurning) return action;
     return action === FORWARD ? this.heading + 1 : 0;
   }
 
+  /** @param {number} action */
   isPossible(action) {
     return ((this.data.possible[this.state] >> this.moveOf(action)) & 1) === 1;
   }
@@ -90,7 +109,11 @@ export class Game {
     return this.isTurning ? COMMON.headings[0][this.heading] : 0;
   }
 
-  /** Return the action of the watched policy here; -1 if it has none. */
+  /**
+   * Return the action of the watched policy here; -1 if it has none.
+   *
+   * @returns {number}
+   */
   advice() {
     if (this.data.walker === "best") return this.best;
     if (this.isTurning) return this.policyRandom.integer(3);
@@ -98,7 +121,11 @@ export class Game {
     return possible[this.policyRandom.integer(possible.length)];
   }
 
-  /** The action of the optimal policy here; -1 if there is none. */
+  /**
+   * The action of the optimal policy here; -1 if there is none.
+   *
+   * @returns {number}
+   */
   get best() {
     return this.end === null ? (this.known.policy?.[this.number] ?? -1) : -1;
   }
@@ -113,7 +140,12 @@ export class Game {
     return action;
   }
 
-  /** Take an action and return the outcome. */
+  /**
+   * Take an action and return the outcome.
+   *
+   * @param {number} action
+   * @returns {Step}
+   */
   step(action) {
     const { state: from, heading, steps, total } = this;
     this.past.push({ state: from, heading, steps, total, place: this.random.place });
@@ -148,7 +180,14 @@ export class Game {
     return { from, action, move, next, reward, event, hit, pose, after };
   }
 
-  /** How the last step ended the episode: at an exit or elsewhere, well or badly. */
+  /**
+   * How the last step ended the episode: at an exit or elsewhere, well or badly.
+   *
+   * @param {number} state
+   * @param {number} reward
+   * @param {Thing | null} hit
+   * @returns {End}
+   */
   endOf(state, reward, hit) {
     if (hit !== null) return "hit";
     if (this.isExit(state)) return "exit";
@@ -162,21 +201,37 @@ export class Game {
     return this.end === "exit" || this.end === "good";
   }
 
+  /** @param {number} state */
   isExit(state) {
     return this.things.exitsOf(this.configurationOf(state)).includes(state % this.cells);
   }
 
+  /**
+   * @param {number} state
+   * @returns {Cell}
+   */
   place(state) {
     const cell = state % this.cells;
     return [cell % this.data.width, Math.floor(cell / this.data.width)];
   }
 
-  /** Return the upper left corner of a cell in the picture; fractions are between cells. */
+  /**
+   * Return the upper left corner of a cell in the picture; fractions are between cells.
+   *
+   * @param {number} x
+   * @param {number} y
+   * @returns {[number, number]}
+   */
   corner(x, y) {
-    return [x, y].map((place) => this.data.margin + place * COMMON.cell);
+    const [left, top] = [x, y].map((place) => this.data.margin + place * COMMON.cell);
+    return [left, top];
   }
 
-  /** Describe the outcome of a step. */
+  /**
+   * Describe the outcome of a step.
+   *
+   * @param {Step} step
+   */
   describeStep({ from, action, move, next, reward, event, hit }) {
     const place = `[${this.place(next).join(", ")}]`;
     const side = SIDES[move];
@@ -197,7 +252,11 @@ export class Game {
     return [step, ...(hit === null ? [] : [`Hit by the ${hit.name}`]), ...changes].join(". ");
   }
 
-  /** Describe an action as a piece of advice. */
+  /**
+   * Describe an action as a piece of advice.
+   *
+   * @param {number} action
+   */
   describeHint(action) {
     const turns = ["turn left", "turn right", "move forward"];
     return `Hint: ${this.isTurning ? turns[action] : action ? `move ${SIDES[action]}` : "stay"}.`;
@@ -217,14 +276,22 @@ export class Game {
   }
 }
 
-/** Return a number with two decimals, or two digits where it is small. */
+/**
+ * Return a number with two decimals, or two digits where it is small.
+ *
+ * @param {number} number
+ */
 export function rounded(number) {
   const size = Math.abs(number);
   if (size >= 0.1) return Math.round(number * 100) / 100;
   return size < 1e-6 ? 0 : Number(number.toPrecision(2));
 }
 
-/** Return a rounded number as text, with a minus sign. */
+/**
+ * Return a rounded number as text, with a minus sign.
+ *
+ * @param {number} number
+ */
 export function formatted(number) {
   return String(rounded(number)).replace("-", "\u2212");
 }

@@ -47,7 +47,7 @@ export function listenToGestures(view, swipe) {
     }
   });
   for (const name of ["pointerup", "pointercancel"]) {
-    addEventListener(name, ({ pointerId }) => fingers.delete(pointerId));
+    addEventListener(name, (/** @type {any} */ { pointerId }) => fingers.delete(pointerId));
   }
   stage.addEventListener(
     "wheel",

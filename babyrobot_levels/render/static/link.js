@@ -4,7 +4,12 @@ import { checked, LinkError, NOT_A_LEVEL } from "./checks.js";
 import { COMMON } from "./common.js";
 import { checksum } from "./play.js";
 
-/** Return the level in a fragment; null if the fragment is not a level link. */
+/**
+ * Return the level in a fragment; null if the fragment is not a level link.
+ *
+ * @param {string} fragment
+ * @returns {Promise<LevelData | null>}
+ */
 export async function linkedLevel(fragment) {
   if (!/^#\s*brl[0-9]/i.test(fragment)) return null;
   const [code, play] = decoded(fragment.slice(1)).replace(/\s/g, "").split("~");
@@ -43,6 +48,7 @@ export async function linkedLevel(fragment) {
   return level;
 }
 
+/** @param {string} fragment */
 function decoded(fragment) {
   try {
     return decodeURIComponent(fragment);
@@ -51,6 +57,10 @@ function decoded(fragment) {
   }
 }
 
+/**
+ * @param {string} version
+ * @param {number[]} ours
+ */
 function needVersion(version, ours) {
   if (ours.includes(Number(version))) return;
   const known = `version${ours.length > 1 ? "s" : ""} ${ours.join(" and ")}`;
@@ -60,14 +70,24 @@ function needVersion(version, ours) {
   );
 }
 
-/** Return the bytes of base64url; null if it is invalid. */
+/**
+ * Return the bytes of base64url; null if it is invalid.
+ *
+ * @param {string} body
+ * @returns {Uint8Array | null}
+ */
 function bytesOf(body) {
   if (!/^[A-Za-z0-9_-]*$/.test(body) || body.length % 4 === 1) return null;
   const letters = atob(body.replace(/-/g, "+").replace(/_/g, "/"));
   return Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
 }
 
-/** Return decompressed bytes; the dictionary goes before them as a stored block. */
+/**
+ * Return decompressed bytes; the dictionary goes before them as a stored block.
+ *
+ * @param {Uint8Array} packed
+ * @returns {Promise<Uint8Array>}
+ */
 async function unpacked(packed) {
   if (typeof DecompressionStream === "undefined") {
     throw new LinkError("This browser is too old to open links.");

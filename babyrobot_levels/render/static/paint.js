@@ -7,7 +7,14 @@ export const FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif";
 const ANCHORS = ["start", "middle", "end"];
 const PLACES = { m: 2, l: 2, c: 6, z: 0 };
 
-/** Return an SVG element; attributes that are undefined are left out. */
+/**
+ * Return an SVG element; attributes that are undefined are left out.
+ *
+ * @param {string} name
+ * @param {Record<string, any>} attributes
+ * @param {(Node | string)[]} children
+ * @returns {SVGElement}
+ */
 export function element(name, attributes, ...children) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
   for (const [key, value] of Object.entries(attributes)) {
@@ -17,13 +24,21 @@ export function element(name, attributes, ...children) {
   return made;
 }
 
-/** Return tenths of a pixel as pixels. */
+/**
+ * Return tenths of a pixel as pixels.
+ *
+ * @param {number} tenths
+ */
 export function pixels(tenths) {
   return Math.round(tenths * 10) / 100;
 }
 
 /** Paints the layers of one picture. */
 export class Painter {
+  /**
+   * @param {string[]} palette
+   * @param {string[]} [scale]
+   */
   constructor(palette, scale = []) {
     this.palette = palette;
     this.scale = scale;
@@ -31,7 +46,12 @@ export class Painter {
     this.places = 0;
   }
 
-  /** Return the shapes of a layer as elements. */
+  /**
+   * Return the shapes of a layer as elements.
+   *
+   * @param {any} groups
+   * @returns {SVGElement[]}
+   */
   layer(groups) {
     return list(groups).flatMap((group) => {
       const [x, y, shapes] = list(group, 3, 3);
@@ -43,16 +63,28 @@ export class Painter {
     });
   }
 
+  /** @param {number} more */
   count(more) {
     this.shapes += more;
     need(this.shapes <= MOST_SHAPES);
   }
 
+  /** @param {any[]} shape */
   paint([kind, fill, ...more]) {
+    /** @type {((...more: any[]) => SVGElement)[]} */
     const kinds = [this.rect, this.ellipse, this.path, this.text, this.again, this.bar];
     return kinds[whole(kind, 0, kinds.length - 1)].call(this, this.color(fill), ...more);
   }
 
+  /**
+   * @param {string} fill
+   * @param {number} x
+   * @param {number} y
+   * @param {number} width
+   * @param {number} height
+   * @param {number} [opacity]
+   * @param {number} [radius]
+   */
   rect(fill, x, y, width, height, opacity, radius = 0) {
     return element("rect", {
       x: this.left(x),
@@ -65,6 +97,14 @@ export class Painter {
     });
   }
 
+  /**
+   * @param {string} fill
+   * @param {number} x
+   * @param {number} y
+   * @param {number} rx
+   * @param {number} ry
+   * @param {number} [opacity]
+   */
   ellipse(fill, x, y, rx, ry, opacity) {
     return element("ellipse", {
       cx: this.left(x),
@@ -76,6 +116,16 @@ export class Painter {
     });
   }
 
+  /**
+   * @param {string} fill
+   * @param {string} commands
+   * @param {number} [opacity]
+   * @param {number} [stroke]
+   * @param {number} [width]
+   * @param {number} [cap]
+   * @param {number} [dash]
+   * @param {number} [gap]
+   */
   path(fill, commands, opacity, stroke = -1, width = 10, cap = 0, dash = 0, gap = 0) {
     this.outline = outline(text(commands), this.x, this.y);
     const isDrawn = stroke !== -1;
@@ -90,6 +140,16 @@ export class Painter {
     });
   }
 
+  /**
+   * @param {string} fill
+   * @param {number} x
+   * @param {number} y
+   * @param {string} words
+   * @param {number} size
+   * @param {number} [anchor]
+   * @param {number} [isBold]
+   * @param {number} [opacity]
+   */
   text(fill, x, y, words, size, anchor = 1, isBold = 0, opacity = undefined) {
     return element(
       "text",
@@ -106,10 +166,18 @@ export class Painter {
     );
   }
 
+  /**
+   * @param {string} fill
+   * @param {number} scale
+   * @param {number} x
+   * @param {number} y
+   * @param {number} [opacity]
+   */
   again(fill, scale, x, y, opacity) {
     need(this.outline !== null);
     const middle = [this.x + whole(x), this.y + whole(y)];
     const times = whole(scale, 0, 1000000) / 1000;
+    /** @type {any[]} */
     const scaled = this.outline.map(([letter, places]) => [
       letter,
       places.map((place, index) => middle[index % 2] + times * (place - middle[index % 2])),
@@ -117,6 +185,15 @@ export class Painter {
     return element("path", { d: this.written(scaled), fill, opacity: share(opacity) });
   }
 
+  /**
+   * @param {string} _
+   * @param {number} x
+   * @param {number} y
+   * @param {number} width
+   * @param {number} height
+   * @param {number} first
+   * @param {number} last
+   */
   bar(_, x, y, width, height, first, last) {
     const [left, length, from, to] = [this.x + whole(x), whole(width, 0), whole(first), whole(last)];
     this.count(COMMON.bar);
@@ -135,34 +212,49 @@ export class Painter {
     );
   }
 
+  /**
+   * @param {number} place
+   * @returns {string}
+   */
   color(place) {
     if (place === -1) return "none";
     whole(place, -1 - this.scale.length, this.palette.length - 1);
     return place < 0 ? this.scale[-2 - place] : this.palette[place];
   }
 
+  /** @param {Outline} path */
   written(path) {
     for (const [, places] of path) this.places += places.length;
     need(this.places <= MOST_PLACES);
     return path.map(([letter, places]) => letter + places.map(pixels).join(" ")).join("");
   }
 
+  /** @param {number} x */
   left(x) {
     return pixels(this.x + whole(x));
   }
 
+  /** @param {number} y */
   top(y) {
     return pixels(this.y + whole(y));
   }
 }
 
-/** Return the painter of a level's picture. */
+/**
+ * Return the painter of a level's picture.
+ *
+ * @param {PictureData} picture
+ */
 export function painterOf({ palette, scale = [] }) {
   list(palette, 100000).forEach(color);
   return new Painter(palette, list(scale, 20).length > 1 ? colorsOf(scale) : []);
 }
 
-/** Return the colours of a scale, evenly between its stops. */
+/**
+ * Return the colours of a scale, evenly between its stops.
+ *
+ * @param {string[]} stops
+ */
 function colorsOf(stops) {
   const channels = stops.map((stop) => channelsOf(color(stop)));
   return Array.from({ length: COMMON.steps + 1 }, (_, step) => {
@@ -172,7 +264,11 @@ function colorsOf(stops) {
   });
 }
 
-/** Return red, green and blue of a colour. */
+/**
+ * Return red, green and blue of a colour.
+ *
+ * @param {string} given
+ */
 export function channelsOf(given) {
   return given
     .match(/[0-9a-f]{2}/g)
@@ -180,16 +276,28 @@ export function channelsOf(given) {
     .map((part) => parseInt(part, 16));
 }
 
+/** @param {number} tenths */
 function extent(tenths) {
   return pixels(whole(tenths, 0));
 }
 
-/** Return percent as a fraction; undefined for 100. */
+/**
+ * Return percent as a fraction; undefined for 100.
+ *
+ * @param {number} [percents]
+ */
 function share(percents = 100) {
   return whole(percents, 0, 100) === 100 ? undefined : percents / 100;
 }
 
-/** Return the commands of a path, with places in tenths of a pixel. */
+/**
+ * Return the commands of a path, with places in tenths of a pixel.
+ *
+ * @param {string} commands
+ * @param {number} x
+ * @param {number} y
+ * @returns {Outline}
+ */
 function outline(commands, x, y) {
   need(/^(?:[mlczs][-0-9 ]*)+$/.test(commands));
   const path = [];
@@ -209,7 +317,13 @@ function outline(commands, x, y) {
   return path;
 }
 
-/** Return points from steps that are relative to the previous point. */
+/**
+ * Return points from steps that are relative to the previous point.
+ *
+ * @param {number[]} steps
+ * @param {number[]} start
+ * @returns {[number, number][]}
+ */
 function points(steps, [x, y]) {
   need(steps.length >= 6 && steps.length % 2 === 0);
   const all = [];
@@ -221,7 +335,12 @@ function points(steps, [x, y]) {
   return all;
 }
 
-/** Return the closed smooth curve through points (a Catmull-Rom spline). */
+/**
+ * Return the closed smooth curve through points (a Catmull-Rom spline).
+ *
+ * @param {[number, number][]} all
+ * @returns {any[]}
+ */
 function smooth(all) {
   const at = (index) => all[(index + all.length) % all.length];
   const curves = all.map(([x, y], index) => {

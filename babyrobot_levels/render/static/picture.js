@@ -3,7 +3,7 @@
 import { need, whole } from "./checks.js";
 import { COMMON } from "./common.js";
 import { channelsOf, element, FONT, Painter, painterOf } from "./paint.js";
-import { MarksLayer, thingElements, ThingsLayer } from "./things.js";
+import { MarksLayer, ThingsLayer, thingElements } from "./things.js";
 
 const SHIFTS = [
   [0, 0],

@@ -2,7 +2,12 @@
 
 import { COMMON } from "./common.js";
 
-/** Return the episode as a line; null if the page lacks the share code of its level. */
+/**
+ * Return the episode as a line; null if the page lacks the share code of its level.
+ *
+ * @param {Game} game
+ * @returns {string | null}
+ */
 export function playLine(game) {
   const { data, isTurning, seed, taken, total, end, hints, undone, watched, number } = game;
   const fact = (name) => data.facts.find(([each]) => each === name)?.[1] ?? null;
@@ -34,7 +39,11 @@ export function playLine(game) {
   return `${text},"checksum":"${sum}"}\n`;
 }
 
-/** Save the episode as a file. */
+/**
+ * Save the episode as a file.
+ *
+ * @param {Game} game
+ */
 export function downloadPlay(game) {
   const link = document.createElement("a");
   const file = new Blob([playLine(game)], { type: "application/x-ndjson" });
@@ -44,7 +53,12 @@ export function downloadPlay(game) {
   URL.revokeObjectURL(link.href);
 }
 
-/** Return the CRC-32 of bytes; `before` is that of the bytes before them. */
+/**
+ * Return the CRC-32 of bytes; `before` is that of the bytes before them.
+ *
+ * @param {Uint8Array} bytes
+ * @param {number} [before]
+ */
 export function checksum(bytes, before = 0) {
   let rest = ~before;
   for (const byte of bytes) {

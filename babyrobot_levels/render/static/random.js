@@ -1,6 +1,7 @@
 // NumPy's default generator (PCG64, seeded by a SeedSequence), so that a seed and the same actions
 // give the same episode here and in the environments.
 export class Generator {
+  /** @param {string | number | bigint} seed */
   constructor(seed) {
     const [a, b, c, d] = seedWords(BigInt(seed));
     this.increment = BigInt.asUintN(128, (((c << 64n) | d) << 1n) | 1n);
@@ -8,14 +9,20 @@ export class Generator {
     this.next64();
     this.state += (a << 64n) | b;
     this.next64();
+    /** @type {bigint | null} */
     this.half = null;
   }
 
-  /** What `restore` takes to draw the same numbers again. */
+  /**
+   * What `restore` takes to draw the same numbers again.
+   *
+   * @returns {[bigint, bigint | null]}
+   */
   get place() {
     return [this.state, this.half];
   }
 
+  /** @param {[bigint, bigint | null]} place */
   restore([state, half]) {
     this.state = state;
     this.half = half;
@@ -46,7 +53,12 @@ export class Generator {
     return Number(this.next64() >> 11n) / 2 ** 53;
   }
 
-  /** Return an integer below `count`; 1 draws nothing. */
+  /**
+   * Return an integer below `count`; 1 draws nothing.
+   *
+   * @param {number} count
+   * @returns {number}
+   */
   integer(count) {
     if (count === 1) return 0;
     const size = BigInt(count);
@@ -57,20 +69,29 @@ export class Generator {
   }
 }
 
-/** Return the four 64-bit words that a SeedSequence generates from an integer. */
+/**
+ * Return the four 64-bit words that a SeedSequence generates from an integer.
+ *
+ * @param {bigint} seed
+ * @returns {bigint[]}
+ */
 function seedWords(seed) {
+  /** @type {(x: number, y: number) => number} */
   const times = (x, y) => Math.imul(x, y) >>> 0;
+  /** @type {(x: number) => number} */
   const fold = (x) => (x ^ (x >>> 16)) >>> 0;
   const words = [];
   for (let rest = seed; rest > 0n; rest >>= 32n) words.push(Number(BigInt.asUintN(32, rest)));
   while (words.length < 4) words.push(0);
 
   let constant = 0x43b0d7e5;
+  /** @type {(value: number) => number} */
   const hash = (value) => {
     const mixed = (value ^ constant) >>> 0;
     constant = times(constant, 0x931e8875);
     return fold(times(mixed, constant));
   };
+  /** @type {(x: number, y: number) => number} */
   const mix = (x, y) => fold((times(0xca01f9dd, x) - times(0x4973f715, y)) >>> 0);
   const pool = words.slice(0, 4).map(hash);
   for (let from = 0; from < 4; from++) {

@@ -4,14 +4,23 @@ import { formatted, rounded } from "./game.js";
 
 const WAY_TO_TWO_STARS = 0.9;
 
-/** Return how the episode ended, as a title. */
+/**
+ * Return how the episode ended, as a title.
+ *
+ * @param {Game} game
+ */
 export function titleOf({ end, isGood }) {
   if (end === "time") return "Time limit reached";
   const how = end === "exit" ? "Exit reached" : "Episode ended";
   return isGood ? `${how}!` : how;
 }
 
-/** Return how many of three stars an episode earns; null if the level's returns are unknown. */
+/**
+ * Return how many of three stars an episode earns; null if the level's returns are unknown.
+ *
+ * @param {Game} game
+ * @returns {number | null}
+ */
 export function starsOf({ known, total, isGood }) {
   if (known.returns === undefined) return null;
   const { best, random } = known.returns;
@@ -21,7 +30,11 @@ export function starsOf({ known, total, isGood }) {
   return Number(isGood || total > random);
 }
 
-/** Describe how stars are given. */
+/**
+ * Describe how stars are given.
+ *
+ * @param {Game} game
+ */
 export function ruleOf({ known }) {
   const { best, random } = known.returns;
   const three = `Three stars: a return of at least the best average (${formatted(best)}).`;
@@ -32,7 +45,11 @@ export function ruleOf({ known }) {
   );
 }
 
-/** Compare a return with the optimal policy's; the empty text if these are unknown. */
+/**
+ * Compare a return with the optimal policy's; the empty text if these are unknown.
+ *
+ * @param {Game} game
+ */
 function luckOf({ known, total }) {
   const quantiles = known.returns?.quantiles ?? [];
   const [first, last] = [quantiles[0], quantiles.at(-1)];
@@ -42,6 +59,7 @@ function luckOf({ known, total }) {
   const percent = (wanted) => Math.round((100 * quantiles.filter(wanted).length) / quantiles.length);
   const less = percent((other) => other < total - margin);
   const more = percent((other) => other > total + margin);
+  /** @type {[string, number][]} */
   const parts = [
     ["better than", less],
     ["equal to", 100 - less - more],
@@ -51,20 +69,32 @@ function luckOf({ known, total }) {
   return `${told.join(", ")} of the optimal policy's episodes`;
 }
 
-/** Describe what helped the player; the empty text for nothing. */
+/**
+ * Describe what helped the player; the empty text for nothing.
+ *
+ * @param {Game} game
+ */
 function helpOf({ hints, undone, watched }) {
+  /** @type {(number: number, name: string) => string[]} */
   const count = (number, name) => (number ? [`${number} ${name}${number > 1 ? "s" : ""}`] : []);
   return [...count(hints, "hint"), ...count(undone, "undo"), ...count(watched, "watched step")].join(", ");
 }
 
-/** Return what the card of a result tells, as pairs of a name and a text. */
+/**
+ * Return what the card of a result tells, as pairs of a name and a text.
+ *
+ * @param {Game} game
+ * @returns {[string, string][]}
+ */
 export function resultFacts(game) {
   const { known, total, steps } = game;
-  return [
+  /** @type {[string, string][]} */
+  const facts = [
     ["Return", formatted(total)],
     ["Best average", known.best],
     ["Steps", String(steps)],
     ["Luck", luckOf(game)],
     ["Help", helpOf(game)],
-  ].filter(([, text]) => text !== "");
+  ];
+  return facts.filter(([, text]) => text !== "");
 }

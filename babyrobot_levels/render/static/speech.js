@@ -4,19 +4,32 @@ import { SIDES } from "./game.js";
 
 const MOST_EXITS = 3;
 
-/** Return a list in words. */
+/**
+ * Return a list in words.
+ *
+ * @param {string[]} words
+ * @param {string} [last]
+ */
 export function listed(words, last = "and") {
   return words.join(", ").replace(/, ([^,]*)$/, ` ${last} $1`);
 }
 
-/** Return which sides of the robot's cell are closed. */
+/**
+ * Return which sides of the robot's cell are closed.
+ *
+ * @param {Game} game
+ */
 export function closedSides(game) {
   const sides = [1, 2, 3, 4].filter((move) => !((game.data.possible[game.state] >> move) & 1));
   if (sides.length === 0) return "No side is closed.";
   return `Closed: ${listed(sides.map((side) => SIDES[side]))}.`;
 }
 
-/** Return where the robot is, what is around it, and where the exits lie. */
+/**
+ * Return where the robot is, what is around it, and where the exits lie.
+ *
+ * @param {Game} game
+ */
 export function surroundings(game) {
   const { width, height } = game.data;
   const [x, y] = game.place(game.state);
@@ -35,12 +48,19 @@ export function surroundings(game) {
   ].join(" ");
 }
 
-/** Return a distance in words. */
+/**
+ * Return a distance in words.
+ *
+ * @param {number} dx
+ * @param {number} dy
+ */
 function direction(dx, dy) {
-  const parts = [
+  /** @type {[number, string, string][]} */
+  const distances = [
     [Math.abs(dx), "column", dx > 0 ? "east" : "west"],
     [Math.abs(dy), "row", dy > 0 ? "south" : "north"],
-  ]
+  ];
+  const parts = distances
     .filter(([count]) => count > 0)
     .map(([count, line, side]) => `${count} ${line}${count > 1 ? "s" : ""} ${side}`);
   return parts.length === 0 ? "here" : listed(parts);

@@ -6,50 +6,89 @@ import { element } from "./paint.js";
 
 /** The things of one level, without a picture. */
 export class Things {
+  /** @param {Pick<LevelData, "things" | "exits">} data */
   constructor({ things = [], exits }) {
     this.all = things;
     this.exits = exits;
   }
 
-  /** Return the things of a kind. */
+  /**
+   * Return the things of a kind.
+   *
+   * @param {string} kind
+   * @returns {Thing[]}
+   */
   of(kind) {
     return this.all.filter((thing) => thing.kind === kind);
   }
 
-  /** Return the items that are held. */
+  /**
+   * Return the items that are held.
+   *
+   * @param {number} configuration
+   */
   held(configuration) {
     return this.of("item").filter((item) => isLast(item, configuration));
   }
 
-  /** Return the switches that are on. */
+  /**
+   * Return the switches that are on.
+   *
+   * @param {number} configuration
+   */
   on(configuration) {
     return this.of("switch").filter((item) => isLast(item, configuration));
   }
 
-  /** Return the cells that end an episode as exits. */
+  /**
+   * Return the cells that end an episode as exits.
+   *
+   * @param {number} configuration
+   * @returns {number[]}
+   */
   exitsOf(configuration) {
     const [exit] = this.of("exit");
     return exit === undefined ? this.exits : exit.exits[exit.values[configuration]];
   }
 
-  /** Return the cells in which items lie, and those of switches. */
+  /**
+   * Return the cells in which items lie, and those of switches.
+   *
+   * @param {number} configuration
+   * @returns {number[]}
+   */
   lying(configuration) {
     return [...this.of("item"), ...this.of("switch")].flatMap(({ cells, values }) => cells[values[configuration]]);
   }
 
-  /** Return the items, switches and movers in a cell. */
+  /**
+   * Return the items, switches and movers in a cell.
+   *
+   * @param {number} configuration
+   * @param {number} cell
+   */
   at(configuration, cell) {
     return this.all.filter(({ cells, values }) => cells?.[values[configuration]].includes(cell));
   }
 
-  /** Describe what the exits need while they are locked. */
+  /**
+   * Describe what the exits need while they are locked.
+   *
+   * @param {number} configuration
+   */
   needs(configuration) {
     const [exit] = this.of("exit");
     if (exit === undefined || this.exitsOf(configuration).length > 0) return "";
     return ` It needs ${exit.needs.join(", ").replace(/, ([^,]*)$/, " and $1")}.`;
   }
 
-  /** Return the closed door that refuses a move; undefined for none. */
+  /**
+   * Return the closed door that refuses a move; undefined for none.
+   *
+   * @param {number} configuration
+   * @param {number} cell
+   * @param {number} move
+   */
   doorAt(configuration, cell, move) {
     return this.of("door").find(
       (door) =>
@@ -58,7 +97,13 @@ export class Things {
     );
   }
 
-  /** Describe what changed from one configuration to another. */
+  /**
+   * Describe what changed from one configuration to another.
+   *
+   * @param {number} before
+   * @param {number} after
+   * @returns {string[]}
+   */
   changes(before, after) {
     const words = {
       item: ({ name }) => `Took the ${name}`,
@@ -74,13 +119,22 @@ export class Things {
   }
 }
 
-/** Return whether a thing has its last value: an item is held, a switch on, a door closed. */
+/**
+ * Return whether a thing has its last value: an item is held, a switch on, a door closed.
+ *
+ * @param {Thing} thing
+ * @param {number} configuration
+ */
 function isLast({ values, looks }, configuration) {
   return values[configuration] === looks.length - 1;
 }
 
 /** The pictures of things in a level's picture. */
 export class ThingsLayer {
+  /**
+   * @param {Game} game
+   * @param {SVGElement} svg
+   */
   constructor(game, svg) {
     this.game = game;
     this.movers = game.things.of("mover");
@@ -90,7 +144,11 @@ export class ThingsLayer {
     this.shown = this.others.map(() => null);
   }
 
-  /** Show the things of a state. */
+  /**
+   * Show the things of a state.
+   *
+   * @param {number} state
+   */
   stand(state) {
     const configuration = this.game.configurationOf(state);
     this.others.forEach(({ values, looks }, index) => {
@@ -101,19 +159,29 @@ export class ThingsLayer {
     });
     this.movers.forEach(({ values, looks }, index) => {
       const [look] = looks[values[configuration]];
-      this.moving[index].firstChild.setAttribute("href", `#look-${look}`);
+      this.moving[index].firstElementChild.setAttribute("href", `#look-${look}`);
     });
     this.spots(state).forEach((spot, index) => this.put(index, spot));
   }
 
-  /** Show a mover: the corner of its cell, and there its figure. */
+  /**
+   * Show a mover: the corner of its cell, and there its figure.
+   *
+   * @param {number} index
+   * @param {number[]} spot
+   */
   put(index, [left, top, x, y, scale]) {
     const group = this.moving[index];
     group.setAttribute("transform", `translate(${left} ${top})`);
-    group.firstChild.setAttribute("transform", `translate(${x} ${y}) scale(${scale})`);
+    group.firstElementChild.setAttribute("transform", `translate(${x} ${y}) scale(${scale})`);
   }
 
-  /** Return where the movers are drawn: smaller, in a corner, where they share their cell. */
+  /**
+   * Return where the movers are drawn: smaller, in a corner, where they share their cell.
+   *
+   * @param {number} state
+   * @returns {number[][]}
+   */
   spots(state) {
     const configuration = this.game.configurationOf(state);
     const cells = this.movers.map(({ cells: places, values }) => places[values[configuration]][0]);
@@ -127,7 +195,14 @@ export class ThingsLayer {
     });
   }
 
-  /** Return where the movers are between two states, for a part of the way; far ones jump. */
+  /**
+   * Return where the movers are between two states, for a part of the way; far ones jump.
+   *
+   * @param {number} from
+   * @param {number} to
+   * @param {number} part
+   * @returns {number[][]}
+   */
   between(from, to, part) {
     const [before, after] = [this.spots(from), this.spots(to)];
     return before.map((spot, index) => {
@@ -138,11 +213,17 @@ export class ThingsLayer {
   }
 }
 
+/** @param {number} number */
 export function lookElement(number) {
   return element("use", { href: `#look-${number}` });
 }
 
-/** Return the definitions of a picture with things, and the groups that show them. */
+/**
+ * Return the definitions of a picture with things, and the groups that show them.
+ *
+ * @param {LevelData} data
+ * @param {Painter} painter
+ */
 export function thingElements({ things = [], picture }, painter) {
   const looks = list(picture.looks ?? []).map((look, index) =>
     element("g", { id: `look-${index}` }, ...painter.layer(look)),
@@ -170,6 +251,10 @@ export function thingElements({ things = [], picture }, painter) {
 
 /** The values and optimal actions in a level's picture: of the configuration at hand. */
 export class MarksLayer {
+  /**
+   * @param {Game} game
+   * @param {SVGElement} svg
+   */
   constructor(game, svg) {
     this.game = game;
     this.shapes = [...svg.querySelector("#marks").children];
@@ -193,12 +278,19 @@ export class MarksLayer {
     });
   }
 
+  /**
+   * @param {Element} layer
+   * @param {number} index
+   * @param {number} cell
+   * @param {number} mark
+   */
   put(layer, index, cell, mark) {
     const shown = this.shown[index];
     if ((shown[cell]?.mark ?? -1) === mark) return;
     shown[cell]?.shape.remove();
     const [left, top] = this.game.corner(...this.game.place(cell));
     const isHeat = layer.id === "heat";
+    /** @type {any} */
     const shape = (isHeat ? this.tiles : this.shapes)[mark]?.cloneNode(true) ?? element("g", {});
     shape.setAttribute("transform", `translate(${left} ${top})`);
     (isHeat ? this.cells : layer).append(shape);
