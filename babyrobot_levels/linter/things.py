@@ -175,9 +175,10 @@ class ThingEffects:
     def _value(self, column: int, value: int) -> str:
         thing, name = self._things[column], f"`{self._things.names[column]}`"
         state, need = thing.states[value], KIND[thing.kind].need
-        if isinstance(state, str) and need is not None:
-            return f"{name} {need.met if value == thing.is_met else need.unmet}"
-        return f"{'the exit' if thing.kind == 'exit' else name} on {show_cell(thing.cells[value])}"
+        if not isinstance(state, str):
+            return f"{'the exit' if thing.kind == 'exit' else name} on {show_cell(state)}"
+        assert need is not None
+        return f"{name} {need.met if value == thing.is_met else need.unmet}"
 
 
 MAX_ROUNDS = 1_000
