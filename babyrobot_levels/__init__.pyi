@@ -1,25 +1,25 @@
 """The public names, and where they are defined: the package imports each when it is first used."""
 
-from .analysis.certificate import Certificate as Certificate
-from .analysis.certificate import ComparisonError as ComparisonError
 from .analysis.compare import compare as compare
 from .analysis.diff import Difference as Difference
 from .analysis.diff import diff as diff
-from .analysis.facts import Facts as Facts
-from .analysis.facts import show as show
-from .analysis.learning.episodes import monte_carlo as monte_carlo
-from .analysis.learning.episodes import q_learning as q_learning
-from .analysis.learning.episodes import sarsa as sarsa
+from .analysis.environments import Certificate as Certificate
+from .analysis.environments import ComparisonError as ComparisonError
+from .analysis.learning.algorithms import monte_carlo as monte_carlo
+from .analysis.learning.algorithms import policy_evaluation as policy_evaluation
+from .analysis.learning.algorithms import policy_iteration as policy_iteration
+from .analysis.learning.algorithms import q_learning as q_learning
+from .analysis.learning.algorithms import sarsa as sarsa
+from .analysis.learning.algorithms import value_iteration as value_iteration
 from .analysis.learning.results import Sweep as Sweep
 from .analysis.learning.results import Trials as Trials
-from .analysis.learning.sweeps import policy_evaluation as policy_evaluation
-from .analysis.learning.sweeps import policy_iteration as policy_iteration
-from .analysis.learning.sweeps import value_iteration as value_iteration
 from .analysis.metrics import Metrics as Metrics
 from .analysis.metrics import metrics as metrics
+from .analysis.previews import Facts as Facts
 from .analysis.previews import Preview as Preview
 from .analysis.previews import play as play
 from .analysis.previews import preview as preview
+from .analysis.previews import show as show
 from .analysis.solver.distribution import ReturnDistribution as ReturnDistribution
 from .analysis.solver.distribution import return_distribution as return_distribution
 from .analysis.solver.evaluation import evaluate as evaluate

@@ -14,19 +14,15 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babyrobot_levels.analysis.certificate import Certificate, ComparisonError, made
+from babyrobot_levels.analysis.environments import Certificate, ComparisonError, made
 from babyrobot_levels.analysis.minigrid import MINIGRID, certify, is_minigrid, made_minigrid
-from babyrobot_levels.analysis.situations import told
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
-from babyrobot_levels.mdp.reachability import transitions
-from babyrobot_levels.mdp.tables import Mdp, Outcome
+from babyrobot_levels.mdp.states import told, transitions
+from babyrobot_levels.mdp.tables import Flags, Floats, Mdp, Outcome
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | GridWorld
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
 
 GYMNASIUM = "gymnasium:"
 """The prefix that marks the id of an environment, where a level could be meant as well."""

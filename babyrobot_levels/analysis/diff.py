@@ -9,10 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.analysis.changes import NO_CHANGES, Change, Changes
+from babyrobot_levels.analysis.changes import (
+    NO_CHANGES,
+    Change,
+    Changes,
+    thing_changes,
+    transition_changes,
+)
 from babyrobot_levels.analysis.compare import LevelLike
-from babyrobot_levels.analysis.diff_things import thing_changes
-from babyrobot_levels.analysis.diff_transitions import transition_changes
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.shown import WIDTH, Shown, number
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
@@ -22,8 +26,7 @@ from babyrobot_levels.language.kinds import LISTED, LOOKS, THINGS, Kind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
-
-Ints = NDArray[np.intp]
+from babyrobot_levels.mdp.tables import Ints
 
 LIMIT = 10
 """How many changes of each kind are listed by default."""

@@ -130,9 +130,9 @@ def best_average(level: GridWorld, solution: Solution) -> float:
 
 def _random_within(level: GridWorld, actions: str) -> float:
     """Return the expected return of random actions within the time limit that the level has."""
-    from babyrobot_levels.analysis.solver.chain import weights_of
-    from babyrobot_levels.analysis.solver.many import worth_within
-    from babyrobot_levels.analysis.solver.space import space_of
+    from babyrobot_levels.analysis.solver.evaluation import weights_of
+    from babyrobot_levels.analysis.solver.horizon import worth_within
+    from babyrobot_levels.analysis.solver.policies import space_of
 
     assert level.max_steps is not None
     space = space_of(level, actions)
@@ -150,7 +150,7 @@ def _luck(level: GridWorld, solution: Solution) -> dict[str, Any]:
 
     from babyrobot_levels.analysis.solver.distribution import distribution_of
     from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS as FOLLOWED
-    from babyrobot_levels.analysis.solver.space import space_of
+    from babyrobot_levels.analysis.solver.policies import space_of
 
     actions, limit = solution.actions, level.max_steps or FOLLOWED
     luck: dict[str, Any] = {"random_return": random_return(level, actions)}

@@ -383,7 +383,7 @@ def possible_steps(level: GridWorld) -> PossibleSteps:
     """Return the steps that are possible in a level."""
     if not _only_walls_matter(level):
         # Skidding, wind, warps and cells that end the episode are in the tables.
-        from babyrobot_levels.mdp.reachability import reach_of
+        from babyrobot_levels.mdp.states import reach_of
 
         reach = reach_of(level, level.compile())
         return PossibleSteps(reach.successors, reach.steps, reach.to_exit)

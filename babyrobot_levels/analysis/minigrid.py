@@ -15,11 +15,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from babyrobot_levels.analysis.certificate import Certificate, ComparisonError, made
-from babyrobot_levels.analysis.situations import told
+from babyrobot_levels.analysis.environments import Certificate, ComparisonError, made
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.actions import Turn
 from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.mdp.states import told
 from babyrobot_levels.mdp.tables import Mdp
 
 MINIGRID = "minigrid:"

@@ -31,7 +31,7 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.certificate import Certificate
+    from babyrobot_levels.analysis.environments import Certificate
     from babyrobot_levels.library.level import Level
 
 

@@ -362,7 +362,7 @@ def _outcomes(outcomes: list[dict[str, Any]], digits: int) -> str:
 
 
 def _situation(things: dict[str, Any] | None) -> str:
-    from babyrobot_levels.analysis.situations import situation_words
+    from babyrobot_levels.mdp.states import situation_words
 
     words = situation_words(things or {})
     return f" ({words})" if words else ""

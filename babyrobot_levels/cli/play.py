@@ -251,7 +251,7 @@ class _Game:
 
     def _changes(self, then: Configuration) -> Iterator[str]:
         """Yield what has changed since a configuration."""
-        from babyrobot_levels.mdp.doors import door_name
+        from babyrobot_levels.mdp.grid import door_name
 
         level, now = self._level, self._now
         yield from (f"Took the {name}." for name in now.held if name not in then.held)
@@ -282,7 +282,7 @@ class _Game:
     def _bump(self, before: int, action: int, then: Configuration) -> str:
         """Return what refused the last move."""
         from babyrobot_levels.language.base import SIDES
-        from babyrobot_levels.mdp.doors import door_sides
+        from babyrobot_levels.mdp.grid import door_sides
 
         move = self._mdp.heading(before) + Action.NORTH if self._turns else action
         cell, side = before % self._mdp.cells, SIDES[move - Action.NORTH]

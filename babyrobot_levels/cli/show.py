@@ -120,8 +120,8 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
     if citation:
         cite(loaded, level, as_json=report_format is TableFormat.JSON)
         return
-    from babyrobot_levels.analysis.facts import show as facts_of
     from babyrobot_levels.analysis.metrics import UNLIMITED
+    from babyrobot_levels.analysis.previews import show as facts_of
     from babyrobot_levels.render.words.phrases import with_limit
 
     facts = facts_of(loaded)
@@ -161,7 +161,7 @@ def _show_suite(path: Path, citation: bool, report_format: TableFormat) -> None:
     if report_format is TableFormat.JSON:
         write_json(facts)
         return
-    from babyrobot_levels.analysis.facts import text_of
+    from babyrobot_levels.analysis.previews import text_of
 
     facts["splits"] = ", ".join(f"{name} {count:,}" for name, count in sizes.items())
     write(fact_lines({name: printable(text_of(value)) for name, value in facts.items()}))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from babyrobot_levels.analysis.certificate import ComparisonError
+from babyrobot_levels.analysis.environments import ComparisonError
 from babyrobot_levels.analysis.minigrid import DIRECTIONS, made_minigrid
 from babyrobot_levels.convert.conversion import ConversionError, World, level_of
 from babyrobot_levels.convert.minigrid_grids import (
@@ -20,7 +20,7 @@ from babyrobot_levels.convert.minigrid_grids import (
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.bounds import MAX_OUTCOMES
+from babyrobot_levels.mdp.configurations import MAX_OUTCOMES
 
 SOURCE = (
     "M. Chevalier-Boisvert et al., Minigrid & Miniworld: Modular & Customizable Reinforcement "

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.metrics import Metrics, neighbours
-from babyrobot_levels.analysis.solver.ends import other_ends
-from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.optimum import other_ends, solve
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.generation.locks import Counts, Placer
 from babyrobot_levels.language.cells import Puddle, Wind

@@ -16,8 +16,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld
 if TYPE_CHECKING:
     import gymnasium
 
-    from babyrobot_levels.analysis.facts import Facts
-    from babyrobot_levels.analysis.previews import Preview
+    from babyrobot_levels.analysis.previews import Facts, Preview
     from babyrobot_levels.analysis.solver.results import Solution
 
 
@@ -75,7 +74,7 @@ class Level(Pictured, GridWorld):
 
     def show(self) -> Facts:
         """Return the facts about the level: texts, numbers, digest, metrics; see `brl.show`."""
-        from babyrobot_levels.analysis.facts import show
+        from babyrobot_levels.analysis.previews import show
 
         return show(self)
 

@@ -43,8 +43,8 @@ def _playable(checked: Checked[Level], document: Document) -> Checked[Level]:
     if level is None or level.has_random_maze:
         return checked
     # What most levels need not import.
-    from babyrobot_levels.mdp.bounds import surely_fits
-    from babyrobot_levels.mdp.placement import check_placement
+    from babyrobot_levels.mdp.configurations import surely_fits
+    from babyrobot_levels.mdp.grid import check_placement
 
     try:
         if not surely_fits(level):

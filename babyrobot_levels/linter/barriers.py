@@ -15,8 +15,8 @@ from babyrobot_levels.language.walls import Opening, Wall
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import count_drawn
 from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.mdp.tables import Flags
 
-Flags = NDArray[np.bool_]
 Numbers = NDArray[np.int32]
 Place = tuple[int, tuple[slice, slice]]
 """A run of sides: 0 for horizontal sides (N and S) or 1 for vertical ones, and the slices."""

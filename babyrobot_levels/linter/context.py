@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.linter.necessity import Necessity
     from babyrobot_levels.linter.terrain import AreaEffect, TerrainEffects
     from babyrobot_levels.linter.things import ThingEffects
-    from babyrobot_levels.mdp.reachability import Reach
+    from babyrobot_levels.mdp.states import Reach
     from babyrobot_levels.mdp.tables import Mdp
 
 
@@ -173,7 +173,7 @@ class LintContext:
     @cached_property
     def reach(self) -> Reach:
         """Which states are reachable, and from which states an end of the episode is."""
-        from babyrobot_levels.mdp.reachability import reach_of
+        from babyrobot_levels.mdp.states import reach_of
 
         return reach_of(self.level, self.mdp)
 

@@ -14,7 +14,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.optimal_policy import solution_of
 from babyrobot_levels.linter.variants import changed
 from babyrobot_levels.mdp.graph import Graph
-from babyrobot_levels.mdp.reachability import ends_by_hit
+from babyrobot_levels.mdp.states import ends_by_hit
 from babyrobot_levels.text.errors import LevelError
 
 Entry = TypeVar("Entry")

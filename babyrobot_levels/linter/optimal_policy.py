@@ -9,12 +9,12 @@ import numpy as np
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.mdp.graph import Graph
-from babyrobot_levels.mdp.reachability import ends_by_hit, exit_states
+from babyrobot_levels.mdp.states import ends_by_hit, exit_states
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.reachability import Reach
+    from babyrobot_levels.mdp.states import Reach
     from babyrobot_levels.mdp.tables import Mdp
 
 MAX_SOLVED = 5_000

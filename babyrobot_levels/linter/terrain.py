@@ -14,14 +14,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from babyrobot_levels.language.cells import Area, SkidLike, as_skid
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import count_drawn
 from babyrobot_levels.linter.variants import rewarded_cells
+from babyrobot_levels.mdp.tables import Flags
 
-Flags = NDArray[np.bool_]
 Where = tuple[Any, Any]
 
 PROPERTIES = ("reward", "skid", "ends")

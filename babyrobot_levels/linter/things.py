@@ -9,17 +9,14 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import KIND, Kind
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph
-from babyrobot_levels.mdp.reachability import ends_by_hit
-from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.mdp.states import ends_by_hit
+from babyrobot_levels.mdp.tables import Flags, Mdp
 from babyrobot_levels.text.words import listed
-
-Flags = NDArray[np.bool_]
 
 MAX_OUTCOMES = 20_000_000
 """In larger tables (states times actions times outcomes), hits are not looked for."""

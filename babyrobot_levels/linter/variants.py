@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler import compile_mdp
-from babyrobot_levels.mdp.digest import digest
-from babyrobot_levels.mdp.reachability import transitions
-from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.mdp.states import transitions
+from babyrobot_levels.mdp.tables import Mdp, digest
 from babyrobot_levels.text.errors import LevelError
 
 MAX_VARIANTS = 50

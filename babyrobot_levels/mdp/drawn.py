@@ -10,8 +10,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.walls import GLASS_PASS, Wall, sides_of
-from babyrobot_levels.mdp.doors import door_sides
-from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
+from babyrobot_levels.mdp.grid import BIT, Grid, door_sides, neighbour
 
 
 def drawing_of(level: LevelSpec, grid: Grid) -> d.Drawing:

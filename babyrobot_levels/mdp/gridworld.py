@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 from babyrobot_levels import mdp
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.walls import Maze
-from babyrobot_levels.mdp.grid import Grid, build_grid
+from babyrobot_levels.mdp.grid import Grid, build_grid, grid_with_doors, placement_issues
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
@@ -42,8 +42,6 @@ class GridWorld(LevelSpec):
 
         level = level_from_mapping(fields, cls, name=name, folder=folder)
         if level.stands_on_grid and not level.has_random_maze:
-            from babyrobot_levels.mdp.placement import placement_issues
-
             issues = placement_issues(level, level.grid())
             if issues:
                 raise error_in_mapping(fields, issues)
@@ -89,8 +87,6 @@ class GridWorld(LevelSpec):
         """
         if not self.doors:
             return self.grid()
-        from babyrobot_levels.mdp.doors import grid_with_doors
-
         return grid_with_doors(self, self.grid(), self.configuration(configuration).doors)
 
     @property
@@ -122,7 +118,7 @@ class GridWorld(LevelSpec):
 
     @cached_property
     def _digest(self) -> str:
-        from babyrobot_levels.mdp.digest import digest
+        from babyrobot_levels.mdp.tables import digest
 
         return digest(self, self.grid(), self.compile())
 

@@ -1,14 +1,19 @@
-"""States in words, and configurations by what is held and on."""
+"""States: which ones episodes reach, and what they and their configurations are in words."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.configurations import Things
+from babyrobot_levels.mdp.graph import Graph, Successors
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import did_you_mean, listed
@@ -84,3 +89,154 @@ def state_text(things: Things, mdp: Mdp, state: int) -> str:
     heading = f" looking {SIDES[mdp.heading(state)]}" if mdp.headings > 1 else ""
     condition = things.condition(mdp.configurations[mdp.configuration(state)].tolist())
     return f"[{x}, {y}]{heading}{condition and ' ' + condition}"
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """What can happen in a level, one entry for each state.
+
+    Attributes:
+        steps: the fewest steps in which a state can be reached, -1 where it never is.
+        on: 1 where an episode can be and goes on: reached, and not terminal.
+        to_exit: the fewest steps in which an exit can be reached from there, -1 where none can.
+        to_end: the same for all ways to end the episode: exits, cells that end it, and hits.
+        graph: the other states to which one step can lead, with any probability. A step that
+            ends the episode in a state in which others go on is not part of it.
+    """
+
+    steps: list[int]
+    on: bytes
+    to_exit: list[int]
+    to_end: list[int]
+    graph: Graph
+
+    @property
+    def successors(self) -> Successors:
+        """The other states to which one step can lead."""
+        return self.graph.successors
+
+    def reached(self, state: int) -> bool:
+        """Tell whether an episode can come to a state."""
+        return self.steps[state] >= 0
+
+    def from_some(self, states: Iterable[int]) -> list[int]:
+        """Return for each state the fewest steps in which it can be reached from some others."""
+        found: list[int] = self.graph.distances(states).tolist()
+        return found
+
+
+def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
+    """Return what can happen in a level, or in a variant of it.
+
+    Args:
+        level: the level.
+        mdp: its tables, those of a robot that turns, or those of a variant with the same grid,
+            things and exits.
+    """
+    graph = transitions(mdp)
+    backwards = graph.reversed()
+    steps = graph.distances(np.flatnonzero(mdp.start))
+    exits = np.flatnonzero(exit_states(level, mdp))
+    free = ~level.grid().blocked.ravel()
+    ends = np.flatnonzero(mdp.is_terminal.reshape(-1, mdp.cells) & free)
+    hits = np.flatnonzero(ends_by_hit(mdp).any(axis=(1, 2))) if level.movers else exits[:0]
+    to_exit = backwards.distances(exits).tolist()
+    to_end = to_exit
+    if hits.size:
+        # One more node, to which every hit that ends an episode leads.
+        source = np.append(graph.source, hits.astype(np.int32))
+        target = np.append(graph.target, np.full(hits.size, mdp.num_states, np.int32))
+        more = Graph(mdp.num_states + 1, target, source)
+        to_end = more.distances(np.append(ends, mdp.num_states)).tolist()[:-1]
+    elif not np.array_equal(ends, exits):
+        to_end = backwards.distances(ends).tolist()
+    return Reach(
+        steps.tolist(),
+        ((steps >= 0) & ~mdp.is_terminal).tobytes(),
+        to_exit,
+        to_end,
+        graph,
+    )
+
+
+def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
+    """Return in which states the robot stands on an exit that is open, `[states]`.
+
+    Args:
+        level: the level.
+        mdp: its tables, or those of a robot that turns.
+    """
+    if not level.has_things:
+        is_exit = np.zeros(mdp.cells, bool)
+        is_exit[[y * mdp.width + x for x, y in level.exits]] = True
+        return np.tile(is_exit, mdp.headings) if mdp.headings > 1 else is_exit
+    things = level.things()
+    # Movers change nothing about exits.
+    static, which = np.unique(mdp.configurations[:, : things.static], axis=0, return_inverse=True)
+    cells = np.zeros((len(static), mdp.cells), bool)
+    for row, values in zip(cells, static.tolist(), strict=True):
+        if things.exit_is_open(values):
+            row[[y * mdp.width + x for x, y in things.exits(values)]] = True
+    return np.repeat(cells[which.ravel()], mdp.headings, axis=0).ravel()
+
+
+def ends_by_hit(mdp: Mdp) -> NDArray[np.bool_]:
+    """Return which outcomes end the episode in a state in which others go on.
+
+    They are hits, `[states, actions, outcomes]`.
+    """
+    happens = mdp.terminal & (mdp.probability > 0)
+    return happens & ~mdp.is_terminal[mdp.next_state]
+
+
+def transitions(mdp: Mdp) -> Graph:
+    """Return the graph of all transitions from one state to another, each pair once."""
+    states = np.arange(mdp.num_states, dtype=np.int32)[:, None]
+    happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
+    if mdp.configurations.shape[1]:
+        happens &= ~ends_by_hit(mdp)
+    targets = np.where(happens, mdp.next_state, states[:, :, None]).reshape(mdp.num_states, -1)
+    targets.sort(axis=1)
+    moves = targets != states
+    moves[:, 1:] &= targets[:, 1:] != targets[:, :-1]
+    source = np.repeat(states.ravel(), moves.sum(axis=1))
+    return Graph(mdp.num_states, source, targets[moves])
+
+
+def situation(level: GridWorld, number: int) -> dict[str, Any]:
+    """Return what each thing of a level is in a configuration, by name.
+
+    Items are `"held"`, `"lies"` in their only place, or the cell of those in which they may lie;
+    switches are `"on"` or `"off"`; movers and a drawn exit are the cells in which they are.
+    """
+    things, values = level.things(), level.compile().configurations[number].tolist()
+    states = [thing.states[value] for thing, value in zip(things, values, strict=True)]
+    told = [state if isinstance(state, str) else list(state) for state in states]
+    return dict(zip(things.names, told, strict=True))
+
+
+def situation_words(things: Mapping[str, Any]) -> str:
+    """Return a situation in words, without what goes without saying: "key held, bat at [2, 4]"."""
+    met = [kind.need.met for kind in NEEDED if kind.need is not None]
+    states = [f"{name} {value}" for name, value in things.items() if value in met]
+    return ", ".join([*states, *_places(things)])
+
+
+def _places(things: Mapping[str, Any]) -> list[str]:
+    return [
+        f"{name} at [{place[0]}, {place[1]}]"
+        for name, place in things.items()
+        if isinstance(place, list)
+    ]
+
+
+def told(level: GridWorld, mdp: Mdp, state: int) -> str:
+    """Return a state in words, with all that distinguishes it from others.
+
+    Args:
+        level: the level.
+        mdp: its tables, or those of a robot that turns.
+        state: the number of the state in these tables.
+    """
+    things = situation(level, mdp.configuration(state))
+    return ", ".join([state_text(level.things(), mdp, state), *_places(things)])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from babyrobot_levels.analysis.metrics import metrics as metrics_of
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 

@@ -9,7 +9,7 @@ from itertools import islice
 from typing import Any
 
 from babyrobot_levels.analysis.guides import best_average
-from babyrobot_levels.analysis.learning.sweeps import value_iteration
+from babyrobot_levels.analysis.learning.algorithms import value_iteration
 from babyrobot_levels.analysis.pictures import dressed, still
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError

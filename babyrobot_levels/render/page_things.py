@@ -17,7 +17,7 @@ import numpy as np
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.walls import sides_of
-from babyrobot_levels.mdp.doors import door_name, door_sides
+from babyrobot_levels.mdp.grid import door_name, door_sides
 from babyrobot_levels.render.page_shapes import BAR, Group, Palette, length, pack
 from babyrobot_levels.render.scene.build import (
     Lengths,

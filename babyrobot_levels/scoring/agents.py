@@ -13,7 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from babyrobot_levels.mdp.tables import Floats
 
 
 class Chooser(Protocol):

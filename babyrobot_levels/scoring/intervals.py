@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.analysis.solver.space import StateSpace
-
-Floats = NDArray[np.float64]
+from babyrobot_levels.analysis.solver.policies import StateSpace
+from babyrobot_levels.mdp.tables import Floats
 
 _TAIL = 0.025
 """The chance that an interval of 95 % lies below what it is of, and that it lies above."""

@@ -17,14 +17,13 @@ import numpy as np
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import NAMED
+from babyrobot_levels.analysis.solver.policies import NAMED, space_of
 from babyrobot_levels.analysis.solver.results import (
     Evaluation,
     check_actions,
     check_discount,
     check_within,
 )
-from babyrobot_levels.analysis.solver.space import space_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.parallel.choice import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor, Failure

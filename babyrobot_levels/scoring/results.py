@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from babyrobot_levels.scoring.intervals import Floats, Played, interval
+from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.scoring.intervals import Played, interval
 from babyrobot_levels.text.files import write_bytes, write_text
 
 if TYPE_CHECKING:

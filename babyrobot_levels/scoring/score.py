@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
-from babyrobot_levels.analysis.solver.many import Worth, best_returns_within, worth_within
+from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import check_discount, check_within
-from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
@@ -24,7 +24,8 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.scoring.agents import Chooser, Floats, Player, Table, read_agent
+from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.scoring.agents import Chooser, Player, Table, read_agent
 from babyrobot_levels.scoring.intervals import Played, extremes
 from babyrobot_levels.scoring.results import LevelScore, Scores
 from babyrobot_levels.scoring.tables import policy_of

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from babyrobot_levels.analysis.solver.space import StateSpace
+from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
 from babyrobot_levels.envs.observations import Observer
 from babyrobot_levels.scoring.agents import Chooser, Table

@@ -21,8 +21,7 @@ from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields, bounds
 from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.bounds import MAX_STATES
-from babyrobot_levels.mdp.configurations import largest_radices
+from babyrobot_levels.mdp.configurations import MAX_STATES, largest_radices
 from babyrobot_levels.suites.members import Member
 
 Numbers = range | tuple[int, ...]

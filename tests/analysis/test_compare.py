@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.certificate import Certificate, ComparisonError
 from babyrobot_levels.analysis.compare import compare
+from babyrobot_levels.analysis.environments import Certificate, ComparisonError
 from babyrobot_levels.mdp.tables import Outcome
 
 Table = dict[int, dict[int, list[Outcome]]]

@@ -8,8 +8,8 @@ import pytest
 from support.conversions import level_of_world
 from support.minigrids import MiniGridEnv, recorded
 
-from babyrobot_levels.analysis.certificate import ComparisonError
 from babyrobot_levels.analysis.compare import compare
+from babyrobot_levels.analysis.environments import ComparisonError
 from babyrobot_levels.convert.minigrid import world_of_environment
 from babyrobot_levels.library.level import Level
 

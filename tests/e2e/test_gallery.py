@@ -17,7 +17,7 @@ from support.places import GALLERY_FOLDER, ROOT
 from babyrobot_levels.analysis.solver.horizon import best_return_within
 from babyrobot_levels.analysis.solver.linear import expected_sums
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.validation import parse

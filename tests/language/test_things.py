@@ -13,7 +13,7 @@ from support.worlds import World, level_of, level_of_text
 import babyrobot_levels as brl
 from babyrobot_levels.language.fields import LevelFields, Role
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.doors import grid_with_doors
+from babyrobot_levels.mdp.grid import grid_with_doors
 from babyrobot_levels.text.errors import LevelError
 
 DRAWN = """\

@@ -13,8 +13,8 @@ from support.work import traced_memory
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.reading import loads
-from babyrobot_levels.mdp.bounds import most_outcomes, surely_fits
 from babyrobot_levels.mdp.compiler import layers, outcomes, things
+from babyrobot_levels.mdp.configurations import most_outcomes, surely_fits
 from babyrobot_levels.mdp.tables import Mdp
 
 WANDERER = {"movers": [{"within": {"at": [0, 0], "size": [31, 31]}}]}

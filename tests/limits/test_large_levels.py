@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from support.work import counted_calls
 
 import babyrobot_levels as brl
-from babyrobot_levels.mdp.reachability import reach_of
+from babyrobot_levels.mdp.states import reach_of
 
 SIDE = 1024
 WHOLE = {"version": 1, "size": [SIDE, SIDE]}

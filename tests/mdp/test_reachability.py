@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import babyrobot_levels as brl
-from babyrobot_levels.mdp.reachability import ends_by_hit, exit_states, reach_of, transitions
+from babyrobot_levels.mdp.states import ends_by_hit, exit_states, reach_of, transitions
 
 # The key lies to the west, the exit to the east.
 LOCKED: dict[str, Any] = {

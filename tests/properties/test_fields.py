@@ -24,7 +24,7 @@ from babyrobot_levels.convert.formats import FORMATS
 from babyrobot_levels.language.cells import ADDED, PRECEDENCE, Rewards
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.compiler.tables import compile_cells
+from babyrobot_levels.mdp.compiler import compile_cells
 from babyrobot_levels.mdp.compiler.things import compile_things
 from babyrobot_levels.render.words.rules import rules_of
 from babyrobot_levels.text.errors import LevelError

@@ -38,7 +38,7 @@ from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.linter.variants import gives
 from babyrobot_levels.mdp import graph
-from babyrobot_levels.mdp.reachability import Reach, reach_of
+from babyrobot_levels.mdp.states import Reach, reach_of
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.source import SourceFile

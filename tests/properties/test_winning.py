@@ -13,12 +13,11 @@ from oracles.random_things import random_level
 from support.worlds import level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.ends import exit_chances, other_ends
-from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.optimum import exit_chances, other_ends, solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.generation.search import UnsatisfiableError
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.reachability import exit_states
+from babyrobot_levels.mdp.states import exit_states
 from babyrobot_levels.suites.suite import load_suite
 
 pytestmark = pytest.mark.slow

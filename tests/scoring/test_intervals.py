@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.scoring import intervals
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from babyrobot_levels.analysis.shown import MAX_SOLVED, image, number, state_picture
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS
-from babyrobot_levels.analysis.solver.model import Floats, Ints, Model
+from babyrobot_levels.analysis.solver.model import Model
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE, solve
-from babyrobot_levels.analysis.solver.policies import Policy, read_policy
+from babyrobot_levels.analysis.solver.policies import Policy, StateSpace, read_policy, space_of
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     StateResult,
@@ -19,8 +19,8 @@ from babyrobot_levels.analysis.solver.results import (
     check_actions,
     check_discount,
 )
-from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
+from babyrobot_levels.mdp.tables import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)

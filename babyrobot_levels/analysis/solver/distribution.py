@@ -9,18 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.chain import Chain, chain_of, chains
 from babyrobot_levels.analysis.solver.evaluation import (
     MAX_STEPS,
+    Chain,
+    chain_of,
+    chains,
     limit_of,
     simulated_episodes,
 )
-from babyrobot_levels.analysis.solver.model import Floats
-from babyrobot_levels.analysis.solver.policies import Policy
+from babyrobot_levels.analysis.solver.policies import Policy, StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import Result, check_discount
-from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.gridworld import world_of
+from babyrobot_levels.mdp.tables import Floats
 
 MAX_OUTCOMES = 4_000_000
 """The most outcomes that are followed, over all steps: about a second."""

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.mdp.graph import Graph
-from babyrobot_levels.mdp.tables import Mdp
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.signedinteger[Any]]
-Flags = NDArray[np.bool_]
+from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
 
 DENSE_STATES = 150
 """Up to so many states, components are found with plain NumPy: importing SciPy takes longer."""

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from babyrobot_levels.analysis.shown import Shown, image, number, share, state_picture
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 from babyrobot_levels.text.errors import BabyRobotError
 
 TURNS = "turns"

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.solver.horizon import after, induction
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Model
-from babyrobot_levels.analysis.solver.policies import read_policy
+from babyrobot_levels.analysis.solver.model import Model
+from babyrobot_levels.analysis.solver.policies import StateSpace, read_policy
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     Evaluation,
@@ -26,7 +26,7 @@ from babyrobot_levels.analysis.solver.results import (
     num_actions,
     probability,
 )
-from babyrobot_levels.analysis.solver.space import StateSpace
+from babyrobot_levels.mdp.tables import Flags, Floats
 
 MAX_POLICY_SIZE = 200_000_000
 """The most actions of a policy by step: states times steps, a byte each."""

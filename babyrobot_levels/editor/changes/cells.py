@@ -19,8 +19,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.geometry import Cell, blocked_cells, is_inside, show_cell
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.doors import grid_with_doors
-from babyrobot_levels.mdp.grid import BIT
+from babyrobot_levels.mdp.grid import BIT, grid_with_doors
 
 Entry = dict[str, Any]
 

@@ -17,8 +17,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.guides import random_return, solution_guide
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.reachability import reach_of
-from babyrobot_levels.mdp.states import initial_configuration
+from babyrobot_levels.mdp.states import initial_configuration, reach_of
 from babyrobot_levels.render.page_data import (
     Guide,
     TooLargeError,
@@ -30,7 +29,7 @@ from babyrobot_levels.render.words.phrases import with_limit
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
-    from babyrobot_levels.mdp.reachability import Reach
+    from babyrobot_levels.mdp.states import Reach
 
 Cell = tuple[int, int]
 

@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.chain import weights_of
-from babyrobot_levels.analysis.solver.evaluation import evaluation_of
-from babyrobot_levels.analysis.solver.many import worth_within
-from babyrobot_levels.analysis.solver.model import Floats
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.evaluation import evaluation_of, weights_of
+from babyrobot_levels.analysis.solver.horizon import worth_within
+from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.shown.answers import Optimum, endless, finite
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.render.page_data import rounded
 from babyrobot_levels.render.words.phrases import with_limit
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import check_actions, check_seed
-from babyrobot_levels.analysis.solver.space import StateSpace
 from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.draws import SharedDraws

@@ -10,14 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.compiler.terrain import Terrain
-from babyrobot_levels.mdp.doors import door_sides
+from babyrobot_levels.mdp.grid import door_sides
+from babyrobot_levels.mdp.tables import Flags
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.geometry import Cell
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Configuration
-
-Flags = NDArray[np.bool_]
 
 
 def ground_of(level: Level, terrain: Terrain) -> dict[str, Flags]:

@@ -9,8 +9,7 @@ from typing import Self
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
-from babyrobot_levels.mdp.bounds import MAX_STATES
-from babyrobot_levels.mdp.configurations import largest_radices
+from babyrobot_levels.mdp.configurations import MAX_STATES, largest_radices
 
 Size = tuple[int, int]
 """Width and height in cells."""

@@ -21,7 +21,7 @@ from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
-from babyrobot_levels.mdp.doors import grid_with_doors
+from babyrobot_levels.mdp.grid import grid_with_doors
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level

@@ -66,7 +66,7 @@ def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
 def _is_open_without_hits(level: Level) -> bool:
     """Return whether exits can be reached from all starts if hits do not end the episode."""
     from babyrobot_levels.linter.variants import variant
-    from babyrobot_levels.mdp.reachability import reach_of
+    from babyrobot_levels.mdp.states import reach_of
 
     mdp = variant(level, hit=level.hit.model_copy(update={"ends": False}))
     if mdp is None:

@@ -13,7 +13,7 @@ from babyrobot_levels.text.diagnostics import Key, Location, Mark
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.ends import OtherEnds
+    from babyrobot_levels.analysis.solver.optimum import OtherEnds
 
 _HELP = {
     "exit": "the level has no exit that a step can reach",
@@ -178,7 +178,7 @@ def exit_given_up(context: LintContext) -> Iterator[Finding]:
     level, reach = context.level, context.reach
     if not level.exits or reach.to_end == reach.to_exit or context.solution is None:
         return
-    from babyrobot_levels.analysis.solver.ends import exit_chances, other_ends
+    from babyrobot_levels.analysis.solver.optimum import exit_chances, other_ends
     from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 
     try:

@@ -9,7 +9,7 @@ from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs, cells_text, count_drawn
 from babyrobot_levels.linter.fixes import removal
 from babyrobot_levels.linter.rule import rule
-from babyrobot_levels.linter.things import Flags
+from babyrobot_levels.mdp.tables import Flags
 from babyrobot_levels.text.words import listed
 
 
@@ -208,7 +208,7 @@ def unavoidable_mover(context: LintContext) -> Iterator[Finding]:
 def _unavoidable(context: LintContext, hits: Flags) -> list[int]:
     """Return the starts from which an exit can be reached, but not without risking a hit."""
     from babyrobot_levels.linter.things import unavoidable_starts
-    from babyrobot_levels.mdp.reachability import exit_states
+    from babyrobot_levels.mdp.states import exit_states
 
     exits = exit_states(context.level, context.mdp) if context.level.exits else None
     found = unavoidable_starts(context.mdp, hits, exits) or []

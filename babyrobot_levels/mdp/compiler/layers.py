@@ -18,14 +18,10 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.bounds import MAX_STATES
 from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.moves import Moves, Warps, build_moves, build_warps
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
-    Flags,
-    Floats,
-    Ints,
     Pay,
     ended,
     parts_of,
@@ -34,9 +30,9 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     stochastic_rows,
 )
 from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
-from babyrobot_levels.mdp.configurations import Things, Values
-from babyrobot_levels.mdp.doors import grid_with_doors
-from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.configurations import MAX_STATES, Things, Values
+from babyrobot_levels.mdp.grid import Grid, grid_with_doors
+from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
 LARGE = 50_000
 """From so many cells on, it is worth while to look first whether the level is too large."""

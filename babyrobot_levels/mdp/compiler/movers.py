@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.mdp.bounds import MAX_OUTCOMES
+from babyrobot_levels.mdp.configurations import MAX_OUTCOMES
 from babyrobot_levels.mdp.grid import BIT, Grid
-
-Ints = NDArray[np.int64]
+from babyrobot_levels.mdp.tables import Ints
 
 
 class TooManyWays(Exception):

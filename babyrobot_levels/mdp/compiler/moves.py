@@ -1,4 +1,4 @@
-"""Where a move ends: steps over the grid, with wind and walls; and where warps lead."""
+"""Where a move ends: steps over the grid, wind, walls and what obstructs it; where warps lead."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import Warp, shifts
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.mdp.actions import NUM_MOVES
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.compiler.terrain import Terrain
 from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Flags
 
 States = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 NORTH, EAST, SOUTH, WEST = range(NUM_MOVES)
 BACK = (SOUTH, WEST, NORTH, EAST)
@@ -176,3 +177,21 @@ def _target(warp: Warp, level: LevelFields, grid: Grid) -> int:
 
 def _state(cell: tuple[int, int], grid: Grid) -> int:
     return cell[1] * grid.width + cell[0]
+
+
+def obstructions(
+    moves: Moves, terrain: Terrain, warps: Warps
+) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
+    """Return what hinders each action, and where it leads without chance."""
+    states = np.arange(terrain.over.size)
+    obstruction = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
+    target = np.empty((states.size, NUM_ACTIONS), np.int32)
+    target[:, Action.STAY] = states
+    glass = moves.glass > 0
+    moves_on = ~warps.leaves & ~terrain.over
+    obstruction[:, 1:][(moves_on & moves.refused).T] = REFUSED
+    obstruction[:, 1:][(moves_on & glass).T] = GLASS
+    goals = warps.arrive[np.where(glass, moves.through, moves.landing)]
+    target[:, 1:] = np.where(warps.leaves, warps.leave_to, goals).T
+    target[terrain.over] = states[terrain.over, None]
+    return obstruction, target

@@ -1,10 +1,10 @@
-"""The outcomes of a step: chances, next states after warps, and rewards."""
+"""The outcomes of a step: chances, next states after warps, rewards, and room for them all."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,7 @@ from babyrobot_levels.language.cells import PRECEDENCE, Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.compiler.moves import Moves, Warps
 from babyrobot_levels.mdp.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain
-
-Ints = NDArray[np.signedinteger]
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
 PART = 1 << 15
 """How many states are expanded at a time."""
@@ -255,3 +252,81 @@ def ended(branches: Branches, arrivals: Arrivals, starts: Ints) -> tuple[Branche
         branches = branches.select(~lost).joined(spread)
         next_state = np.concatenate([next_state[~lost], goals])
     return branches, next_state
+
+
+@dataclass(frozen=True, slots=True)
+class Outcomes:
+    """Distinct outcomes, sorted by row, next state, reward and whether they end the episode.
+
+    `slot` is the number of each among those of its row.
+    """
+
+    row: Ints
+    slot: Ints
+    probability: Floats
+    next_state: Ints
+    reward: Floats
+    terminal: Flags
+
+    @property
+    def width(self) -> int:
+        """How many outcomes the longest row has."""
+        return int(self.slot.max(initial=0)) + 1
+
+
+class Room:
+    """The tables of some states, with room for a number of outcomes in each row."""
+
+    def __init__(self, states: int, width: int):
+        self._shape = states, NUM_ACTIONS, width
+        rows = states * NUM_ACTIONS, width
+        self._used = 1
+        self._tables: dict[str, NDArray[Any]] = {
+            "probability": np.zeros(rows),
+            "next_state": np.zeros(rows, np.int32),
+            "reward": np.zeros(rows),
+            "terminal": np.zeros(rows, bool),
+        }
+
+    def put(self, outcomes: Outcomes) -> None:
+        """Put outcomes in their rows."""
+        self._used = max(self._used, outcomes.width)
+        place = outcomes.row * self._shape[2] + outcomes.slot
+        for name, table in self._tables.items():
+            table.reshape(-1)[place] = getattr(outcomes, name)
+
+    def tables(self) -> dict[str, Any]:
+        """Return the tables `[states, actions, outcomes]`, as wide as the longest row needs."""
+        for name, table in self._tables.items():
+            # One after the other: two copies of all of them would need much.
+            narrow = np.ascontiguousarray(table[:, : self._used])
+            self._tables[name] = narrow.reshape(*self._shape[:2], self._used)
+        return self._tables
+
+
+def merged(
+    row: Ints, probability: Floats, next_state: Ints, reward: Floats, terminal: Flags
+) -> Outcomes:
+    """Return the outcomes sorted, those that are alike as one."""
+    order = np.lexsort((terminal, reward, next_state, row))
+    row, next_state, reward, terminal = (
+        row[order],
+        next_state[order],
+        reward[order],
+        terminal[order],
+    )
+    is_new = np.ones(row.size, bool)
+    is_new[1:] = (
+        (row[1:] != row[:-1])
+        | (next_state[1:] != next_state[:-1])
+        | (reward[1:] != reward[:-1])
+        | (terminal[1:] != terminal[:-1])
+    )
+    first = is_new.nonzero()[0]
+    total = np.add.reduceat(probability[order], first)
+    row = row[first]
+    begins = np.ones(row.size, bool)
+    begins[1:] = row[1:] != row[:-1]
+    begin = begins.nonzero()[0]
+    slot = np.arange(row.size) - np.repeat(begin, np.diff(np.append(begin, row.size)))
+    return Outcomes(row, slot, total, next_state[first], reward[first], terminal[first])

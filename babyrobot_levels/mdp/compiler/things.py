@@ -16,14 +16,6 @@ import numpy as np
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.bounds import (
-    MAX_OUTCOMES,
-    MAX_STATES,
-    MAX_WIDE_STATES,
-    field_of,
-    most_outcomes,
-    too_large,
-)
 from babyrobot_levels.mdp.compiler.layers import (
     ON,
     Ground,
@@ -35,13 +27,19 @@ from babyrobot_levels.mdp.compiler.layers import (
     hits,
 )
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
-from babyrobot_levels.mdp.compiler.obstructions import obstructions
-from babyrobot_levels.mdp.compiler.outcomes import Flags, Floats, Ints
-from babyrobot_levels.mdp.compiler.room import Outcomes, Room, merged
-from babyrobot_levels.mdp.configurations import Things
-from babyrobot_levels.mdp.grid import Grid
-from babyrobot_levels.mdp.placement import check_placement
-from babyrobot_levels.mdp.tables import FREE, REFUSED, Mdp
+from babyrobot_levels.mdp.compiler.moves import obstructions
+from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, merged
+from babyrobot_levels.mdp.configurations import (
+    MAX_OUTCOMES,
+    MAX_STATES,
+    MAX_WIDE_STATES,
+    Things,
+    field_of,
+    most_outcomes,
+    too_large,
+)
+from babyrobot_levels.mdp.grid import Grid, check_placement
+from babyrobot_levels.mdp.tables import FREE, REFUSED, Flags, Floats, Ints, Mdp
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 

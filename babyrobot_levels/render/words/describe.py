@@ -11,8 +11,7 @@ from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Item
 from babyrobot_levels.mdp.configurations import Configuration
-from babyrobot_levels.mdp.doors import door_sides
-from babyrobot_levels.mdp.grid import BIT
+from babyrobot_levels.mdp.grid import BIT, door_sides
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.rules import grounds_of, item_count, spoken
 from babyrobot_levels.text.words import listed

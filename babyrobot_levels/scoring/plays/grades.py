@@ -17,8 +17,8 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, overload
 
+from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
-from babyrobot_levels.analysis.solver.space import space_of
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level

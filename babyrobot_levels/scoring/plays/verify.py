@@ -20,8 +20,8 @@ from babyrobot_levels.analysis.solver.distribution import (
     ReturnDistribution,
     open_loop_distribution,
 )
+from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import action_names
-from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.envs.arguments import start_states
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import PlayError

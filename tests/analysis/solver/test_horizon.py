@@ -10,7 +10,7 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.horizon import best_return_within
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.policies import space_of
 
 ACTIONS = ("all", "moves", "turns")
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.many import best_returns_within, worth_within
-from babyrobot_levels.analysis.solver.policies import read_policy
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.horizon import best_returns_within, worth_within
+from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 
 NAMES = ("frozen-lake", "first-key", "gridworld-3-5", "treasure-chests", "final-maze", "shell-game")
 
@@ -34,5 +33,5 @@ def test_more_states_than_are_solved_together(monkeypatch: pytest.MonkeyPatch) -
     spaces = [space_of(brl.load(name), "all") for name in NAMES]
     ones, limits = [1.0] * len(NAMES), [50] * len(NAMES)
     together = best_returns_within(spaces, limits, ones)
-    monkeypatch.setattr("babyrobot_levels.analysis.solver.many.MAX_STATES", 30)
+    monkeypatch.setattr("babyrobot_levels.analysis.solver.horizon.MAX_STATES", 30)
     assert np.allclose(best_returns_within(spaces, limits, ones), together, atol=1e-12)
