@@ -103,7 +103,8 @@ def _movers(level: LevelFields) -> Iterator[Thing]:
         cells = mover.phases
         begins: Sequence[int] = (0,)
         if mover.within is not None:
-            begins = range(len(cells)) if mover.start is None else (cells.index(mover.start),)
+            # Levels with faults are drawn, too: there, it may begin outside of its rectangle.
+            begins = (cells.index(mover.start),) if mover.start in cells else range(len(cells))
         name = f"mover-{number}"
         yield Thing("mover", mover.name or "", cells, cells, begins, moves=True, usual_name=name)
 
