@@ -15,8 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.environments import Certificate, ComparisonError, made
-from babyrobot_levels.analysis.minigrid import MINIGRID, certify, is_minigrid, made_minigrid
+from babyrobot_levels.analysis.environments import (
+    MINIGRID,
+    Certificate,
+    ComparisonError,
+    certify,
+    is_minigrid,
+    made,
+    made_minigrid,
+)
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.states import told, transitions

@@ -81,7 +81,7 @@ def compare(
     """
     from babyrobot_levels.analysis.compare import GYMNASIUM
     from babyrobot_levels.analysis.compare import compare as compared
-    from babyrobot_levels.analysis.minigrid import MINIGRID
+    from babyrobot_levels.analysis.environments import MINIGRID
 
     given = None if actions is None else _numbers(actions)
     keywords = None if kwargs is None else json_mapping(kwargs)

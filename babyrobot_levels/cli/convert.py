@@ -197,7 +197,7 @@ def _is_environment(file: Path, chosen: WorldFormat | None) -> bool:
 
 def _environment(env_id: str, seed: int, kwargs: str | None, slippery: bool | None) -> World:
     """Return the world of an environment of MiniGrid."""
-    from babyrobot_levels.analysis.minigrid import made_minigrid
+    from babyrobot_levels.analysis.environments import made_minigrid
     from babyrobot_levels.convert.minigrid import world_of_environment
 
     _check_slippery(slippery, (), env_id)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from babyrobot_levels.analysis.environments import ComparisonError
-from babyrobot_levels.analysis.minigrid import DIRECTIONS, made_minigrid
+from babyrobot_levels.analysis.environments import DIRECTIONS, ComparisonError, made_minigrid
 from babyrobot_levels.convert.conversion import ConversionError, World, level_of
 from babyrobot_levels.convert.minigrid_grids import (
     LAVA,

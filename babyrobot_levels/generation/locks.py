@@ -199,13 +199,11 @@ class Placer:
         for _ in range(MOST_TRIES if edges else 0):
             edge = self._draw(edges)
             door = (*edge, below(self.rng, len(self.keys)))
-            if self._separates(frozenset(edge)) and self._is_solvable([*self.doors, door]):
+            separates = len(_flood(self.ahead, self.start, {frozenset(edge)})) < len(self.ahead)
+            if separates and self._is_solvable([*self.doors, door]):
                 self.doors.append(door)
                 return True
         return False
-
-    def _separates(self, edge: frozenset[int]) -> bool:
-        return len(_flood(self.ahead, self.start, {edge})) < len(self.ahead)
 
     def _is_solvable(self, doors: list[tuple[int, int, int]]) -> bool:
         """Tell whether all keys and the exit can be reached."""

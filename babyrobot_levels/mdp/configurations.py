@@ -168,11 +168,12 @@ class Things:
         self.names = tuple(thing.name or free(thing.usual_name) for thing in self._each)
         self.kinds = tuple(thing.kind for thing in self._each)
         self.radices = tuple(thing.values for thing in self._each)
-        self._needed = [
-            (column, name, thing.is_met)
+        self.static = sum(not thing.moves for thing in self._each)
+        self.needed = {
+            name: (column, thing.is_met)
             for column, (name, thing) in enumerate(zip(self.names, self._each, strict=True))
             if thing.is_met is not None
-        ]
+        }
 
     def __len__(self) -> int:
         return len(self._each)
@@ -182,11 +183,6 @@ class Things:
 
     def __getitem__(self, column: int) -> Thing:
         return self._each[column]
-
-    @property
-    def static(self) -> int:
-        """The number of things other than movers, which come first."""
-        return sum(not thing.moves for thing in self._each)
 
     @property
     def switches(self) -> slice:
@@ -204,14 +200,11 @@ class Things:
         first = self.kinds.index(kind) if count else 0
         return slice(first, first + count)
 
-    @property
-    def needed(self) -> dict[str, tuple[int, int]]:
-        """Where the value of each thing that doors and exits can need is, and what meets that."""
-        return {name: (column, value) for column, name, value in self._needed}
-
     def met(self, values: Sequence[int]) -> frozenset[str]:
         """Return the names of the items that are held and of the switches that are on."""
-        return frozenset(name for column, name, value in self._needed if values[column] == value)
+        return frozenset(
+            name for name, (column, value) in self.needed.items() if values[column] == value
+        )
 
     def closed(self, met: frozenset[str]) -> tuple[bool, ...]:
         """Return for each door whether it is closed, by the names of what is held or on."""
@@ -262,7 +255,7 @@ class Things:
         It is empty where there is nothing that could be held or on.
         """
         met: dict[str, list[str]] = {}
-        for column, name, value in self._needed:
+        for name, (column, value) in self.needed.items():
             need = KIND[self.kinds[column]].need
             names = met.setdefault(need.met if need else "", [])
             names += [name] if values[column] == value else []

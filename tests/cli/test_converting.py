@@ -49,7 +49,7 @@ def without_minigrid(monkeypatch: pytest.MonkeyPatch) -> None:
         assert (seed, kwargs) == (3, None)
         return recorded(env_id.removeprefix("minigrid:"))
 
-    monkeypatch.setattr("babyrobot_levels.analysis.minigrid.made_minigrid", made)
+    monkeypatch.setattr("babyrobot_levels.analysis.environments.made_minigrid", made)
     monkeypatch.setattr("babyrobot_levels.analysis.compare.made_minigrid", made)
 
 

@@ -8,7 +8,7 @@ import pytest
 from support.conversions import level_of_world
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.minigrid import made_minigrid
+from babyrobot_levels.analysis.environments import made_minigrid
 from babyrobot_levels.convert.minigrid import world_of_environment
 from babyrobot_levels.library.level import Level
 

@@ -127,16 +127,13 @@ class Result:
     """Makes the arrays of a frozen dataclass read-only, and its `policy` a `PolicyArray`."""
 
     def __post_init__(self) -> None:
-        self._tag_policy()
-        for value in vars(self).values():
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
-
-    def _tag_policy(self) -> None:
         values = vars(self)
         for name in ("policy", "policies"):
             if values.get(name) is not None:
                 values[name] = PolicyArray(values[name], values["actions"])
+        for value in values.values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
 
 
 class StateResult(Shown, Result):
