@@ -32,9 +32,9 @@ from babyrobot_levels.cli.inputs import (
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
-from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.convert.formats import FORMATS, guess
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.files import schema_for
 from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import listed
 

@@ -50,12 +50,11 @@ def install(
 
       babyrobot preview zoo/lion
     """
-    from babyrobot_levels.library.packs import archive, store
+    from babyrobot_levels.library.packs import store
     from babyrobot_levels.library.packs.format import PackConflictError, PackError
 
     try:
-        read = archive.read_archive(file)
-        done = store.install(read, force=force)
+        done = store.install(file, force=force)
     except PackError as error:
         note(f"error: {one_line(f'{file} was not installed: {error}')}")
         raise typer.Exit(FINDINGS) from None
@@ -71,9 +70,9 @@ def install(
         where = f": {error.filename}" if error.filename else ""
         fail(f"{file} was not installed: {error.strerror or error}{where}")
     if report_format is ReportFormat.JSON:
-        write_json(_to_dict(read, done))
+        write_json(_to_dict(done.archive, done))
     else:
-        _write_summary(read, done)
+        _write_summary(done.archive, done)
 
 
 def uninstall(

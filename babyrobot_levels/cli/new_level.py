@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, get_args
 import typer
 
 from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
-from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import schema_for
 
 if TYPE_CHECKING:
     from babyrobot_levels.generation.starter import StarterOptions

@@ -39,20 +39,13 @@ def rule(
 
       babyrobot rule inescapable-state
     """
-    from babyrobot_levels.linter.rules import all_pages, find
-    from babyrobot_levels.text.words import did_you_mean
+    from babyrobot_levels.linter.rules import UnknownRuleError
+    from babyrobot_levels.linter.rules import rule as rule_of
 
-    if code is None:
-        rules = all_pages()
-    else:
-        found = find(code)
-        if found is None:
-            words = [word for each in all_pages() for word in (each.code, each.name)]
-            fail(
-                f"unknown rule {code!r}{did_you_mean(code, words)}",
-                "`babyrobot rule` lists all rules",
-            )
-        rules = (found,)
+    try:
+        rules = rule_of() if code is None else (rule_of(code),)
+    except UnknownRuleError as error:
+        fail(str(error), "`babyrobot rule` lists all rules")
     if report_format is ReportFormat.JSON:
         write_json(
             [

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,7 +24,6 @@ from babyrobot_levels.cli.levels import (
     valid_levels,
 )
 from babyrobot_levels.cli.parallel import track, working
-from babyrobot_levels.cli.schema import schema_for
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
@@ -148,41 +146,21 @@ class _Shown:
     def of(self, level: Level) -> str:
         if self.page is None:
             return level.share_code()
-        return f"{self.page}#{_fragment(level, answers=self.answers)}"
+        return f"{self.page}#{self._fragment(level)}"
 
+    def _fragment(self, level: Level) -> str:
+        from babyrobot_levels.analysis.sharing import fragment_of
+        from babyrobot_levels.cli.pictures import check_page_size
+        from babyrobot_levels.render.page_data import TooLargeError
 
-def _fragment(level: Level, *, answers: bool) -> str:
-    """Return the part of a link after its `#`."""
-    from babyrobot_levels.analysis.guides import guide_of
-    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
-    from babyrobot_levels.cli.pictures import check_page_size
-    from babyrobot_levels.render.page import link_fragment
-    from babyrobot_levels.render.page_data import TooLargeError
-
-    played = level
-    if level.has_random_maze:
-        note("the maze is random: the page plays the one of seed 0 (see `babyrobot resolve`)")
-        played = level.with_maze_seed(0)
-    check_page_size(played, "send the level file")
-    guide = None
-    try:
-        guide = guide_of(played) if answers else None
-    except UndefinedReturnError as error:
-        note(f"the page shows no optimal moves: {error}")
-    if guide is not None:
-        for known in (guide, replace(guide, turning=None)):
-            with suppress(TooLargeError):
-                return link_fragment(level, played, known)
-    try:
-        fragment = link_fragment(level, played)
-        if guide is not None:
-            note("the page shows no optimal moves: the link would be too long with them")
-        return fragment
-    except TooLargeError as error:
-        fail(
-            str(error),
-            "send the level file, or a page made by `babyrobot preview LEVEL -o page.html`",
-        )
+        try:
+            return fragment_of(level, answers=self.answers, tell=note)
+        except TooLargeError as error:
+            check_page_size(level, "send the level file")
+            fail(
+                str(error),
+                "send the level file, or a page made by `babyrobot preview LEVEL -o page.html`",
+            )
 
 
 share.command_class = ShareCommand  # type: ignore[attr-defined]
@@ -205,6 +183,7 @@ def resolve(
 
       babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
     """
+    from babyrobot_levels.library.resolving import text_for
     from babyrobot_levels.text.source import MAX_BYTES
 
     loaded = with_seed(load_level(level), maze_seed)
@@ -215,7 +194,7 @@ def resolve(
         resolved = loaded.resolve()
         text = resolved.to_yaml(comments=True)
     if output is not None:
-        text = _text_for(resolved, text, output)
+        text = text_for(resolved, text, output)
     if len(text.encode("utf-8")) > MAX_BYTES:
         fail(
             "the walls of this maze do not fit into a level file", "a level file has at most 1 MiB"
@@ -247,20 +226,3 @@ def _check_walls(level: Level) -> None:
             f"this maze has {count:,} straight walls, too many for a level file",
             f"a level file has at most 1 MiB, room for some {MAX_BYTES // 35:,} walls",
         )
-
-
-def _text_for(level: Level, text: str, path: Path) -> str:
-    """Return the text for a file; it includes a theme that is not found from there."""
-    from babyrobot_levels.language.looks import BUILTIN_THEMES
-    from babyrobot_levels.library.reading import load_source
-    from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.source import SourceFile, with_schema
-
-    if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
-        try:
-            theme = load_source(SourceFile(str(path), text), path).resolved_theme
-        except LevelError:
-            theme = None
-        if theme != level.resolved_theme:
-            text = level.replace(theme=level.resolved_theme).to_yaml(comments=True)
-    return with_schema(text, schema_for(path))

@@ -111,6 +111,8 @@ class Conversion:
         beside: files that belong to the text, by name.
     """
 
+    __module__ = "babyrobot_levels"
+
     text: str
     warnings: tuple[Lost, ...] = ()
     beside: Mapping[str, bytes] = field(default_factory=dict)

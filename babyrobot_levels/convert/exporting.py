@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.convert.conversion import Conversion, Lost
 from babyrobot_levels.convert.formats import FORMATS
 from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import write_new
 from babyrobot_levels.text.source import SourceFile
 
 _LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
@@ -27,20 +31,58 @@ _OF_AREAS = ("reward", "skid", "ends")
 """What areas have beside looks."""
 
 
-def export(level: Level, name: str) -> Conversion:
-    """Return a level in another format.
+def export(
+    level: LevelLike,
+    format: str | None = None,  # noqa: A002
+    path: str | os.PathLike[str] | None = None,
+    *,
+    maze_seed: int | None = None,
+    force: bool = False,
+) -> Conversion:
+    """Return a level in the format of another program, as `babyrobot export` writes it.
 
     The warnings list everything that the format cannot hold. The result is read again and its
     tables are compared with those of the level, in which what warnings name is as in the result: a
     difference is a warning too.
 
     Args:
-        level: the level.
-        name: a name of `FORMATS`.
+        level: a name, a path, a share code, a mapping, or a level.
+        format: the format, such as `"frozen-lake"`; by default by the suffix of the file.
+        path: a file to write it to, and beside it what belongs to it.
+        maze_seed: the seed of the maze of a level with a random maze.
+        force: whether to replace existing files.
 
     Raises:
-        LevelError: the level's maze has no seed yet (`seed: random`).
+        LevelNotFoundError: nothing has that name.
+        LevelError: the level is not valid, or its maze has no seed yet (`seed: random`).
+        ValueError: there is no such format.
+        FileExistsError: there is a file, and `force` is not given.
     """
+    found = load(level) if maze_seed is None else load(level).with_maze_seed(maze_seed)
+    conversion = converted(found, format or _by_suffix(path))
+    if path is not None:
+        for beside, data in conversion.beside.items():
+            write_new(Path(path).parent / beside, data, force=force)
+        write_new(Path(path), conversion.text, force=force)
+    return conversion
+
+
+def _by_suffix(path: str | os.PathLike[str] | None) -> str:
+    suffix = "" if path is None else Path(path).suffix.lower()
+    found = [name for name, each in FORMATS.items() if suffix in each.written_suffixes]
+    if not found:
+        raise ValueError("give the format: one of " + ", ".join(_written()))
+    return found[0]
+
+
+def _written() -> list[str]:
+    return [name for name, each in FORMATS.items() if each.is_written]
+
+
+def converted(level: Level, name: str) -> Conversion:
+    """Return a level in a format by its name; see `export`."""
+    if name not in _written():
+        raise ValueError(f"there is no format {name!r}; use one of {', '.join(_written())}")
     conversion = FORMATS[name].write(level)
     unsaid = _unsaid(level, conversion, name)
     if unsaid is None:

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from textwrap import indent
 from typing import Any
 
 from babyrobot_levels.generation.locks import Counts, Placer
+from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.library.reading import loads
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import load_source, loads
 from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.mdp.mazes.lattice import below
 from babyrobot_levels.text.emitter import flow, scalar
+from babyrobot_levels.text.files import schema_for, write_new
+from babyrobot_levels.text.source import SourceFile
 
 TEMPLATES = ("grid", "maze", "drawing")
 
@@ -41,6 +47,61 @@ class StarterOptions:
     def has_things(self) -> bool:
         """Whether there is a key, or a coin."""
         return self.key or self.coins > 0
+
+
+def new_level(
+    name: str,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    template: str = "grid",
+    size: tuple[int, int] = (8, 5),
+    maze_seed: int | None = None,
+    algorithm: str = "depth-first",
+    loops: float = 0.0,
+    puddles: int = 0,
+    theme: str = "default",
+    key: bool = False,
+    coins: int = 0,
+    force: bool = False,
+) -> Level:
+    """Write a new level file, with comments that explain it, as `babyrobot new-level` does.
+
+    Args:
+        name: the name of the level: lower-case letters, digits and `-`.
+        path: the file; by default `levels/NAME.yaml`.
+        template: `"grid"`, `"maze"` or `"drawing"`.
+        size: width and height in cells.
+        maze_seed: the seed of a maze; None for no maze, unless by the template.
+        algorithm: the algorithm of the maze.
+        loops: the share of the maze's dead ends to open.
+        puddles: the number of puddles.
+        theme: the name of a theme.
+        key: whether there is a locked door on the way to the exit, and its key.
+        coins: the number of coins.
+        force: whether to replace an existing file.
+
+    Returns:
+        The level of the file.
+
+    Raises:
+        ValueError: an argument has an invalid value, or there is no room for what is asked for.
+        LevelError: the level would not be valid: there is no such theme, or no such size.
+        FileExistsError: there is a file, and `force` is not given.
+    """
+    if slug(name) != name:
+        raise ValueError(f"a name has lower-case letters, digits and `-`, not {name!r}")
+    if template not in TEMPLATES:
+        raise ValueError(f"there is no template {template!r}; use one of {', '.join(TEMPLATES)}")
+    maze = {"seed": maze_seed or 0, "algorithm": algorithm, "loops": loops}
+    grown = Level.from_fields({"version": 1, "size": size, "maze": maze})
+    file = Path("levels", f"{name}.yaml") if path is None else Path(path)
+    options = StarterOptions(
+        name, template, grown.size, maze_seed, algorithm, loops, puddles, theme, key, coins
+    )
+    text = starter(options, schema_for(file))
+    level = load_source(SourceFile(str(file), text), file)
+    write_new(file, text, force=force)
+    return level
 
 
 def starter(options: StarterOptions, schema: str | None) -> str:

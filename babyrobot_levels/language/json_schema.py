@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import ast
 import inspect
+import json
+import os
 from collections import ChainMap
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -23,6 +25,7 @@ from babyrobot_levels.language.play import PlayFields
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import KINDS, PackFields, SuiteListFields
 from babyrobot_levels.language.things import LegendEntry
+from babyrobot_levels.text.files import write_new
 
 # Draft 7 is what the editors know best.
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -127,6 +130,32 @@ SCHEMAS = {
     "theme": theme_schema,
 }
 """The schemas by the name under which the command line knows them."""
+
+
+def schema(
+    name: str = "level", path: str | os.PathLike[str] | None = None, *, force: bool = False
+) -> dict[str, Any]:
+    """Return a JSON schema, as `babyrobot schema` prints it.
+
+    Args:
+        name: of which files: `"level"`, `"pack"`, `"play"`, `"suite"` or `"theme"`.
+        path: a file to write it to.
+        force: whether to replace an existing file.
+
+    Raises:
+        ValueError: there is no such schema.
+        FileExistsError: there is a file.
+    """
+    if name not in SCHEMAS:
+        raise ValueError(f"there is no schema {name!r}; the schemas are {', '.join(SCHEMAS)}")
+    if path is not None:
+        write_new(Path(path), schema_text(name), force=force)
+    return SCHEMAS[name]()
+
+
+def schema_text(name: str) -> str:
+    """Return a schema as the text of a file."""
+    return json.dumps(SCHEMAS[name](), indent=2, ensure_ascii=False) + "\n"
 
 
 def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:

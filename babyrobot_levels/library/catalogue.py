@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
     Env = gymnasium.Env[Any, Any]
 
+LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
+"""A level, as `load` takes it."""
+
 MAX_THUMBNAILS = 50
 """How many levels of a list a notebook shows with a picture."""
 
@@ -165,7 +168,7 @@ def _size(info: LevelInfo) -> str:
     return f"{info.size[0]} × {info.size[1]}"
 
 
-def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
+def load(level: LevelLike) -> Level:
     """Return a level.
 
     Args:
@@ -190,7 +193,7 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
     return load_file(level_path(level))
 
 
-def make(level: str | os.PathLike[str] | Mapping[str, Any] | Level, **kwargs: Any) -> Env:
+def make(level: LevelLike, **kwargs: Any) -> Env:
     """Return a level as a Gymnasium environment; its `max_steps` becomes the time limit.
 
     Args:

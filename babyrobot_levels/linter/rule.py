@@ -16,7 +16,7 @@ Check = Callable[[LintContext], Iterable[Finding]]
 Function = TypeVar("Function", bound=Callable[[Any], Iterable[Finding]])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Rule:
     """A rule, or the page of an error code.
 
@@ -39,6 +39,14 @@ class Rule:
     needs: Needs = Needs.LEVEL
     check: Check | None = None
     default: bool = True
+
+    __module__ = "babyrobot_levels"
+
+    def __repr__(self) -> str:
+        return f"<Rule {self.code} {self.name}: {self.summary}>"
+
+    def _repr_markdown_(self) -> str:
+        return f"## {self.name} ({self.code})\n\n{self.page}"
 
     @cached_property
     def names(self) -> frozenset[str]:

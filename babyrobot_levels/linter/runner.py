@@ -69,7 +69,7 @@ def lint_source(
 
     Args:
         source: the text.
-        rules: the rules; see `registry.select`.
+        rules: the rules; see `rules.select`.
         path: the file of the text, which gives the level's name and the folder of its themes.
         max_cells: the most cells of a level for which rules that need its tables are checked; by
             default any number.

@@ -16,7 +16,7 @@ from typing import Any
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.parallel.choice import executor_for
 from babyrobot_levels.publish.assets import ASSETS
 from babyrobot_levels.publish.facts import Facts
@@ -25,7 +25,7 @@ from babyrobot_levels.publish.level_page import with_neighbours
 from babyrobot_levels.publish.wall import wall_html
 from babyrobot_levels.scoring.sent import Item, received, sent
 from babyrobot_levels.suites.batch import FolderError
-from babyrobot_levels.suites.named import LevelLike, Levels, folder_named, named_levels
+from babyrobot_levels.suites.named import Levels, folder_named, named_levels
 from babyrobot_levels.suites.suite import Suite
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import (

@@ -5,18 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from babyrobot_levels.language.share_code import is_code
-from babyrobot_levels.library.catalogue import is_suite_file, level_path, suite_path
+from babyrobot_levels.library.catalogue import LevelLike, is_suite_file, level_path, suite_path
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import GALLERY, gallery_place, pack_places, yaml_files
 from babyrobot_levels.suites.suite import Suite, load_suite
 from babyrobot_levels.text.errors import LevelNotFoundError
 from babyrobot_levels.text.files import is_file, is_folder
-
-LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
-"""A level, as `load` takes it."""
 
 Levels = LevelLike | Suite | Iterable[LevelLike]
 """A level, several, or what `named_levels` finds by a name or a path."""

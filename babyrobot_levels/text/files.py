@@ -40,6 +40,9 @@ _MAX_PREFIX = 40
 """So many characters of a file's name does its temporary name begin with."""
 
 
+_SCHEMA = Path("schemas", "level.schema.json")
+
+
 class NotRegularError(OSError):
     """A device, a pipe or a socket where a file is needed."""
 
@@ -137,6 +140,23 @@ def user_folder() -> Path:
     return user_data_path("babyrobot-levels", appauthor=False)
 
 
+def schema_for(path: Path) -> str | None:
+    """Return how a level file refers to its schema, None where the project has none.
+
+    Args:
+        path: the file, which need not exist.
+
+    Returns:
+        The relative path of `schemas/level.schema.json` in the nearest folder around the file
+        that has one. A path of this machine would be wrong on every other one.
+    """
+    folder = Path(os.path.abspath(path)).parent  # noqa: PTH100  (a circle of links has no end)
+    for parent in (folder, *folder.parents):
+        if is_file(parent / _SCHEMA):
+            return Path(os.path.relpath(parent / _SCHEMA, folder)).as_posix()
+    return None
+
+
 def source_of(data: bytes, name: str) -> SourceFile:
     """Return bytes as a text.
 
@@ -202,6 +222,17 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
     make_folder(path.parent)
     with _naming(path):
         _replace(path, data, sync=sync)
+
+
+def write_new(path: Path, data: str | bytes, *, force: bool = False) -> None:
+    """Write a file as `write_text` does, in place of an existing one only with `force`.
+
+    Raises:
+        FileExistsError: there is a file, or something else.
+    """
+    if path.exists() and not (force and is_file(path)):
+        raise FileExistsError(errno.EEXIST, "it already exists (force=True replaces it)", str(path))
+    write_bytes(path, data.encode("utf-8") if isinstance(data, str) else data)
 
 
 def _replace(path: Path, data: bytes, *, sync: bool) -> None:

@@ -17,7 +17,7 @@ from PIL import Image
 from support.combinations import swept
 from support.sessions import Result, environment, prepared_folder, run_here
 
-from babyrobot_levels.cli.schema import schema_text
+from babyrobot_levels.language.json_schema import schema_text
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.reading import load_file
 from babyrobot_levels.mdp.mazes import ALGORITHMS

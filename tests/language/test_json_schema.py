@@ -19,9 +19,8 @@ from support.sessions import environment, run_here
 from support.things import thing_worlds
 from support.worlds import decorated_worlds
 
-from babyrobot_levels.cli.schema import schema_text
 from babyrobot_levels.language.fields import LevelFields, Role
-from babyrobot_levels.language.json_schema import level_schema, theme_schema
+from babyrobot_levels.language.json_schema import level_schema, schema_text, theme_schema
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.validation import validate

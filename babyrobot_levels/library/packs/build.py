@@ -34,7 +34,7 @@ _LOCAL_SCHEMA = re.compile(rb"^#.*\$schema=(?:file:|/|~|[A-Za-z]:[/\\])", re.MUL
 """A schema line that leads to a file of this machine."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Packed:
     """What became of a folder.
 
@@ -45,7 +45,10 @@ class Packed:
         diagnostics: all findings, by file and position.
         data: the archive, None if there are errors among the diagnostics.
         local: the files that say where something lies on this machine, in their schema line.
+        path: the file of the archive, None if none was written.
     """
+
+    __module__ = "babyrobot_levels"
 
     contents: Contents
     paths: list[str]
@@ -53,6 +56,10 @@ class Packed:
     diagnostics: list[Diagnostic]
     data: bytes | None = None
     local: Sequence[str] = ()
+    path: Path | None = None
+
+    def __repr__(self) -> str:
+        return f"<Packed {self.path or 'nothing'}: {self.contents.summary()}>"
 
 
 def pack(folder: Path, lint: Callable[[Sequence[Path]], list[Diagnostic]]) -> Packed:

@@ -34,6 +34,8 @@ class InstalledPack:
         version: the installed version; None for a folder that was put there by hand.
     """
 
+    __module__ = "babyrobot_levels"
+
     name: str
     folder: Path
     version: str | None = None

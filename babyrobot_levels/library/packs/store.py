@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from babyrobot_levels.language.suite_list import version_order
-from babyrobot_levels.library.packs.archive import Archive
+from babyrobot_levels.library.packs.archive import Archive, read_archive
 from babyrobot_levels.library.packs.contents import Contents, check_contents, survey
 from babyrobot_levels.library.packs.format import PackConflictError, PackNotFoundError
 from babyrobot_levels.library.packs.known import (
@@ -95,40 +95,51 @@ _PART = ".part-"
 """The prefix of folders that are being installed or removed."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Installation:
     """The result of installing an archive.
 
     Attributes:
         pack: the installed pack.
+        archive: what was read of its file.
         contents: its contents; None if the same pack was already installed.
         before: the version that was installed before, None if there was none.
     """
 
+    __module__ = "babyrobot_levels"
+
     pack: InstalledPack
+    archive: Archive
     contents: Contents | None
     before: str | None
 
+    def __repr__(self) -> str:
+        what = "" if self.contents is None else f": {self.contents.summary()}"
+        return f"<Installation of {self.pack.name} {self.pack.version}{what}>"
 
-def install(archive: Archive, *, force: bool = False) -> Installation:
-    """Install a pack into the user's folder; replace an earlier version.
+
+def install(pack: str | os.PathLike[str] | Archive, *, force: bool = False) -> Installation:
+    """Install a pack, whose levels are then called PACK/LEVEL, as `babyrobot install` does.
+
+    An earlier version is replaced: what is installed is always whole.
 
     Args:
-        archive: the archive, which was read and checked.
+        pack: the path of a `.brlpack` file, or what was read of it.
         force: whether to replace also a later version, another pack of the same version, or the
             same pack.
 
     Raises:
-        PackError: the levels are invalid or differ from the manifest.
+        PackError: the file is no pack, or the levels are invalid or differ from the manifest.
         PackConflictError: `force` is needed, or there is a folder that was put there by hand.
         OSError: the folder cannot be written.
     """
+    archive = pack if isinstance(pack, Archive) else read_archive(Path(pack))
     home, name = packs_folder(), archive.manifest.name
     with locked(home):
         _sweep(home)
         before = installed(name)
         if before is not None and _is_same(before, archive) and not force:
-            return Installation(before, None, before.version)
+            return Installation(before, archive, None, before.version)
         _permit(home / name, before, archive, force)
         part = Path(tempfile.mkdtemp(prefix=_PART, dir=home))
         try:
@@ -140,8 +151,8 @@ def install(archive: Archive, *, force: bool = False) -> Installation:
         finally:
             _remove(part)
             _sweep(home)
-        pack = InstalledPack(name, home / name / folder.name, archive.manifest.version)
-    return Installation(pack, contents, None if before is None else before.version)
+        done = InstalledPack(name, home / name / folder.name, archive.manifest.version)
+    return Installation(done, archive, contents, None if before is None else before.version)
 
 
 def uninstall(name: str) -> InstalledPack:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Sequence
 from functools import cache, lru_cache
 from importlib import resources
+from typing import overload
 
 from babyrobot_levels.linter.rule import REGISTERED, Rule
 from babyrobot_levels.text.diagnostics import Severity
@@ -37,6 +38,28 @@ def all_pages() -> tuple[Rule, ...]:
 def find(word: str) -> Rule | None:
     """Return the rule or error with a code or a name; None if there is none."""
     return next((rule for rule in all_pages() if rule.is_called(word)), None)
+
+
+@overload
+def rule(code: str) -> Rule: ...
+@overload
+def rule(code: None = None) -> tuple[Rule, ...]: ...
+def rule(code: str | None = None) -> Rule | tuple[Rule, ...]:
+    """Return a rule or an error code with its page, or all of them, as `babyrobot rule` does.
+
+    Args:
+        code: a code (`"BR503"`) or a name (`"inescapable-state"`); None for all.
+
+    Raises:
+        UnknownRuleError: there is none.
+    """
+    if code is None:
+        return all_pages()
+    found = find(code)
+    if found is None:
+        words = [word for each in all_pages() for word in (each.code, each.name)]
+        raise UnknownRuleError(f"unknown rule {code!r}{did_you_mean(code, words)}")
+    return found
 
 
 def select(select: Sequence[str] | None, ignore: Sequence[str] = ()) -> tuple[Rule, ...]:

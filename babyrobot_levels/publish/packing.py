@@ -1,0 +1,45 @@
+"""`pack`: a folder of levels, checked and written as one file."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from babyrobot_levels.library.packs import build
+from babyrobot_levels.library.packs.archive import SUFFIX
+from babyrobot_levels.library.packs.build import Packed
+from babyrobot_levels.linter.linting import lint
+from babyrobot_levels.text.diagnostics import Severity
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import write_new
+
+
+def pack(
+    folder: str | os.PathLike[str] = ".",
+    path: str | os.PathLike[str] | None = None,
+    *,
+    force: bool = False,
+) -> Packed:
+    """Check a folder of levels, and pack it into one file, as `babyrobot pack` does.
+
+    Args:
+        folder: the folder, with a `pack.yaml`.
+        path: the file to write; by default `NAME-VERSION.brlpack` in the current folder.
+        force: whether to replace an existing file.
+
+    Returns:
+        What is in the pack, the files that were left out, and the findings that are no errors.
+
+    Raises:
+        PackError: the folder has no `pack.yaml`, or contains more than a pack may.
+        LevelError: there are errors in the files; its `diagnostics` tell them.
+        FileExistsError: there is a file, and `force` is not given.
+    """
+    packed = build.pack(Path(folder), lint)
+    fields = packed.contents.fields
+    if fields is None or packed.data is None:
+        raise LevelError(e for e in packed.diagnostics if e.severity is Severity.ERROR)
+    file = Path(f"{fields.name}-{fields.version}{SUFFIX}" if path is None else path)
+    write_new(file, packed.data, force=force)
+    return replace(packed, path=file)
