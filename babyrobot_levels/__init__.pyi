@@ -65,8 +65,8 @@ from .library.packs.store import uninstall as uninstall
 from .library.reading import loads as loads
 from .library.resolving import resolve as resolve
 from .linter.linting import lint as lint
-from .linter.rules import rule as rule
 from .linter.rule import Rule as Rule
+from .linter.rules import rule as rule
 from .mdp.actions import Action as Action
 from .mdp.actions import Turn as Turn
 from .mdp.configurations import Configuration as Configuration

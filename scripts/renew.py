@@ -30,8 +30,7 @@ import structure  # noqa: E402
 from support import golden, reports, sessions  # noqa: E402
 
 from babyrobot_levels.cli.reference import reference  # noqa: E402
-from babyrobot_levels.cli.schema import schema_text  # noqa: E402
-from babyrobot_levels.language.json_schema import SCHEMAS  # noqa: E402
+from babyrobot_levels.language.json_schema import SCHEMAS, schema_text  # noqa: E402
 from babyrobot_levels.linter.rules import documents  # noqa: E402
 from babyrobot_levels.mdp.mazes import ALGORITHMS  # noqa: E402
 
