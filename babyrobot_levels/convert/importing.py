@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.analysis.certificate import ComparisonError
+from babyrobot_levels.analysis.environments import ComparisonError
 from babyrobot_levels.analysis.minigrid import made_minigrid
 from babyrobot_levels.convert.conversion import ConversionError, World, file_text, level_of
 from babyrobot_levels.convert.formats import FORMATS, guess
