@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.analysis.environments import ComparisonError
-from babyrobot_levels.analysis.minigrid import made_minigrid
+from babyrobot_levels.analysis.environments import ComparisonError, made_minigrid
 from babyrobot_levels.convert.conversion import ConversionError, World, file_text, level_of
 from babyrobot_levels.convert.formats import FORMATS, guess
 from babyrobot_levels.convert.minigrid import world_of_environment
