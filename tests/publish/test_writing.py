@@ -191,7 +191,7 @@ def test_a_gallery_without_answers_is_written_without_solving(
         "solver.optimum.solve",
         "solver.evaluation.evaluation_of",
         "solver.distribution.distribution_of",
-        "solver.many.worth_within",
+        "solver.horizon.worth_within",
     ):
         monkeypatch.setattr(f"babyrobot_levels.analysis.{place}", refuse)
     assert len(brl.gallery(LEVELS, tmp_path / "site", answers=False).levels) == len(LEVELS)
