@@ -1,18 +1,24 @@
-"""The levels that commands take as arguments: names, files, share codes, standard input."""
+"""Levels, and other arguments of commands."""
 
 from __future__ import annotations
 
 import json
+import re
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.console import fail
-from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
+from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note
+from babyrobot_levels.cli.parallel import Workers, map_all
+from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, read_path, summary
+from babyrobot_levels.text.files import RESERVED, make_folder
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.suites.suite import Suite
 
 LevelArgument = Annotated[
     str,
@@ -108,3 +114,140 @@ def with_seed(level: Level, maze_seed: int | None) -> Level:
     if maze_seed is not None:
         fail("the level's maze is not random", "leave out --maze-seed")
     return level
+
+
+LevelsArgument = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="LEVEL",
+        help="A name, PACK/NAME, the path of a file, a share code, or `-` for standard input; "
+        "several of these; folders of level files and packs; or one suite.",
+    ),
+]
+SplitOption = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Only this split of a suite.", show_default=False),
+]
+
+
+def is_one_level(words: Sequence[str]) -> bool:
+    """Return whether arguments name one level, and no folder, pack or suite."""
+    from babyrobot_levels.suites.named import folder_named, suite_named
+
+    if len(words) != 1 or _is_input(words[0]):
+        return len(words) == 1
+    return suite_named(words[0]) is None and folder_named(words[0]) is None
+
+
+def names_levels(word: str) -> bool:
+    """Return whether an argument names a level, folder, pack or suite that exists."""
+    from babyrobot_levels.text.errors import BabyRobotError
+
+    try:
+        return not is_one_level([word]) or load_level(word) is not None
+    except BabyRobotError:
+        return False
+
+
+def levels_named(words: Sequence[str], split: str | None = None) -> Suite | list[Any]:
+    """Return the levels that arguments name: a suite, or what `load` takes for each level.
+
+    Args:
+        words: the arguments.
+        split: the part of a suite that is meant; None for all of it.
+    """
+    from babyrobot_levels.suites.suite import Suite
+
+    found = [(word, _named(word)) for word in words]
+    for word, suite in found:
+        if not isinstance(suite, Suite):
+            continue
+        if len(words) > 1:
+            fail(f"{word} is a suite, which stands alone", "leave out the other arguments")
+        try:
+            return suite if split is None else suite.split(split)
+        except ValueError as error:
+            fail(str(error))
+    if split is not None:
+        fail("--split is a part of a suite, and this is none")
+    return [level for _, levels in found for level in levels]
+
+
+def valid_levels(
+    levels: list[Any], what: str, *, jobs: int | None = None, keep_going: bool | None = None
+) -> tuple[list[Any], int]:
+    """Return levels without the files that have errors, and the number of these.
+
+    The errors of all files are reported, as by `babyrobot validate`. Without `keep_going`, they
+    end the command.
+
+    Args:
+        levels: the levels, as `levels_named` returns them.
+        what: what the command writes, for the note that it is not written.
+        jobs: the number of processes.
+        keep_going: whether to go on without them; None where there is no such option.
+    """
+    from babyrobot_levels.cli.check import errors_of
+
+    files = [each for each in levels if isinstance(each, Path)]
+    found = dict(zip(files, map_all(errors_of, files, Workers(jobs), "checking"), strict=True))
+    broken = {file: errors for file, errors in found.items() if errors}
+    if not broken:
+        return levels, 0
+    diagnostics = [each for errors in broken.values() for each in errors]
+    report = findings_text(diagnostics, sys.stderr)
+    sys.stderr.write(f"{report}\n{summary(diagnostics, len(files))}\n")
+    if not keep_going:
+        others = "" if keep_going is None else ", or leave them out with --keep-going"
+        note(f"no {what} written: fix the errors first{others}")
+        raise typer.Exit(FINDINGS)
+    return [each for each in levels if each not in broken], len(broken)
+
+
+def each_loaded(levels: Suite | list[Any]) -> Iterator[Level]:
+    """Yield the levels that `levels_named` has returned."""
+    from babyrobot_levels.library.catalogue import load
+
+    for level in levels:
+        yield load(level)
+
+
+def names_of_files(levels: Iterator[Level]) -> Iterator[tuple[str, Level]]:
+    """Yield each level with a name for a file, which none before it has."""
+    taken = set(RESERVED)
+    for level in levels:
+        base = re.sub(r"[^\w-]+", "-", level.name or "").strip("-") or "level"
+        name, number = base, 1
+        while name.casefold() in taken:
+            number += 1
+            name = f"{base}-{number}"
+        taken.add(name.casefold())
+        yield name, level
+
+
+def folder_for(output: Path) -> Path:
+    """Return the folder to which files of several levels are written, made if there is none."""
+    if not output.is_dir() and (output == STANDARD_OUTPUT or output.suffix or output.exists()):
+        fail(f"{output} is not a folder", "several levels are written to one: -o FOLDER")
+    make_folder(output)
+    return output
+
+
+def _is_input(word: str) -> bool:
+    """Return whether an argument is a level itself: standard input, or what holds its text."""
+    return word == str(STANDARD_INPUT) or "\n" in word
+
+
+def _named(word: str) -> Suite | list[Any]:
+    """Return what an argument names: a suite, or what `load` takes for each level."""
+    from babyrobot_levels.suites.named import named_levels
+    from babyrobot_levels.text.errors import BabyRobotError
+
+    if _is_input(word):
+        return [load_level(word)]
+    try:
+        return named_levels(word)  # type: ignore[return-value]
+    except BabyRobotError:
+        raise
+    except ValueError as error:
+        fail(str(error))

@@ -90,7 +90,7 @@ def lint(
     workers = Workers(jobs, ray, ray_address)
     try:
         if watch:
-            from babyrobot_levels.cli.watching import each_change
+            from babyrobot_levels.cli.console import each_change
 
             for files in each_change(lambda: level_paths(paths)):
                 _run(files, options, report_format, diff=False, workers=workers)

@@ -23,7 +23,7 @@ from babyrobot_levels.cli.console import (
     write,
     write_table,
 )
-from babyrobot_levels.cli.levels import is_one_level, levels_named
+from babyrobot_levels.cli.inputs import is_one_level, levels_named
 from babyrobot_levels.cli.parallel import Workers, track
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable

@@ -28,14 +28,16 @@ from babyrobot_levels.cli.console import (
     width_of,
     write,
 )
-from babyrobot_levels.cli.inputs import configuration_of, file_of, load_level
-from babyrobot_levels.cli.levels import (
+from babyrobot_levels.cli.inputs import (
     LevelsArgument,
     SplitOption,
+    configuration_of,
     each_loaded,
+    file_of,
     folder_for,
     is_one_level,
     levels_named,
+    load_level,
     names_levels,
     names_of_files,
     valid_levels,
@@ -47,8 +49,10 @@ from babyrobot_levels.cli.pictures import (
     format_by_suffix,
     picture,
     solution_of,
+    solution_text,
+    takes_pictures,
+    text_picture,
 )
-from babyrobot_levels.cli.texts import solution_text, takes_pictures, text_picture
 from babyrobot_levels.render.text import WIDEST
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.source import printable
@@ -282,7 +286,7 @@ def _put_all(
 
 def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
     """Yield a picture whenever a level is saved; of a level with errors, these are shown."""
-    from babyrobot_levels.cli.watching import each_change
+    from babyrobot_levels.cli.console import each_change
 
     for _ in each_change(lambda: [file]):
         try:

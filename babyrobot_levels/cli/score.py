@@ -23,8 +23,7 @@ from babyrobot_levels.cli.console import (
     write_json,
     write_table,
 )
-from babyrobot_levels.cli.inputs import load_level
-from babyrobot_levels.cli.levels import levels_named
+from babyrobot_levels.cli.inputs import levels_named, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
 from babyrobot_levels.cli.solve import ActionSet

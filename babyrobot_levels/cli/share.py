@@ -12,16 +12,19 @@ import typer
 from typer.core import TyperCommand
 
 from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
-from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level, with_seed
-from babyrobot_levels.cli.levels import (
+from babyrobot_levels.cli.inputs import (
+    LevelArgument,
     LevelsArgument,
+    MazeSeedOption,
     SplitOption,
     each_loaded,
     folder_for,
     is_one_level,
     levels_named,
+    load_level,
     names_of_files,
     valid_levels,
+    with_seed,
 )
 from babyrobot_levels.cli.parallel import track, working
 

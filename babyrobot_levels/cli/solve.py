@@ -18,8 +18,7 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.inputs import configuration_of, load_level
-from babyrobot_levels.cli.levels import LevelsArgument, SplitOption
+from babyrobot_levels.cli.inputs import LevelsArgument, SplitOption, configuration_of, load_level
 from babyrobot_levels.cli.many import (
     Columns,
     KeepGoingOption,
@@ -35,8 +34,9 @@ from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOptio
 from babyrobot_levels.cli.pictures import (
     shown_configuration,
     solution_of,
+    solution_text,
+    values_text,
 )
-from babyrobot_levels.cli.texts import solution_text, values_text
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import WIDEST
 

@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-import babyrobot_levels.cli.keyboard
+import babyrobot_levels.cli.play
 
 
 class Console:
@@ -28,7 +28,7 @@ def keyboard_of(console: Console, monkeypatch: pytest.MonkeyPatch) -> ModuleType
     """Return the module as it is where there is such a console."""
     monkeypatch.setattr(sys, "platform", "win32")
     monkeypatch.setitem(sys.modules, "msvcrt", console)
-    path = babyrobot_levels.cli.keyboard.__file__
+    path = babyrobot_levels.cli.play.__file__
     spec = importlib.util.spec_from_file_location("keyboard_on_windows", path)
     assert spec is not None
     assert spec.loader is not None

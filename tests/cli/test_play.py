@@ -287,7 +287,7 @@ def test_a_terminal_that_goes_away_ends_the_game(yard: Game) -> None:
 
 
 def test_a_fault_restores_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    from babyrobot_levels.cli.keyboard import keyboard
+    from babyrobot_levels.cli.play import keyboard
 
     outer, inner = pty.openpty()
     with os.fdopen(inner, "r") as terminal:
@@ -306,7 +306,7 @@ def test_a_fault_restores_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_keys_that_come_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    from babyrobot_levels.cli.keyboard import keyboard
+    from babyrobot_levels.cli.play import keyboard
 
     outer, inner = pty.openpty()
     with os.fdopen(inner, "r") as terminal:

@@ -143,7 +143,7 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         arguments = prepare_plays(arguments)
     if "--watch" in arguments:
         # As if the level was never saved again.
-        monkeypatch.setattr("babyrobot_levels.cli.watching.each_change", lambda files: [files()])
+        monkeypatch.setattr("babyrobot_levels.cli.console.each_change", lambda files: [files()])
     if arguments[0] == "edit":
         # As if the page was closed at once.
         monkeypatch.setattr(EditorServer, "run", EditorServer.close)

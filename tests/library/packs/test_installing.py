@@ -119,10 +119,10 @@ def test_a_pack_is_repaired_with_force() -> None:
 
 
 def test_of_many_levels_the_first_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("babyrobot_levels.cli.install.MAX_SHOWN", 3)
+    monkeypatch.setattr("babyrobot_levels.cli.packs.MAX_LISTED", 3)
     names = ["  zoo/bear", "  zoo/herd", "  zoo/lion"]
     assert install("1.0.0").splitlines()[1:] == names
-    monkeypatch.setattr("babyrobot_levels.cli.install.MAX_SHOWN", 2)
+    monkeypatch.setattr("babyrobot_levels.cli.packs.MAX_LISTED", 2)
     assert install("2.0.0").splitlines()[1:] == [*names[:2], "  and 1 more"]
 
 

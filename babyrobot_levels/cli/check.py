@@ -1,7 +1,8 @@
-"""`babyrobot format`: level files in one canonical form, with their comments."""
+"""Commands that check: `babyrobot validate`, `format` and `rule`."""
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,20 +10,69 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, fail, note, wants_color, write
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    WRONG_CALL,
+    FormatOption,
+    ReportFormat,
+    fail,
+    note,
+    wants_color,
+    write,
+    write_json,
+)
 from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
+    FindingsFormat,
+    FindingsOption,
     PathsArgument,
     findings_text,
     level_paths,
     read_path,
     shown_name,
+    write_report,
 )
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.text.diagnostics import Diagnostic
+
+
+def validate(
+    paths: PathsArgument = None,
+    report_format: FindingsOption = FindingsFormat.TEXT,
+    jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
+) -> None:
+    """Check level files and report every error with its position and a suggestion.
+
+    Exit status: 0 if all files are valid, 1 if there are errors.
+
+    Examples:
+
+      babyrobot validate levels/first.yaml
+
+      babyrobot validate --format json levels/
+    """
+    files, workers = level_paths(paths), Workers(jobs, ray, ray_address)
+    found = [each for errors in map_all(errors_of, files, workers, "checking") for each in errors]
+    write_report(report_format, found, files)
+    if found:
+        raise typer.Exit(FINDINGS)
+
+
+def errors_of(path: Path) -> list[Diagnostic]:
+    """Return the errors of a file, or of standard input for `-`."""
+    from babyrobot_levels.suites import checking
+
+    try:
+        source = read_path(path)
+    except LevelError as error:
+        return [*error.diagnostics]
+    return checking.errors_of(source, None if path == STANDARD_INPUT else path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,3 +203,71 @@ def _summary(changed: int, unchanged: int, faulty: int, *, would: bool) -> str:
         (faulty, "with errors"),
     ]
     return ", ".join(f"{n} file{'s' * (n != 1)} {what}" for n, what in parts if n)
+
+
+def rule(
+    code: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[CODE]",
+            help="A code or a name. Without it, all are listed.",
+            show_default=False,
+        ),
+    ] = None,
+    report_format: FormatOption = ReportFormat.TEXT,
+) -> None:
+    """List all rules and error codes, or explain one: what it checks, why, and an example.
+
+    Examples:
+
+      babyrobot rule
+
+      babyrobot rule BR503
+
+      babyrobot rule inescapable-state
+    """
+    from babyrobot_levels.linter.rules import UnknownRuleError
+    from babyrobot_levels.linter.rules import rule as rule_of
+
+    try:
+        rules = rule_of() if code is None else (rule_of(code),)
+    except UnknownRuleError as error:
+        fail(str(error), "`babyrobot rule` lists all rules")
+    if report_format is ReportFormat.JSON:
+        write_json(
+            [
+                {
+                    "code": each.code,
+                    "name": each.name,
+                    "severity": str(each.severity),
+                    "summary": each.summary,
+                    "page": each.page,
+                }
+                for each in rules
+            ]
+        )
+    elif code is None:
+        width = max(len(each.name) for each in rules)
+        for each in rules:
+            write(f"{_bold(each.code)}  {each.name.ljust(width)}  {each.summary}\n")
+    else:
+        (only,) = rules
+        write(f"{_bold(f'{only.code} {only.name}')}\n\n{_shown(only.page)}\n")
+
+
+def _shown(page: str) -> str:
+    """Return a page for the terminal, with bold headings, indented examples and no links."""
+    lines, inside = [], False
+    for line in page.rstrip().split("\n"):
+        if line.startswith("```"):
+            inside = not inside
+        elif inside:
+            lines.append(f"    {line}".rstrip())
+        else:
+            text = re.sub(r"\[([^\]]*)\]\([^)]*\.md\)", r"\1", line)
+            lines.append(_bold(text.removeprefix("## ")) if line.startswith("## ") else text)
+    return "\n".join(lines)
+
+
+def _bold(text: str) -> str:
+    return f"\x1b[1m{text}\x1b[0m" if wants_color(sys.stdout) else text

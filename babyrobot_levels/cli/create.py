@@ -1,4 +1,4 @@
-"""`babyrobot new-level`: a first version of a level file."""
+"""Commands that begin something: `babyrobot new-level`, `edit` and `schema`."""
 
 from __future__ import annotations
 
@@ -6,17 +6,20 @@ import re
 import sys
 from enum import StrEnum
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
 
-from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
+from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
+from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.errors import LevelError, how_to_install
 from babyrobot_levels.text.files import schema_for
 
 if TYPE_CHECKING:
+    from babyrobot_levels.editor.session import Session
     from babyrobot_levels.generation.starter import StarterOptions
 
 MAX_PUDDLES = 10_000
@@ -201,3 +204,121 @@ def _check(text: str, path: Path) -> None:
     diagnostics = errors_of(source, path)
     if diagnostics:
         fail(diagnostics[0].message, diagnostics[0].help)
+
+
+def edit(
+    level: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="LEVEL",
+            help="A name, PACK/NAME, the path of a file, a share code, or `-` for standard input.  "
+            "[default: an empty grid]",
+            show_default=False,
+        ),
+    ] = None,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            min=1024,
+            max=65535,
+            metavar="N",
+            help="Port of the server.  [default: a free one]",
+            show_default=False,
+        ),
+    ] = None,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Only print the address; open no browser.")
+    ] = False,
+) -> None:
+    """Edit a level in the browser, by drawing and as text.
+
+    A file is saved in its place; a file that does not exist is made when it is saved. Levels of
+    the gallery and of packs, share codes and standard input are opened as copies, which the
+    browser downloads. Nothing but this file is written.
+
+    The page is served to this machine only, until it is closed by its button, or by Ctrl-C here.
+    The address holds a password: keep it to yourself.
+
+    Examples:
+
+      babyrobot edit
+
+      babyrobot edit levels/first.yaml
+
+      babyrobot edit final-maze
+
+      babyrobot resolve final-maze | babyrobot edit -
+    """
+    from babyrobot_levels.editor.sources import session_of
+
+    try:
+        from babyrobot_levels.editor.hosts.server import EditorServer
+    except ModuleNotFoundError as error:
+        if error.name not in ("starlette", "uvicorn"):
+            raise
+        fail(f"the package `{error.name}` is not installed", how_to_install("editor"))
+    session = _piped() if level == str(STANDARD_INPUT) else session_of(level)
+    server = EditorServer(session, port=port or 0, warn=_warn)
+    note(f"editing {session.path or session.name}; press Ctrl-C to end")
+    write(f"{server.address}\n")
+    sys.stdout.flush()
+    if not no_browser:
+        # Some browsers return only when they are closed.
+        Thread(target=_open, args=[server.address], daemon=True).start()
+    server.run()
+
+
+def _open(address: str) -> None:
+    """Open the page in the user's browser."""
+    import webbrowser
+
+    if not webbrowser.open(address):
+        note("no browser was found: open the address in one")
+
+
+def _piped() -> Session:
+    """Return a session for the text on standard input, valid or not."""
+    from babyrobot_levels.editor.session import Session
+    from babyrobot_levels.editor.sources import NAME
+
+    return Session(read_path(STANDARD_INPUT).text, name=NAME)
+
+
+def _warn() -> None:
+    note("there are unsaved changes: save them in the page, or press Ctrl-C again to lose them")
+
+
+class SchemaName(StrEnum):
+    """Kinds of files that have a schema."""
+
+    LEVEL = "level"
+    PACK = "pack"
+    PLAY = "play"
+    SUITE = "suite"
+    THEME = "theme"
+
+
+def print_schema(
+    name: Annotated[
+        SchemaName,
+        typer.Argument(metavar="NAME", help="`level`, `pack`, `play`, `suite` or `theme`."),
+    ] = SchemaName.LEVEL,
+    output: OutputOption = None,
+    force: ForceOption = False,
+) -> None:
+    """Print the JSON schema of level, suite or theme files, of `pack.yaml`, or of a play's lines.
+
+    In a folder with `schemas/level.schema.json`, `new-level`, `generate` and `import` let their
+    files refer to it, so that editors complete and check them.
+
+    Examples:
+
+      babyrobot schema level -o schemas/level.schema.json
+    """
+    from babyrobot_levels.language.json_schema import schema_text
+
+    text = schema_text(name)
+    if output is None:
+        write(text)
+    else:
+        save(output, text, force=force)
