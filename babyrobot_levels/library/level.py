@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from babyrobot_levels.analysis.environments import make
 from babyrobot_levels.analysis.pictures import Pictured
 from babyrobot_levels.mdp.gridworld import GridWorld
 
@@ -133,4 +132,6 @@ class Level(Pictured, GridWorld):
                 `see_through`, `channels_last`, `planes_dtype`. A `max_episode_steps` takes the
                 place of the level's `max_steps`, -1 of any limit.
         """
+        from babyrobot_levels.analysis.environments import make
+
         return make(self, **kwargs)

@@ -49,8 +49,9 @@ def without_minigrid(monkeypatch: pytest.MonkeyPatch) -> None:
         assert (seed, kwargs) == (3, None)
         return recorded(env_id.removeprefix("minigrid:"))
 
-    monkeypatch.setattr("babyrobot_levels.analysis.environments.made_minigrid", made)
+    # The first imports the module: it must not find the other one replaced already.
     monkeypatch.setattr("babyrobot_levels.analysis.compare.made_minigrid", made)
+    monkeypatch.setattr("babyrobot_levels.analysis.environments.made_minigrid", made)
 
 
 @pytest.mark.usefixtures("without_minigrid")
