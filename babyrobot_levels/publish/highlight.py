@@ -9,8 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.svg import escaped
+from babyrobot_levels.render.templates import as_html
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
 
 _STRINGS = r'"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\n]|\'\')*\''
 _NUMBER = r"[-+]?(?:\d[\d_]*(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?(?![\w.-])"
@@ -43,14 +48,14 @@ _PYTHON = re.compile(
 )
 
 
-def yaml_html(text: str) -> str:
+def yaml_html(text: str) -> Markup:
     """Return a YAML text as HTML."""
-    return "\n".join(_yaml_lines(text))
+    return as_html("\n".join(_yaml_lines(text)))
 
 
-def python_html(text: str) -> str:
+def python_html(text: str) -> Markup:
     """Return a Python text, whose strings end on their lines, as HTML."""
-    return "\n".join(_line(line, _PYTHON) for line in text.split("\n"))
+    return as_html("\n".join(_line(line, _PYTHON) for line in text.split("\n")))
 
 
 def _yaml_lines(text: str) -> Iterator[str]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from typing import Any
 
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.library.level import Level
@@ -12,7 +13,7 @@ from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.publish.published import Comparison, comparisons
 from babyrobot_levels.render.page_data import Guide, bare, rounded
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.svg import escaped, to_svg
+from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.words.phrases import with_limit
 
 MOST_CELLS = 256
@@ -54,95 +55,57 @@ def shown_values(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]
         yield "Return of random actions", rounded(facts.random_return)
 
 
-def values_panel(level: Level, facts: Facts, guide: Guide, picture: str) -> str:
-    """Return the tab of values as HTML.
+def solved_values(level: Level, facts: Facts, guide: Guide) -> dict[str, Any]:
+    """Return what the tab of values tells.
 
     Args:
         level: the level; a maze has its seed.
         facts: its facts.
         guide: its solution.
-        picture: the address of the picture with values and actions, for an attribute.
     """
-    changing = [kind.state for kind in THINGS if kind.field in facts.things]
-    where = (
-        f" These are the values at the start of an episode. They change with {', '.join(changing)}."
-        if changing
-        else ""
-    )
-    rows = "".join(
-        f"<div><dt>{name}</dt><dd>{text}</dd></div>" for name, text in shown_values(facts, guide)
-    )
-    return "\n".join(
-        [
-            '<div class="values">',
-            f'<figure><img src="{picture}" width="{LARGE_CELL * level.size[0]}" '
-            'alt="The level with the optimal value and the optimal actions of each cell">',
-            "<figcaption>The number and the colour of a cell are its optimal value: the expected "
-            f"return of an optimal policy {with_limit('from there', None, facts.max_steps)}. "
-            f"Arrows are optimal actions, of several those that end the episode soonest.{where}"
-            "</figcaption></figure>",
-            f'<div><h3>Expected returns</h3><dl class="returns">{rows}</dl>',
-            *map(_figure, comparisons(level)),
-            "</div></div>",
-            *_all_values(level, guide),
-        ]
-    )
+    return {
+        "width": LARGE_CELL * level.size[0],
+        "within": with_limit("from there", None, facts.max_steps),
+        "changing": [kind.state for kind in THINGS if kind.field in facts.things],
+        "returns": list(shown_values(facts, guide)),
+        "figures": list(map(_figure, comparisons(level))),
+        "table": _table(level, guide),
+    }
 
 
-def _all_values(level: Level, guide: Guide) -> Iterator[str]:
-    """Yield the values as a table, if it is not too large."""
+def _table(level: Level, guide: Guide) -> list[list[tuple[str, str]]]:
+    """Return the values as the cells of a table; none if it would be too large."""
     values = guide.overlay.at(_start(level)).values
     if values is None or math.prod(level.size) > MOST_CELLS:
-        return
-    texts = [
-        ["" if value is None or math.isnan(value) else rounded(value) for value in row]
+        return []
+    return [
+        [("" if value is None or math.isnan(value) else rounded(value), "") for value in row]
         for row in values
     ]
-    yield "<details><summary>Values as a table</summary>"
-    yield f'<div class="scroll" tabindex="0" role="region" aria-label="Values">{_grid(texts)}</div>'
-    yield "</details>"
 
 
-def _grid(rows: Sequence[Sequence[str]], caption: str = "") -> str:
-    """Return a table of cells of a level, each as HTML, with their coordinates."""
-    heads = "".join(f'<th scope="col">{x}</th>' for x in range(len(rows[0])))
-    body = "".join(
-        f'<tr><th scope="row">{y}</th>{"".join(f"<td>{cell}</td>" for cell in row)}</tr>'
-        for y, row in enumerate(rows)
-    )
-    head = f'<thead><tr><th scope="col"><span class="unseen">y, x</span></th>{heads}</tr></thead>'
-    return f'<table class="cells">{caption}{head}<tbody>{body}</tbody></table>'
-
-
-def _figure(comparison: Comparison) -> str:
-    """Return a figure in print beside what is computed."""
-    figure = comparison.figure
-    told = f"<h3>{escaped(figure.what)}</h3>\n<p>{escaped(figure.source)}</p>\n"
-    decimals = figure.decimals
+def _figure(comparison: Comparison) -> dict[str, Any]:
+    """Return a figure in print beside what is computed: a single number, or a table."""
+    figure, decimals = comparison.figure, comparison.figure.decimals
     difference = _fixed(comparison.difference, decimals + 2)
-    agrees = "equal when rounded as in print" if comparison.agrees else "not equal"
-    pairs = [
+    rows = [
         [
-            None if value is None or other is None
+            ("", "") if value is None or other is None
             else (_fixed(value, decimals), _fixed(other, decimals + 2))
             for value, other in zip(row, computed, strict=True)
         ]
         for row, computed in zip(figure.printed, comparison.computed, strict=True)
     ]  # fmt: skip
-    if len(pairs) == len(pairs[0]) == 1 and pairs[0][0] is not None:
-        printed, computed = pairs[0][0]
-        rows = (("In print", printed), ("Computed", computed), ("Difference", difference))
-        listed = "".join(f"<div><dt>{name}</dt><dd>{text}</dd></div>" for name, text in rows)
-        return f'<section class="print">{told}<dl class="returns">{listed}</dl></section>'
-    cells = [
-        ["" if pair is None else f"{pair[0]}<small>{pair[1]}</small>" for pair in row]
-        for row in pairs
-    ]
-    caption = (
-        "<caption>In each cell the number in print, and below it the computed one. The largest "
-        f"difference is {difference}: {agrees}.</caption>"
-    )
-    return f'<section class="print">{told}{_grid(cells, caption)}</section>'
+    printed, computed = rows[0][0]
+    single = (("In print", printed), ("Computed", computed), ("Difference", difference))
+    return {
+        "what": figure.what,
+        "source": figure.source,
+        "difference": difference,
+        "agrees": comparison.agrees,
+        "rows": rows,
+        "single": single if len(rows) == len(rows[0]) == 1 else None,
+    }
 
 
 def _fixed(value: float, decimals: int) -> str:

@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from html import escape
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from babyrobot_levels.render.pdf import to_pdf
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import number, to_svg
+from babyrobot_levels.render.templates import as_html, html
 from babyrobot_levels.suites.named import Levels, named_levels
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import write_bytes
@@ -48,18 +48,6 @@ _PIXELS = 96 / _INCH
 
 _DPI = 150
 """Pixels per inch of PNG files."""
-
-_STYLE = """\
-@page { size: %(size)s; margin: 0 }
-html { background: #ddd }
-body { margin: 0 }
-svg { display: block; width: %(width)smm; height: auto; max-width: 100%%; margin: 8px auto;
-  background: #fff; box-shadow: 0 1px 4px #0006 }
-@media print {
-  html { background: none }
-  svg { max-width: none; margin: 0; box-shadow: none; break-after: page; break-inside: avoid }
-  svg:last-child { break-after: auto }
-}"""
 
 
 def sheet(
@@ -153,27 +141,12 @@ class Sheet(ShownInNotebook):
     def to_html(self) -> str:
         """Return the sheet as an HTML document, which prints page by page."""
         width, height = (side / _PIXELS for side in (self.pages[0].width, self.pages[0].height))
-        style = _STYLE % {
-            "size": f"{number(width)}mm {number(height)}mm",
-            "width": number(width),
-        }
-        return "\n".join(
-            [
-                "<!DOCTYPE html>",
-                '<html lang="en">',
-                "<head>",
-                '<meta charset="utf-8">',
-                '<meta http-equiv="Content-Security-Policy" '
-                "content=\"default-src 'none'; style-src 'unsafe-inline'\">",
-                '<meta name="viewport" content="width=device-width, initial-scale=1">',
-                f"<title>{escape(self.title)}</title>",
-                f"<style>\n{style}\n</style>",
-                "</head>",
-                "<body>",
-                *(to_svg(page).rstrip("\n") for page in self.pages),
-                "</body>",
-                "</html>\n",
-            ]
+        return html(
+            "publish/static/sheet.html",
+            title=self.title,
+            width=number(width),
+            height=number(height),
+            pages=(as_html(to_svg(page)) for page in self.pages),
         )
 
     def to_png(self, page: int = 0) -> bytes:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from string import Template
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.play import program
 from babyrobot_levels.publish.facts import Facts
-from babyrobot_levels.render.page import embedded_json
-from babyrobot_levels.render.scripts import static
-from babyrobot_levels.render.svg import escaped, quoted
+from babyrobot_levels.render.templates import embedded_json, html
 
 DIFFICULTIES = (("easy", 5), ("medium", 7), ("hard", math.inf))
 """The words for difficulties, each with the difficulty below which it applies."""
@@ -69,7 +66,7 @@ class Facet:
     legend: str
     values_of: Callable[[Facts], Iterable[str]]
     values: Sequence[str] | None = None
-    hints: dict[str, str] | None = None
+    hints: Mapping[str, str] = field(default_factory=dict)
 
 
 FACETS = (
@@ -134,22 +131,26 @@ def wall_html(
         ]
         for level in facts
     ]
-    return Template(static("publish/static/wall.html")).substitute(
-        page_title=escaped(f"{title} (key)" if key else title),
-        title=escaped(title),
-        key='<span class="key">Key</span>' if key else "",
+    return html(
+        "publish/static/wall.html",
+        title=title,
+        key=key,
+        answers=answers,
         lead=_lead(len(facts), key=key),
-        home="" if home is None else f'<a class="button" href="{quoted(home)}">Home</a>',
-        facets="\n".join(_fieldset(each, options[each.name]) for each in facets),
-        orders="".join(
-            f'<option value="{value}">{name}</option>'
+        home=home,
+        facets=facets,
+        options=options,
+        common=COMMON_TAGS,
+        orders={
+            value: name
             for value, name in ORDERS.items()
             if answers or value.lstrip("-") not in ANSWERS
-        ),
-        tiles="\n".join(
-            _tile(number, level, answers=answers) for number, level in enumerate(facts)
-        ),
-        made_by=escaped(program()),
+        },
+        levels=facts,
+        difficulty=_difficulty,
+        icons=_icons,
+        infinity=math.inf,
+        made_by=program(),
         data=embedded_json(rows),
     )
 
@@ -204,58 +205,6 @@ def _finite(number: float | None) -> float | None:
     return None if number is None else round(max(-1e300, min(number, 1e300)), 4)
 
 
-def _fieldset(facet: Facet, options: Sequence[str]) -> str:
-    """Return the checkboxes of a facet; nothing if there is nothing to choose."""
-    if not options:
-        return ""
-    seen = COMMON_TAGS if facet.values is None else len(options)
-    rows = [_box(facet, value) for value in options[:seen]]
-    if more := [_box(facet, value) for value in options[seen:]]:
-        rows += ["<details><summary>More</summary>", *more, "</details>"]
-    return f"<fieldset><legend>{facet.legend}</legend>{''.join(rows)}</fieldset>"
-
-
-def _box(facet: Facet, value: str) -> str:
-    written = quoted(value)
-    icon = _icon(value) if facet.values and facet.name != "size" else ""
-    hint = (facet.hints or {}).get(value)
-    hint = f' <small class="soft">{hint}</small>' if hint else ""
-    name = written.capitalize() if facet.values else f"<bdi>{written}</bdi>"
-    return (
-        f'<label><input type="checkbox" name="{facet.name}" value="{written}">{icon}'
-        f'<span class="name">{name}{hint}</span><span class="n"></span></label>'
-    )
-
-
-def _icon(name: str, title: str = "") -> str:
-    """Return one of the icons of the page, with its text alternative if it stands alone."""
-    alone = f' role="img" title="{title}"' if title else ""
-    return f'<span class="icon i-{name}"{alone}></span>'
-
-
-def _tile(number: int, facts: Facts, *, answers: bool) -> str:
-    files, title = facts.files, quoted(facts.title)
-    film = f' data-film="{quoted(files.film)}"' if files.film else ""
-    return (
-        f'<li><a href="{quoted(files.page)}" aria-labelledby="t{number}" '
-        f'aria-describedby="f{number}"><span class="shot">'
-        f'<img src="{quoted(files.tile)}" alt="Picture of {title}" loading="lazy" '
-        f'decoding="async"{film}></span>'
-        f'<h2 id="t{number}"><bdi>{title}</bdi></h2>'
-        f'<p id="f{number}">{" ".join(_badges(facts, answers=answers))}</p></a></li>'
-    )
-
-
-def _badges(facts: Facts, *, answers: bool) -> Iterator[str]:
-    width, height = facts.size
-    word = _difficulty(facts) if answers else None
-    if word is not None and facts.difficulty is not None:
-        value = "∞" if math.isinf(facts.difficulty) else f"{facts.difficulty:.1f}"
-        yield f'<span class="word">{_icon(word)}{word.capitalize()} {value}</span>'
-    yield f"<span>{width} × {height}</span>"
-    icons = [_outcomes(facts), *(each for each in CONTENTS if each in _contents(facts))]
-    yield f'<span class="icons">{"".join(_icon(each, each.capitalize()) for each in icons)}</span>'
-
-
-def _contents(facts: Facts) -> set[str]:
-    return {*facts.things, *facts.features}
+def _icons(facts: Facts) -> list[str]:
+    contents = {*facts.things, *facts.features}
+    return [_outcomes(facts), *(each for each in CONTENTS if each in contents)]

@@ -17,11 +17,9 @@ import base64
 import hashlib
 import json
 import zlib
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
-from string import Template
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.play import program
@@ -41,16 +39,16 @@ from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, toned
-from babyrobot_levels.render.scripts import put_together, static
+from babyrobot_levels.render.scripts import put_together
 from babyrobot_levels.render.svg import (
     FONT,
     elements,
-    escaped,
     label_elements,
     labelled,
     number,
     to_svg,
 )
+from babyrobot_levels.render.templates import as_html, embedded_json, html
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.text.errors import LevelError
 
@@ -110,42 +108,20 @@ def to_html(
     }
     style, script = _style(), _script()
     theme = level.resolved_theme
-    title = escaped(title_of(level))
-    header = Template(static("render/static/header.html")).substitute(
-        title=title, description=escaped(data["description"])
-    )
     icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
-    return Template(static("render/static/page.html")).substitute(
-        title=title,
-        policy=_security_policy(style, script),
+    return html(
+        "render/static/page.html",
+        title=title_of(level),
+        description=data["description"],
+        policy=as_html(_security_policy(style, script)),
         icon="data:image/svg+xml;base64," + base64.b64encode(icon.encode()).decode(),
-        style=style,
-        script=script,
-        player=player_html(_picture(level, guide, data["shown"]), header),
-        facts="\n".join(_fact_rows(level)),
+        style=as_html(style),
+        script=as_html(script),
+        picture=as_html(_picture(level, guide, data["shown"])),
+        facts=facts(level),
         common=embedded_json(common),
         data=embedded_json(data),
     )
-
-
-def player_html(picture: str, header: str = "") -> str:
-    """Return the elements in which `player.js` plays a level.
-
-    A page has them once, in an element of the class `player` and beside an element `title`.
-
-    Args:
-        picture: what is shown without JavaScript, as HTML.
-        header: what stands above the picture, as HTML.
-    """
-    return Template(static("render/static/player.html")).substitute(picture=picture, header=header)
-
-
-def embedded_json(data: Any) -> str:
-    """Return data as JSON for a script element, which nothing in it can close."""
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
-    for character in "<>&":
-        text = text.replace(character, f"\\u{ord(character):04x}")
-    return text
 
 
 def common_module(data: dict[str, Any]) -> dict[str, str]:
@@ -173,11 +149,6 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
         "</svg>",
     ]
     return "\n".join(part for part in parts if part)
-
-
-def _fact_rows(level: GridWorld) -> Iterator[str]:
-    for name, text in facts(level):
-        yield f"<dt>{name}</dt><dd><bdi>{escaped(text)}</bdi></dd>"
 
 
 @cache

@@ -11,7 +11,7 @@ from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.shapes import Commands, Ellipse, Path, Rect, Scene, Shape, Text
 
 FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
-_NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML documents cannot contain, not even escaped."""
 
 _LONG = 1000
@@ -159,7 +159,7 @@ def _paint(what: str, color: str | None) -> Iterator[tuple[str, str]]:
 
 def escaped(text: str) -> str:
     """Return a text escaped for XML; characters that XML cannot contain are replaced."""
-    return escape(_NOT_XML.sub("\ufffd", text))
+    return escape(NOT_XML.sub("\ufffd", text))
 
 
 def quoted(text: str) -> str:

@@ -25,7 +25,6 @@ from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
 from babyrobot_levels.publish.highlight import python_html, yaml_html
 from babyrobot_levels.publish.level_page import (
     MAX_SHOWN,
-    file_name,
     level_html,
     load_name,
     programs,
@@ -271,7 +270,7 @@ def test_only_levels_of_the_package_are_loaded_by_name() -> None:
 def test_the_programs_run(in_package: bool, answers: bool, tmp_path: Path) -> None:
     world = load("first-key") if in_package else level(size=[3, 2], max_steps=20, name="mine")
     facts = own_facts(world)
-    (tmp_path / file_name(facts)).write_text(world.to_yaml(), "utf-8")
+    (tmp_path / f"{facts.id}.yaml").write_text(world.to_yaml(), "utf-8")
     for program in programs(facts, answers=answers):
         done = subprocess.run(
             [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True
