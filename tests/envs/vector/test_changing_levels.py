@@ -530,6 +530,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
     envs = make(family, 20, render_mode="rgb_array")
     before = envs.montage()
     envs.reset(seed=1)
+    envs.action_space.seed(1)
     pictures = [before, envs.montage()]
     for _ in range(60):
         *_, terminated, truncated, _ = envs.step(envs.action_space.sample())
