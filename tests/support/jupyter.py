@@ -71,7 +71,11 @@ def jupyterlab(root: Path, home: Path) -> Iterator[str]:
             yield until(lambda: _address(server, home / "runtime", log), "JupyterLab starts", 60)
         finally:
             server.terminate()
-            server.wait(30)
+            try:
+                server.wait(30)
+            except subprocess.TimeoutExpired:  # It waits for its kernels.
+                server.kill()
+                server.wait()
 
 
 def _address(server: subprocess.Popen[bytes], runtime: Path, log: Path) -> str | None:
