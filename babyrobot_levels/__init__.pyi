@@ -35,8 +35,8 @@ from .analysis.solver.results import UndefinedReturnError as UndefinedReturnErro
 from .analysis.strip import strip as strip
 from .convert.conversion import Conversion as Conversion
 from .convert.conversion import ConversionWarning as ConversionWarning
-from .convert.exporting import export as export
-from .convert.importing import import_ as import_
+from .convert.exchange import export as export
+from .convert.exchange import import_ as import_
 from .convert.registration import register_babyrobot as register_babyrobot
 from .convert.setups import from_setup as from_setup
 from .editor.hosts.notebook import edit as edit

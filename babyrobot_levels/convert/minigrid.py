@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from babyrobot_levels.analysis.environments import DIRECTIONS, ComparisonError, made_minigrid
-from babyrobot_levels.convert.conversion import ConversionError, World, level_of
+from babyrobot_levels.analysis.environments import DIRECTIONS
+from babyrobot_levels.convert.conversion import ConversionError, World
 from babyrobot_levels.convert.minigrid_grids import (
     LAVA,
     Cell,
@@ -18,7 +18,6 @@ from babyrobot_levels.convert.minigrid_grids import (
 )
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.configurations import MAX_OUTCOMES
 
 SOURCE = (
@@ -28,30 +27,6 @@ SOURCE = (
 """The publication of MiniGrid's environments."""
 
 _MARKS = {"wall": d.BLOCKED, "goal": d.EXIT, "lava": LAVA}
-
-
-def from_minigrid(env_id: str, *, seed: int = 0, kwargs: Mapping[str, Any] | None = None) -> Level:
-    """Return an environment of MiniGrid as a level, with the grid that a seed gives.
-
-    What differs is told in `ConversionWarning`s. Needs the package `minigrid`.
-
-    Args:
-        env_id: the id of the environment, such as `MiniGrid-DoorKey-8x8-v0`.
-        seed: the seed of its reset.
-        kwargs: keyword arguments for `gymnasium.make`.
-
-    Raises:
-        ConversionError: there is no such environment, MiniGrid is not installed, or the task
-            cannot be that of a level.
-    """
-    try:
-        env = made_minigrid(env_id, seed, kwargs)
-    except ComparisonError as error:
-        raise ConversionError(str(error)) from error
-    try:
-        return level_of(world_of_environment(env, env_id, seed), stacklevel=2)
-    finally:
-        env.close()
 
 
 def world_of_environment(env: Any, env_id: str, seed: int) -> World:

@@ -10,9 +10,9 @@ from support.conversions import level_of_world, lost_fields, sample
 from support.minigrids import recorded
 
 import babyrobot_levels as brl
-from babyrobot_levels.convert import minigrid
+from babyrobot_levels.convert import exchange, minigrid
 from babyrobot_levels.convert.conversion import ConversionError, World, file_text
-from babyrobot_levels.convert.minigrid import from_minigrid, world_of_environment
+from babyrobot_levels.convert.minigrid import world_of_environment
 from babyrobot_levels.library.level import Level
 
 REFUSED = {
@@ -184,9 +184,9 @@ def test_a_level_in_one_call(monkeypatch: pytest.MonkeyPatch) -> None:
         calls.append(arguments)
         return recorded("MiniGrid-DoorKey-8x8-v0")
 
-    monkeypatch.setattr(minigrid, "made_minigrid", made)
+    monkeypatch.setattr(exchange, "made_minigrid", made)
     with pytest.warns(brl.ConversionWarning) as caught:
-        level = from_minigrid("MiniGrid-DoorKey-8x8-v0", seed=3, kwargs={"size": 8})
+        level = brl.import_("MiniGrid-DoorKey-8x8-v0", seed=3, kwargs={"size": 8})
     assert calls == [("MiniGrid-DoorKey-8x8-v0", 3, {"size": 8})]
     assert level.digest == level_of("MiniGrid-DoorKey-8x8-v0").digest
     assert caught[0].filename == __file__
@@ -195,4 +195,4 @@ def test_a_level_in_one_call(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_the_package_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "minigrid", None)
     with pytest.raises(ConversionError, match="pip install minigrid"):
-        from_minigrid("MiniGrid-DoorKey-8x8-v0")
+        brl.import_("MiniGrid-DoorKey-8x8-v0")
