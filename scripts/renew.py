@@ -15,7 +15,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
@@ -29,10 +29,16 @@ import doc_pictures as pictures  # noqa: E402
 import structure  # noqa: E402
 from support import golden, reports, sessions  # noqa: E402
 
+import babyrobot_levels as brl  # noqa: E402
 from babyrobot_levels.cli.reference import reference  # noqa: E402
 from babyrobot_levels.language.json_schema import SCHEMAS, schema_text  # noqa: E402
+from babyrobot_levels.language.looks import Theme  # noqa: E402
 from babyrobot_levels.linter.rules import documents  # noqa: E402
 from babyrobot_levels.mdp.mazes import ALGORITHMS  # noqa: E402
+from babyrobot_levels.render.scene.layout import CELL  # noqa: E402
+from babyrobot_levels.render.scene.robot import robot_shapes  # noqa: E402
+from babyrobot_levels.render.scene.shapes import Scene  # noqa: E402
+from babyrobot_levels.render.svg import to_svg  # noqa: E402
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -180,6 +186,26 @@ def _answers() -> Iterator[File]:
     yield "docs/images/answers/maze-64.png", partial(pictures.large_answer, 64)
 
 
+def _maze() -> str:
+    return brl.load("final-maze").to_svg()
+
+
+def _walk() -> bytes:
+    return brl.load("final-maze").to_gif(seed=3)
+
+
+def _scores() -> str:
+    """Return the picture that a block of the page on scores makes."""
+    blocks = re.findall(r"```python\n(.*?)```", _text("docs/scoring.md"), re.S)
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        exec(next(block for block in blocks if "scores.svg" in block), {})
+        return Path("scores.svg").read_text("utf-8")
+
+
+def _robot() -> str:
+    return to_svg(Scene(CELL, CELL, robot_shapes(Theme(), 0, 0)))
+
+
 def _rooms() -> str:
     return structure.picture(structure.rooms_to_draw(structure.Structure(ROOT)))
 
@@ -197,8 +223,6 @@ def _page(width: int, height: int) -> Iterator[Page]:
 
 def _gallery() -> bytes:
     """Return the picture of the gallery of all levels in a browser."""
-    import babyrobot_levels as brl
-
     levels = [level.name for level in brl.levels()]
     with tempfile.TemporaryDirectory() as folder, _page(1280, 840) as page:
         title = "The babyrobot gallery"
@@ -245,6 +269,10 @@ GENERATED = (
     Generated(("docs/images/mazes/*.svg",), "the maze algorithms", _mazes),
     Generated(("docs/images/things*.svg",), "`scripts/doc_pictures.py`", _things),
     Generated(("docs/images/answers/*.png",), "`scripts/doc_pictures.py`", _answers),
+    _one("docs/images/final-maze.svg", _maze, "the level"),
+    _one("docs/images/final-maze.gif", _walk, "the level"),
+    _one("docs/images/scores.svg", _scores, "`docs/scoring.md`"),
+    _one("docs/style/robot.svg", _robot, "the robot of pictures"),
     _one("docs/images/sheet.png", pictures.sheet, "`scripts/doc_pictures.py`"),
     _one("docs/images/structure.svg", _rooms, "imports between rooms"),
     _one("docs/editor.md", editor_page, "its keys from the front end"),

@@ -249,10 +249,7 @@ def test_the_examples_of_the_docs_run(line: str) -> None:
 
 @pytest.mark.slow
 def test_the_film_of_the_docs_is_what_is_made_now() -> None:
-    """Renew it with `babyrobot preview final-maze --seed 3 -o docs/images/final-maze.gif`.
-
-    Its frames are compared, not its bytes: these depend on the version of Pillow.
-    """
+    # Its frames are compared, not its bytes: these depend on the version of Pillow.
     there = (DOCS / "images" / "final-maze.gif").read_bytes()
     assert len(there) < 300_000
     now = film(made("final-maze", "--seed", "3", "walk.gif"))

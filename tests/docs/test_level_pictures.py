@@ -6,14 +6,11 @@ import re
 
 import pytest
 from level_pictures.examples import Example, example_of
-from support.places import DOCS
 
-from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import all_pages
 from babyrobot_levels.render.scene.marks import MARK
-from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Path, Scene
+from babyrobot_levels.render.scene.shapes import Path
 from babyrobot_levels.render.svg import to_svg
 
 WALL = "version: 1\nwalls:\n  - {at: [1, 1], side: E}\n"
@@ -139,8 +136,3 @@ def test_the_example_of_a_rule_is_marked(page: Rule) -> None:
     assert faulty.lines or faulty.messages.splitlines()[0].startswith("levels/first.yaml:1:")
     assert "kind: suite" in good or better.scene is not None
     assert not better.messages
-
-
-def test_the_logo_is_the_robot() -> None:
-    logo = to_svg(Scene(64, 64, robot_shapes(Theme(), 0, 0)))
-    assert (DOCS / "style" / "robot.svg").read_text("utf-8") == logo

@@ -10,8 +10,6 @@ from support.places import DOCS, EXAMPLES, GALLERY_FOLDER, ROOT
 from support.subprocesses import python
 
 import babyrobot_levels as brl
-from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.svg import to_svg
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -35,12 +33,6 @@ def test_the_error_of_the_readme_is_what_is_reported(
     path.write_text("version: 1\nsize: [8, 5]\nmaze: {seed: 7}\nexit: [9, 4]\n", encoding="utf-8")
     (shown,) = blocks(README, "text")
     assert "\n\n".join(map(str, brl.validate(path))) == shown.strip()
-
-
-def test_the_picture_of_the_readme_is_painted_by_this_version() -> None:
-    """Renew it with `brl.load("final-maze").to_svg("docs/images/final-maze.svg")`."""
-    picture = (DOCS / "images" / "final-maze.svg").read_text(encoding="utf-8")
-    assert picture == to_svg(build_scene(brl.load("final-maze")))
 
 
 @pytest.mark.parametrize("script", ["demo.sh", "check.sh"])
