@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
@@ -125,9 +126,25 @@ def form(name: str) -> Tag:
     return Tag(FORM_PREFIX + name)
 
 
-def forms(choose: Callable[[Any], str]) -> Discriminator:
-    """Choose the form of a value by `choose`, so that errors are about that form only."""
-    return Discriminator(lambda value: FORM_PREFIX + choose(value))
+@dataclass(frozen=True, slots=True)
+class Forms(Discriminator):
+    """Chooses the form of a field that can be written in several ways.
+
+    Attributes:
+        words: the forms, as messages call them.
+    """
+
+    words: str = ""
+
+
+def forms(words: str, choose: Callable[[Any], str]) -> Forms:
+    """Choose the form of a value by `choose`, so that errors are about that form only.
+
+    Args:
+        words: the forms, as messages call them.
+        choose: returns the name of the form of a value.
+    """
+    return Forms(lambda value: FORM_PREFIX + choose(value), words=words)
 
 
 def cell_or_cells(value: Any) -> str:

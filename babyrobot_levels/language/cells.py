@@ -50,7 +50,8 @@ def _skid_form(value: Any) -> str:
 
 
 SkidLike = Annotated[
-    Annotated[Probability, form("number")] | Annotated[Skid, form("mapping")], forms(_skid_form)
+    Annotated[Probability, form("number")] | Annotated[Skid, form("mapping")],
+    forms("a number from 0 to 1, or a mapping", _skid_form),
 ]
 """A probability, or a `Skid`."""
 
@@ -145,7 +146,9 @@ class Warp(Model):
     """The cell."""
     to: Annotated[
         Annotated[Cell, form("cell")] | Annotated[Literal["start"], form("word")],
-        forms(lambda value: "word" if isinstance(value, str) else "cell"),
+        forms(
+            "a cell `[x, y]` or `start`", lambda value: "word" if isinstance(value, str) else "cell"
+        ),
     ]
     """The target: a cell, or `start`."""
     when: Literal["enter", "leave"] = "enter"

@@ -63,7 +63,8 @@ _LEGEND_KEY = "^[" + "".join(f"\\{c}" if c in "[]\\^" else c for c in _LEGEND_CH
 LegendKey = Annotated[str, StringConstraints(pattern=_LEGEND_KEY)]
 
 CellOrCells = Annotated[
-    Annotated[Cell, form("cell")] | Annotated[Cells, form("cells")], forms(cell_or_cells)
+    Annotated[Cell, form("cell")] | Annotated[Cells, form("cells")],
+    forms("a cell `[x, y]`, or a list of cells", cell_or_cells),
 ]
 
 
@@ -137,7 +138,7 @@ class LevelFields(Model):
         Annotated[Literal["none"], form("word")]
         | Annotated[Cell, form("cell")]
         | Annotated[Cells, form("cells")],
-        forms(_exit_form),
+        forms("a cell `[x, y]`, a list of cells, or `none`", _exit_form),
         Role.GEOMETRY,
         DRAWN,
     ] = "none"

@@ -134,7 +134,7 @@ PanelLike = Annotated[
     Annotated[Literal["none"], form("word")]
     | Annotated[Pixels, form("number")]
     | Annotated[Panel, form("mapping")],
-    forms(_panel_form),
+    forms("`none`, a size in pixels, or a mapping", _panel_form),
 ]
 
 
@@ -168,7 +168,10 @@ class Display(Model):
 
 ThemeLike = Annotated[
     Annotated[ThemeName, form("word")] | Annotated[Theme, form("mapping")],
-    forms(lambda value: "mapping" if isinstance(value, dict | Theme) else "word"),
+    forms(
+        "a theme's name or a mapping",
+        lambda value: "mapping" if isinstance(value, dict | Theme) else "word",
+    ),
 ]
 
 

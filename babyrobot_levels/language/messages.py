@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Iterable, Iterator
+from functools import cache
+from typing import Any, get_args
 
-from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
+from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG, Forms, Model
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME, Colors
-from babyrobot_levels.language.suite_list import VERSION
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import VERSION, SuiteListFields
 from babyrobot_levels.text.scalars import is_plain_string
 from babyrobot_levels.text.words import did_you_mean, shortened
 
@@ -25,32 +29,6 @@ TYPES = {
     "model_type": "a mapping",
     "model_attributes_type": "a mapping",
 }
-
-
-FORMS = {
-    "exit": "a cell `[x, y]`, a list of cells, or `none`",
-    "start": "a cell `[x, y]`, or a list of cells",
-    "seed": "an integer or `random`",
-    "to": "a cell `[x, y]` or `start`",
-    "needs": "a name, or a list of names",
-    "unless": "a name, or a list of names",
-    "exit_needs": "a name, or a list of names",
-    "skid": "a number from 0 to 1, or a mapping",
-    "theme": "a theme's name or a mapping",
-    "side_panel": "`none`, a width, or a mapping",
-    "bottom_panel": "`none`, a height, or a mapping",
-    "size": "`[width, height]`, or a mapping with `min` and `max`",
-    "algorithm": "an algorithm, or a list of them",
-    "loops": "a share from 0 to 1, or a mapping with `min` and `max`",
-    "puddles": "an integer, or a mapping with `min` and `max`",
-    "path_length": "an integer, or a mapping with `min` and `max`",
-    "dead_ends": "an integer, or a mapping with `min` and `max`",
-    "difficulty": "a number, or a mapping with `min` and `max`",
-    "levels": "the name of a level, or a mapping",
-    "level": "a name, a file, or a mapping of the fields of a level",
-    "suite": "a name, a file, or a mapping of the fields of a suite",
-}
-"""Fields that can be written in several ways."""
 
 
 COLOR_FIELDS = {"color", "robot", "bg", "fg", *Colors.model_fields}
@@ -110,8 +88,8 @@ def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Co
     if kind == "missing":
         help_text = beginning if field == "version" else MISSING.get(field)
         return "BR202", f"missing field `{field}`", help_text
-    if is_form and field in FORMS and (kind in TYPES or kind in ("pair", "literal_error")):
-        message = f"must be {FORMS[field]}, not {show(value)}"
+    if is_form and (kind in TYPES or kind in ("pair", "literal_error")):
+        message = f"must be {_forms()[field]}, not {show(value)}"
         if kind == "literal_error":
             return "BR204", message + did_you_mean(str(value), _choices(context["expected"])), None
         return "BR203", message, _type_help(field, kind, value)
@@ -133,6 +111,24 @@ def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Co
     if kind == "string_too_long":
         return "BR205", f"must have at most {context['max_length']} characters", None
     return "BR203", str(error["msg"]), None
+
+
+@cache
+def _forms() -> dict[str, str]:
+    """Return the words for the forms of the fields that can be written in several ways."""
+    return dict(_forms_in([LevelFields, SuiteFields, SuiteListFields], ""))
+
+
+def _forms_in(types: Iterable[Any], field: str) -> Iterator[tuple[str, str]]:
+    """Yield the fields in some types, or types' annotations, with the words for their forms."""
+    for each in types:
+        if isinstance(each, Forms):
+            yield field, each.words
+        elif isinstance(each, type) and issubclass(each, Model):
+            for name, info in each.model_fields.items():
+                yield from _forms_in([info.annotation, *info.metadata], info.alias or name)
+        else:
+            yield from _forms_in(get_args(each), field)
 
 
 def show(value: Any) -> str:

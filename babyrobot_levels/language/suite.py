@@ -82,24 +82,24 @@ def _size_or_mapping(value: Any) -> str:
 Counts = Annotated[
     Annotated[Annotated[Integer, Field(ge=0)], form("number")]
     | Annotated[CountRange, form("mapping")],
-    forms(_number_or_mapping),
+    forms("an integer, or a mapping with `min` and `max`", _number_or_mapping),
 ]
 Numbers = Annotated[
     Annotated[Number, form("number")] | Annotated[NumberRange, form("mapping")],
-    forms(_number_or_mapping),
+    forms("a number, or a mapping with `min` and `max`", _number_or_mapping),
 ]
 PuddleCounts = Annotated[
     Annotated[Annotated[Integer, Field(ge=0)], form("number")]
     | Annotated[PuddleRange, form("mapping")],
-    forms(_number_or_mapping),
+    forms("an integer, or a mapping with `min` and `max`", _number_or_mapping),
 ]
 Shares = Annotated[
     Annotated[Probability, form("number")] | Annotated[ShareRange, form("mapping")],
-    forms(_number_or_mapping),
+    forms("a share from 0 to 1, or a mapping with `min` and `max`", _number_or_mapping),
 ]
 Sizes = Annotated[
     Annotated[Size, form("size")] | Annotated[SizeRange, form("mapping")],
-    forms(_size_or_mapping),
+    forms("`[width, height]`, or a mapping with `min` and `max`", _size_or_mapping),
 ]
 
 
@@ -147,7 +147,10 @@ class SuiteMaze(Model):
     algorithm: Annotated[
         Annotated[Algorithm, form("word")]
         | Annotated[Annotated[tuple[Algorithm, ...], Field(min_length=1)], form("words")],
-        forms(lambda value: "words" if isinstance(value, list | tuple) else "word"),
+        forms(
+            "an algorithm, or a list of them",
+            lambda value: "words" if isinstance(value, list | tuple) else "word",
+        ),
     ] = "depth-first"
     """The algorithm, or several, one of which is drawn for each level."""
     loops: Shares = 0.0

@@ -27,7 +27,10 @@ KINDS = ("level", "folder", "pack", "suite")
 
 _NamedOrInline = Annotated[
     Annotated[Text, form("name")] | Annotated[dict[Text, Any], form("mapping")],
-    forms(lambda value: "mapping" if isinstance(value, dict) else "name"),
+    forms(
+        "a name, a file, or a mapping of its fields",
+        lambda value: "mapping" if isinstance(value, dict) else "name",
+    ),
 ]
 
 
@@ -52,7 +55,10 @@ class SuiteEntry(Model):
 
 Entry = Annotated[
     Annotated[Text, form("name")] | Annotated[SuiteEntry, form("mapping")],
-    forms(lambda value: "mapping" if isinstance(value, dict | Model) else "name"),
+    forms(
+        "the name of a level, or a mapping",
+        lambda value: "mapping" if isinstance(value, dict | Model) else "name",
+    ),
 ]
 """An entry; a text is short for `{level: text}`."""
 

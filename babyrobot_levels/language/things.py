@@ -20,7 +20,10 @@ Places = Annotated[tuple[Cell, ...], Field(min_length=2)]
 
 NameOrNames = Annotated[
     Annotated[Slug, form("name")] | Annotated[tuple[Slug, ...], form("names")],
-    forms(lambda value: "names" if isinstance(value, list | tuple) else "name"),
+    forms(
+        "a name, or a list of names",
+        lambda value: "names" if isinstance(value, list | tuple) else "name",
+    ),
 ]
 
 

@@ -46,7 +46,10 @@ class Maze(Model):
 
     seed: Annotated[
         Annotated[Integer, form("number")] | Annotated[Literal["random"], form("word")],
-        forms(lambda value: "word" if isinstance(value, str) else "number"),
+        forms(
+            "an integer or `random`",
+            lambda value: "word" if isinstance(value, str) else "number",
+        ),
     ]
     """The seed, or `random` for another maze at each reset."""
     algorithm: Algorithm = "depth-first"

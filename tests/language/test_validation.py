@@ -12,6 +12,10 @@ from support.each import for_each
 from support.reports import BAD, GOOD, read, report
 from support.work import counted_calls
 
+from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.messages import _forms_in
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import SuiteListFields
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
@@ -271,6 +275,12 @@ def test_null_is_only_for_fields_that_may_be_none(text: str) -> None:
 def test_hints(text: str, hint: str) -> None:
     (found,) = diagnose(f"version: 1\n{text}\n")
     assert hint in f"{found.message} {found.help}"
+
+
+def test_forms_of_a_field_have_the_same_words_wherever_it_stands() -> None:
+    # Messages know a field by its name.
+    found = {*_forms_in([LevelFields, SuiteFields, SuiteListFields], "")}
+    assert len(found) == len({name for name, _ in found}) > 20
 
 
 def test_a_number_is_not_asked_to_be_true_or_false() -> None:
