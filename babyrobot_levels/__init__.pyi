@@ -34,6 +34,7 @@ from .analysis.solver.results import Solution as Solution
 from .analysis.solver.results import UndefinedReturnError as UndefinedReturnError
 from .analysis.strip import strip as strip
 from .convert.conversion import Conversion as Conversion
+from .convert.conversion import ConversionError as ConversionError
 from .convert.conversion import ConversionWarning as ConversionWarning
 from .convert.exchange import export as export
 from .convert.exchange import import_ as import_
@@ -58,14 +59,19 @@ from .library.catalogue import load as load
 from .library.catalogue import make as make
 from .library.level import Level as Level
 from .library.packs.build import Packed as Packed
+from .library.packs.format import PackConflictError as PackConflictError
+from .library.packs.format import PackError as PackError
+from .library.packs.format import PackNotFoundError as PackNotFoundError
 from .library.packs.known import InstalledPack as InstalledPack
 from .library.packs.store import Installation as Installation
 from .library.packs.store import install as install
 from .library.packs.store import uninstall as uninstall
 from .library.reading import loads as loads
 from .library.resolving import resolve as resolve
+from .linter.linting import SettingsError as SettingsError
 from .linter.linting import lint as lint
 from .linter.rule import Rule as Rule
+from .linter.rules import UnknownRuleError as UnknownRuleError
 from .linter.rules import rule as rule
 from .mdp.actions import Action as Action
 from .mdp.actions import Turn as Turn

@@ -46,6 +46,8 @@ class ConversionError(LevelError):
     `help` says what to do about it, or is None.
     """
 
+    __module__ = "babyrobot_levels"
+
     def __init__(self, message: str, help_text: str | None = None):
         self.help = help_text
         super().__init__((), f"{message}\n  help: {help_text}" if help_text else message)

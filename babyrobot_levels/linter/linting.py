@@ -47,6 +47,8 @@ _TABLES: dict[str, tuple[str, ...]] = {
 class SettingsError(BabyRobotError):
     """A settings file is invalid."""
 
+    __module__ = "babyrobot_levels"
+
 
 @dataclass(frozen=True, slots=True)
 class Settings:

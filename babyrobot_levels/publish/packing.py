@@ -9,6 +9,7 @@ from pathlib import Path
 from babyrobot_levels.library.packs import build
 from babyrobot_levels.library.packs.archive import SUFFIX
 from babyrobot_levels.library.packs.build import Packed
+from babyrobot_levels.library.packs.format import PackError
 from babyrobot_levels.linter.linting import lint
 from babyrobot_levels.text.diagnostics import Severity
 from babyrobot_levels.text.errors import LevelError
@@ -32,11 +33,16 @@ def pack(
         What is in the pack, the files that were left out, and the findings that are no errors.
 
     Raises:
-        PackError: the folder has no `pack.yaml`, or contains more than a pack may.
+        PackError: there is no such folder, it has no `pack.yaml`, or contains more than a pack may.
         LevelError: there are errors in the files; its `diagnostics` tell them.
         FileExistsError: there is a file, and `force` is not given.
     """
-    packed = build.pack(Path(folder), lint)
+    if not Path(folder).is_dir():
+        raise PackError(f"there is no folder {os.fspath(folder)}")
+    try:
+        packed = build.pack(Path(folder), lint)
+    except PackError as error:
+        raise PackError(f"{os.fspath(folder)} cannot be packed: {error}") from None
     fields = packed.contents.fields
     if fields is None or packed.data is None:
         raise LevelError(e for e in packed.diagnostics if e.severity is Severity.ERROR)

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.guides import BEST
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
+from babyrobot_levels.analysis.solver.policies import NAMED, StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import check_discount, check_within
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.action_sets import ACTION_SETS
@@ -98,12 +99,14 @@ def score(
         EpisodeTooLongError: the limit of a level is so large that this takes too long.
         TypeError: the agent is none that scoring knows.
     """
+    if isinstance(agent, str):
+        check_choice("agent", agent, (BEST, *NAMED))
     check_choice("actions", actions, ACTION_SETS)
     chosen = checked_observation(observation, **options)
     own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
     members, extent = _levels(levels, split, turns=ACTION_SETS[actions].turns)
     problems = [_problem(level, within, discount, own) for level in members]
-    if isinstance(agent, str) and agent == "best":
+    if isinstance(agent, str) and agent == BEST:
         agent = {
             each.level.digest: solve(each.level, each.discount, actions=own) for each in problems
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import inspect
 import re
 
@@ -27,3 +28,11 @@ def test_each_command_is_a_function_of_its_name() -> None:
         assert name in brl.__all__
         annotation = inspect.signature(getattr(brl, name)).return_annotation
         assert returned.replace("`", "").replace(" or ", " | ") == annotation
+
+
+def test_what_a_function_raises_can_be_caught_by_a_public_name() -> None:
+    for name in brl.__all__:
+        named = re.findall(
+            r"^ *(\w+Error):", inspect.getdoc(getattr(brl, name)) or "", re.MULTILINE
+        )
+        assert {each for each in named if not hasattr(builtins, each)} <= {*brl.__all__}, name

@@ -107,7 +107,11 @@ def test_export_and_import() -> None:
 
 
 def test_pack_install_uninstall() -> None:
+    with pytest.raises(brl.PackError, match="there is no folder zoo"):
+        brl.pack("zoo")
     Path("zoo").mkdir()
+    with pytest.raises(brl.PackError, match=r"zoo cannot be packed: it has no pack\.yaml"):
+        brl.pack("zoo")
     Path("zoo/lion.yaml").write_text("version: 1\nsize: [4, 3]\n", encoding="utf-8")
     about = "name: zoo\nversion: 1.0.0\ndescription: Animals.\n"
     Path("zoo/pack.yaml").write_text(about, encoding="utf-8")

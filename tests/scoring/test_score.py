@@ -242,6 +242,8 @@ def test_answers_that_are_no_actions(agent: Any, message: str) -> None:
 def test_what_is_no_agent() -> None:
     with pytest.raises(TypeError, match="int is no agent"):
         brl.score(3, "maze")
+    with pytest.raises(ValueError, match=r"one of 'best', .* not 'bets'; did you mean `best`"):
+        brl.score("bets", "maze")
     with pytest.raises(ValueError, match="split is a part of a suite"):
         brl.score("random", "maze", split="test")
     with pytest.raises(ValueError, match="there are no levels to score"):
@@ -253,6 +255,11 @@ def test_without_a_limit_an_infinite_optimum_is_explained() -> None:
     level = {"version": 1, "name": "pit", "size": [2, 1], "start": [0, 0], "walls": [wall]}
     with pytest.raises(ValueError, match=r"pit has no score: .*within=200"):
         brl.score("random", level)
+
+
+def test_the_best_agent_is_solved_in_each_level() -> None:
+    scores = brl.score("best", ["maze", "four-rooms"])
+    assert [score.regret for score in scores] == pytest.approx([0, 0], abs=1e-9)
 
 
 def test_the_optimum_within_a_limit_has_no_regret() -> None:

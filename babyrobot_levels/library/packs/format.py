@@ -19,9 +19,13 @@ from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, RESERVED, SUFFIXES
 class PackError(BabyRobotError):
     """A pack that is damaged, too large, or different from its manifest."""
 
+    __module__ = "babyrobot_levels"
+
 
 class PackConflictError(BabyRobotError):
     """Something exists that must not be replaced. `help` says what to do."""
+
+    __module__ = "babyrobot_levels"
 
     def __init__(self, message: str, help_text: str):
         self.help = help_text
@@ -33,6 +37,8 @@ class PackConflictError(BabyRobotError):
 
 class PackNotFoundError(BabyRobotError, LookupError):
     """No pack of that name is installed. `nearest` are the most similar names."""
+
+    __module__ = "babyrobot_levels"
 
     def __init__(self, name: str, nearest: Sequence[str] = ()):
         self.name, self.nearest = name, tuple(nearest)

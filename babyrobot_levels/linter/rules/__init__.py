@@ -12,13 +12,16 @@ from typing import overload
 
 from babyrobot_levels.linter.rule import REGISTERED, Rule
 from babyrobot_levels.text.diagnostics import Severity
+from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.words import did_you_mean
 
 _NAME = re.compile(r"[a-z0-9-]+")
 
 
-class UnknownRuleError(ValueError):
+class UnknownRuleError(BabyRobotError, ValueError):
     """A rule that does not exist was selected or ignored."""
+
+    __module__ = "babyrobot_levels"
 
 
 @cache
