@@ -34,6 +34,7 @@ from babyrobot_levels.library.reading import load_file
 ROOT = Path(__file__).parents[1]
 LEVEL = ROOT / "levels" / "final-maze.yaml"
 SCHEMA = ROOT / "schemas" / "level.schema.json"
+LOADING = "brl.load"
 COMMAND, SHAPE = "babyrobot validate", "check-jsonschema"
 
 
@@ -72,13 +73,13 @@ def compare(count: int) -> Iterator[Comparison]:
         )
         yield compare_in_turns(
             f"{FILES}, no start",
-            {"babyrobot_levels.check": reading_each(folder, load_file)},
+            {LOADING: reading_each(folder, load_file)},
             {
                 "yamllint": yamllint_each(folder),
                 "libyaml and pydantic, nothing else": reading_each(folder, parts),
             },
             count,
-            aims={("babyrobot_levels.check", "yamllint"): 8},
+            aims={(LOADING, "yamllint"): 8},
             versions=versions,
         )
 
