@@ -258,7 +258,7 @@ def test_without_a_limit_an_infinite_optimum_is_explained() -> None:
 
 
 def test_the_best_agent_is_solved_in_each_level() -> None:
-    scores = brl.score("best", ["maze", "four-rooms"])
+    scores = brl.score("best", ["maze", "final-maze"])
     assert [score.regret for score in scores] == pytest.approx([0, 0], abs=1e-9)
 
 
