@@ -27,6 +27,8 @@ MAX_NODES = 100_000
 MAX_DIGITS = 40
 MAX_TAG_DIRECTIVES = 100
 
+_TOO_DEEP = f"lists and mappings are nested more than {MAX_DEPTH} levels deep"
+
 _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _CORE = "tag:yaml.org,2002:"
 
@@ -124,8 +126,7 @@ class _Builder:
         if event.tag is not None:
             self._check_tag(event, ["map" if is_mapping else "seq"])
         if len(self.stack) >= MAX_DEPTH:
-            message = f"lists and mappings are nested more than {MAX_DEPTH} levels deep"
-            raise self._error("BR109", self._span(event), message)
+            raise self._error("BR109", self._span(event), _TOO_DEEP)
         first, last = event.start_mark.index, event.end_mark.index
         node = Node({} if is_mapping else [], self.source, first, last, {}, {})
         if event.anchor:
@@ -270,8 +271,12 @@ class _Builder:
             return self._character_error(len(before.decode("utf-8", "ignore")))
         mark, begin = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
         position = self.source.position(mark.index) if mark else START
+        problem = getattr(error, "problem", None) or "the parser gives up"
+        if "nesting depth" in problem:
+            # libyaml 0.2.6 reads ahead, and gives up before the container that is too deep here.
+            return self._error("BR109", self._span_at(position), _TOO_DEEP)
         words = plain_words(
-            getattr(error, "problem", None) or "the parser gives up",
+            problem,
             getattr(error, "context", None) or "",
             self.source.lines,
             *position,
