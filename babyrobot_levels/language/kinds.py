@@ -65,6 +65,7 @@ class Kind:
         state: what of it changes during an episode, in words; empty if nothing does.
         need: its words, if doors and exits can need it.
         label: what an entry is called; by its name, or as the kind, by default.
+        other_names: what other programs call it, to find what an unknown field is meant to be.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Kind:
     state: str = ""
     need: Need | None = None
     label: Callable[[Any], str] | None = None
+    other_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "noun", self.noun or self.name)
@@ -155,6 +157,7 @@ KINDS = (
         Item,
         state="the items that are held",
         need=Need("fetch", "taking", "held", "not held"),
+        other_names=("key", "coin", "treasure"),
     ),
     Kind(
         "door",
@@ -164,6 +167,7 @@ KINDS = (
         marks={d.DOOR: {}},
         state="the doors that are open",
         label=_door_label,
+        other_names=("gate",),
     ),
     Kind(
         "switch",
@@ -172,6 +176,7 @@ KINDS = (
         Switch,
         state="the switches that are on",
         need=Need("switch on", "flipping", "on", "off"),
+        other_names=("button", "lever"),
     ),
     Kind(
         "mover",
@@ -180,15 +185,24 @@ KINDS = (
         Mover,
         state="the places of movers",
         label=_mover_label,
+        other_names=("guard", "enemy", "enemie", "monster"),
     ),
-    Kind("start", "start", Where.CELL, marks={d.START: {}}),
-    Kind("exit", "exit", Where.CELL, marks={d.EXIT: {}}, by_lot="exit_one_of"),
+    Kind("start", "start", Where.CELL, marks={d.START: {}}, other_names=("agent",)),
+    Kind(
+        "exit",
+        "exit",
+        Where.CELL,
+        marks={d.EXIT: {}},
+        by_lot="exit_one_of",
+        other_names=("goal", "end"),
+    ),
     Kind(
         "warp",
         "warps",
         Where.CELL,
         Warp,
         label=lambda warp: f"warp to {warp.to if warp.to == 'start' else [*warp.to]}",
+        other_names=("portal", "teleport", "teleporter"),
     ),
     Kind(
         "puddle",
@@ -199,7 +213,13 @@ KINDS = (
         label=lambda puddle: f"{puddle.size} puddle",
     ),
     Kind(
-        "blocked", "blocked", Where.RECTANGLE, Rectangle, noun="blocked cell", marks={d.BLOCKED: {}}
+        "blocked",
+        "blocked",
+        Where.RECTANGLE,
+        Rectangle,
+        noun="blocked cell",
+        marks={d.BLOCKED: {}},
+        other_names=("obstacle",),
     ),
     Kind("area", "areas", Where.RECTANGLE, Area, label=lambda area: area.label or "area"),
     Kind(

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
-from functools import cache
-from typing import Any, get_args
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, Literal, TypeGuard, get_args, get_origin
 
-from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG, Forms, Model
-from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.language.kinds import THINGS
-from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME, Colors
-from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.suite_list import VERSION, SuiteListFields
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG, VERSION, Forms
+from babyrobot_levels.language.kinds import KINDS, THINGS
+from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME
 from babyrobot_levels.text.scalars import is_plain_string
 from babyrobot_levels.text.words import did_you_mean, shortened
 
@@ -31,8 +30,11 @@ TYPES = {
 }
 
 
-COLOR_FIELDS = {"color", "robot", "bg", "fg", *Colors.model_fields}
-"""Fields that take a colour, where `#` without quotes leaves nothing."""
+SAMPLES = {bool: "true", float: "1", int: "1", str: "name"}
+"""Values of the plain types, for showing the form of what holds them."""
+
+PLACES = ("at", "path")
+"""Fields that entries need, though another may take their place."""
 
 ENTRY_KEYS = {
     "puddles": ("size",),
@@ -65,36 +67,42 @@ DIRECTIONS = {
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+")
 
 
-def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Complaint:
+def complaint(error: Any, model: type[BaseModel]) -> Complaint:
     """Return code, message and help for one of pydantic's error details.
 
     Args:
         error: the detail.
-        fields: the names that the mapping around the fault knows.
-        beginning: what a file of its kind needs at least.
+        model: what the whole file should be.
     """
     kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
     help_text: str | None
-    names = [s for s in error["loc"] if isinstance(s, str) and not s.startswith(FORM_PREFIX)]
+    names = _names(error["loc"])
     field = names[-1] if names else ""
+    fields = fields_around(error["loc"], model)
+    info = fields.get(field)
     is_form = bool(error["loc"]) and str(error["loc"][-1]).startswith(FORM_PREFIX)
     if kind == "extra_forbidden":
         if value is None and field.isdigit():
             # `{step: -0,1}` is what YAML takes for `{step: -0, 1: }`.
             help_text = "write decimals with a point, such as `0.1`: a comma separates entries"
             return "BR201", f"unknown field `{shortened(field)}`", help_text
-        guess = did_you_mean(field, fields)
-        return "BR201", f"unknown field `{shortened(field)}`{guess}", _list(fields)
+        guess = did_you_mean(field, fields) or _other_name(field, fields)
+        return "BR201", f"unknown field `{shortened(field)}`{guess}", _list([*fields])
     if kind == "missing":
-        help_text = beginning if field == "version" else MISSING.get(field)
+        help_text = beginning(model) if field == "version" else MISSING.get(field)
         return "BR202", f"missing field `{field}`", help_text
     if is_form and (kind in TYPES or kind in ("pair", "literal_error")):
-        message = f"must be {_forms()[field]}, not {show(value)}"
+        words = next(part.words for part in _parts(info) if isinstance(part, Forms))
+        message = f"must be {words}, not {show(value)}"
         if kind == "literal_error":
             return "BR204", message + did_you_mean(str(value), _choices(context["expected"])), None
-        return "BR203", message, _type_help(field, kind, value)
+        return "BR203", message, _type_help(field, info, kind, value)
     if kind in TYPES:
-        help_text = _type_help(field, kind, value)
+        help_text = _type_help(field, info, kind, value)
+        if help_text is None and info is not None and TYPES[kind] in ("a list", "a mapping"):
+            sample = _sample_of(info)
+            is_entry = isinstance(error["loc"][-1], int)
+            help_text = f"write `{sample[1:-1] if is_entry else f'{field}: {sample}'}`"
         return "BR203", f"must be {TYPES[kind]}, not {show(value)}", help_text
     if kind == "pair":
         return "BR203", f"must be {context['what']}, not {show(value)}", None
@@ -113,22 +121,73 @@ def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Co
     return "BR203", str(error["msg"]), None
 
 
-@cache
-def _forms() -> dict[str, str]:
-    """Return the words for the forms of the fields that can be written in several ways."""
-    return dict(_forms_in([LevelFields, SuiteFields, SuiteListFields], ""))
+def beginning(model: type[BaseModel]) -> str | None:
+    """Return what a file of a kind needs at least."""
+    return getattr(model, "BEGINNING", None)
 
 
-def _forms_in(types: Iterable[Any], field: str) -> Iterator[tuple[str, str]]:
-    """Yield the fields in some types, or types' annotations, with the words for their forms."""
-    for each in types:
-        if isinstance(each, Forms):
-            yield field, each.words
-        elif isinstance(each, type) and issubclass(each, Model):
-            for name, info in each.model_fields.items():
-                yield from _forms_in([info.annotation, *info.metadata], info.alias or name)
-        else:
-            yield from _forms_in(get_args(each), field)
+def fields_around(location: Sequence[str | int], model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Return the fields of the mapping in which one of pydantic's locations ends.
+
+    Args:
+        location: the location.
+        model: what the whole file should be.
+    """
+    names = _names(location)
+    around: type[BaseModel] | None = model
+    for name in names[:-1]:
+        fields = {} if around is None else _fields(around)
+        if name in fields:
+            around = next((part for part in _parts(fields[name]) if _is_model(part)), None)
+    return {} if around is None else _fields(around)
+
+
+def _names(location: Sequence[str | int]) -> list[str]:
+    """Return the names in one of pydantic's locations, without the forms of unions."""
+    return [s for s in location if isinstance(s, str) and not s.startswith(FORM_PREFIX)]
+
+
+def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Return the fields of a model by their names in files."""
+    return {info.alias or name: info for name, info in model.model_fields.items()}
+
+
+def _is_model(part: Any) -> TypeGuard[type[BaseModel]]:
+    return isinstance(part, type) and issubclass(part, BaseModel)
+
+
+def _parts(info: Any) -> Iterator[Any]:
+    """Yield what the type of a field is put together from: types, and what is said about them."""
+    inner = (info.annotation, *info.metadata) if isinstance(info, FieldInfo) else get_args(info)
+    for part in inner:
+        yield part
+        yield from _parts(part)
+
+
+def _sample(type_: Any) -> str:
+    """Return a value of a type as it would stand in a file."""
+    if _is_model(type_):
+        return "{" + ", ".join(f"{name}: {_sample_of(info)}" for name, info in _needed(type_)) + "}"
+    origin, inner = get_origin(type_), get_args(type_)
+    if origin is tuple:
+        return f"[{_sample(inner[0])}]" if inner[1:] == (...,) else "[x, y]"
+    if origin is dict:
+        return f"{{a: {_sample(inner[1])}}}"
+    if origin is Literal:
+        return str(inner[0])
+    return _sample(inner[0]) if inner else SAMPLES.get(type_, "…")
+
+
+def _sample_of(info: FieldInfo) -> str:
+    """Return a value of a field: its default, if that is a number."""
+    is_number = isinstance(info.default, int | float) and not isinstance(info.default, bool)
+    return f"{info.default:g}" if is_number else _sample(info.annotation)
+
+
+def _needed(model: type[BaseModel]) -> list[tuple[str, FieldInfo]]:
+    """Return the fields that a mapping needs, or the first one if it needs none."""
+    fields = [*_fields(model).items()]
+    return [each for each in fields if each[1].is_required() or each[0] in PLACES] or fields[:1]
 
 
 def show(value: Any) -> str:
@@ -161,11 +220,19 @@ def _list(names: list[str]) -> str | None:
     return ("known fields: " + ", ".join(names)) if len(names) <= 8 else None
 
 
-def _type_help(field: str, kind: str, value: Any) -> str | None:
+def _other_name(field: str, fields: Iterable[str]) -> str:
+    """Return the question whether a field is meant that others call by this name."""
+    for kind in KINDS:
+        if kind.field in fields and field.lower().removesuffix("s") in kind.other_names:
+            return f"; did you mean `{kind.field}`?"
+    return ""
+
+
+def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str | None:
     if value is None:
         if field == "exit":
             return "write `exit: none` for a level without an exit"
-        if field in COLOR_FIELDS:
+        if any(getattr(part, "pattern", None) == PATTERN for part in _parts(info)):
             return "put quotes around a colour that begins with `#`, or remove the field"
         return "give it a value, or remove the field"
     if field == "version":

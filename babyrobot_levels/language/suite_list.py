@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, StrictStr, StringConstraints, model_validator
 
-from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
+from babyrobot_levels.language.base import VERSION, Integer, Model, Number, Slug, Text, form, forms
 from babyrobot_levels.language.suite import (
     MAX_COUNT,
     Share,
@@ -132,8 +132,6 @@ def suite_model(data: Any) -> type[SuiteFields] | type[SuiteListFields]:
     return SuiteListFields if isinstance(data, Mapping) and "levels" in data else SuiteFields
 
 
-_NUMBER = r"(0|[1-9][0-9]{0,8})"
-VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
 Version = Annotated[StrictStr, StringConstraints(pattern=VERSION)]
 
 

@@ -13,7 +13,7 @@ from babyrobot_levels.language.base import FORM_PREFIX
 from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.language.drawing import is_block_map
 from babyrobot_levels.language.kinds import NAMED
-from babyrobot_levels.language.messages import complaint
+from babyrobot_levels.language.messages import beginning, complaint, fields_around
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
@@ -64,7 +64,7 @@ def check(
     issues = [*document.issues[:MAX_PROBLEMS]]
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "does not contain a mapping of fields"
-        help_text = _beginning(model)
+        help_text = beginning(model)
         if document.data is None and is_block_map(document.source.lines):
             # To YAML, lines that begin with `#` are comments.
             help_text = "convert a map of blocks with `babyrobot import`"
@@ -120,8 +120,7 @@ def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
             issues += whole
             continue
         route = _route(detail["loc"])
-        fields = _fields_around(detail["loc"], model)
-        code, message, help_text = complaint(detail, fields, _beginning(model))
+        code, message, help_text = complaint(detail, model)
         kind = detail["type"]
         if kind == "missing":
             route = route[:-1]
@@ -138,7 +137,7 @@ def _misnamed(details: Sequence[Any], model: type[BaseModel]) -> dict[Any, set[s
     for detail in details:
         if detail["type"] == "extra_forbidden":
             *around, name = detail["loc"]
-            meant = nearest(str(name), _fields_around(detail["loc"], model), 1)
+            meant = nearest(str(name), fields_around(detail["loc"], model), 1)
             found.setdefault(tuple(around), set()).add(meant[0] if meant else None)
     return found
 
@@ -148,10 +147,6 @@ def _is_misnamed(location: Sequence[str | int], misnamed: dict[Any, set[str | No
     *around, name = location
     meant = misnamed.get(tuple(around), set()) if around else set()
     return None in meant or name in meant
-
-
-def _beginning(model: type[BaseModel]) -> str | None:
-    return getattr(model, "BEGINNING", None)
 
 
 def _is_fault(detail: Any) -> bool:
@@ -183,32 +178,6 @@ def _route(location: Sequence[str | int]) -> Route:
             break
         route.append(segment)
     return tuple(route)
-
-
-def _fields_around(location: Sequence[str | int], model: type[BaseModel]) -> list[str]:
-    """Return the field names of the mapping in which the location's last segment stands."""
-    current: Any = model
-    for segment in location[:-1]:
-        current = _inner(current, segment)
-    fields = getattr(current, "model_fields", {})
-    return [info.alias or name for name, info in fields.items()]
-
-
-def _inner(current: Any, segment: str | int) -> Any:
-    """Return the model that lies one segment deeper, or what leads to it."""
-    if isinstance(segment, int) or str(segment).startswith(FORM_PREFIX):
-        return current
-    fields = getattr(current, "model_fields", {})
-    if segment not in fields:
-        return current
-    return next(iter(_models_in(fields[segment].annotation)), None)
-
-
-def _models_in(annotation: Any) -> list[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    inner = [*getattr(annotation, "__args__", ())]
-    return [model for argument in inner for model in _models_in(argument)]
 
 
 def route_of(issue: Issue) -> Route:

@@ -13,9 +13,7 @@ from support.reports import BAD, GOOD, read, report
 from support.work import counted_calls
 
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.language.messages import _forms_in
-from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.suite_list import SuiteListFields
+from babyrobot_levels.language.kinds import LISTED
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
@@ -277,10 +275,29 @@ def test_hints(text: str, hint: str) -> None:
     assert hint in f"{found.message} {found.help}"
 
 
-def test_forms_of_a_field_have_the_same_words_wherever_it_stands() -> None:
-    # Messages know a field by its name.
-    found = {*_forms_in([LevelFields, SuiteFields, SuiteListFields], "")}
-    assert len(found) == len({name for name, _ in found}) > 20
+@pytest.mark.parametrize("field", LevelFields.model_fields)
+def test_what_is_told_to_write_is_right(field: str) -> None:
+    found = [each for each in diagnose(f"version: 1\n{field}: 5\n") if each.code == "BR203"]
+    told = re.fullmatch("write `(.*)`", f"{found[0].help}") if found else None
+    if told is None:
+        # The number is right, or the message itself says what can stand there.
+        assert field not in {kind.field for kind in LISTED}
+        return
+    text = told[1].replace("[x, y]", "[1, 1]")
+    assert text.startswith(f"{field}: ")
+    # An exit that is drawn needs a second cell, and a legend its map.
+    allowed = {"exit_one_of": ["BR205"], "legend": ["BR206"]}.get(field, [])
+    codes = [each.code for each in diagnose(f"version: 1\n{text}\n") if each.code < "BR300"]
+    assert codes == allowed
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("teleports", "warps"), ("Keys", "items"), ("goal", "exit"), ("portal", "warps")],
+)
+def test_names_that_others_use_are_understood(name: str, meant: str) -> None:
+    (found,) = diagnose(f"version: 1\n{name}: []\n")
+    assert found.message == f"unknown field `{name}`; did you mean `{meant}`?"
 
 
 def test_a_number_is_not_asked_to_be_true_or_false() -> None:

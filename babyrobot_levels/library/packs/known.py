@@ -12,8 +12,8 @@ from importlib.metadata import Distribution, EntryPoint, distributions
 from importlib.util import find_spec
 from pathlib import Path
 
-from babyrobot_levels.language.base import SLUG
-from babyrobot_levels.language.suite_list import VERSION, PackFields
+from babyrobot_levels.language.base import SLUG, VERSION
+from babyrobot_levels.language.suite_list import PackFields
 from babyrobot_levels.language.validation import check
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import PACK_FILE, is_folder, user_folder
