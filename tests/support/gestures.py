@@ -1,9 +1,12 @@
-"""Messages of the editor to a session, as its page sends them."""
+"""Messages of the editor to a session, as its page sends them: given ones, and random ones."""
 
 from __future__ import annotations
 
+from random import Random
 from typing import Any
 
+from babyrobot_levels.editor.entries.places import places_of
+from babyrobot_levels.editor.gestures import GROUND
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 
@@ -37,3 +40,42 @@ def places(session: Session, kind: str) -> list[dict[str, Any]]:
     """Return the places of a kind."""
     found: list[dict[str, Any]] = send(session, "state")["state"]["places"]
     return [each for each in found if each["kind"] == kind]
+
+
+def random_gesture(rng: Random, session: Session) -> dict[str, Any]:
+    """Return a random gesture, rather where something stands, now and then against the rules."""
+    assert session.level is not None
+    assert session.document is not None
+    size = session.level.size
+    standing = places_of(session.level, session.document)
+    cells = [cell for place in standing for cell in place["cells"]]
+    sides = [side for place in standing for side in place["sides"]]
+
+    def cell() -> list[int]:
+        if cells and rng.random() < 0.5:
+            return list(rng.choice(cells))
+        return [rng.randrange(count) for count in size]
+
+    x, y, side = (
+        rng.choice(sides) if sides and rng.random() < 0.5 else (*cell(), rng.choice("NESW"))
+    )
+    do = rng.choices(["walls", "paint", "fill", "resize", "wind", "resolve"], [9, 9, 3, 2, 2, 1])[0]
+    brush = rng.choice([*GROUND, "start", "exit"] if do == "paint" else GROUND)
+    looks = {"color": rng.choice(["red", "gold"])}
+    traits = rng.choice([{}, {"reward": -3}, {"label": "here"}, {"ends": True, "skid": 0.5}])
+    fields: dict[str, Any] = {"fields": looks | traits} if brush == "area" else {}
+    wall = {"at": [x, y], "side": side, "length": rng.choice([1, 1, 1, 2, 3])}
+    wall |= {"to": rng.choice(["next", "next", "none", "wall", "glass", "door"])}
+    wall |= rng.choice([{}, {"pass": 0.2}, {"pass": 0}, {"pass": 1}])
+    painted = {"cells": [cell() for _ in range(rng.choice([1, 1, 2, 3]))], "brush": brush}
+    painted |= {"rectangle": rng.random() < 0.3, "add": rng.random() < 0.3}
+    other = [min(9, max(1, old + rng.randint(-1, 2))) for old in size]
+    messages: dict[str, dict[str, Any]] = {
+        "walls": wall,
+        "paint": painted | fields,
+        "fill": {"brush": brush, "at": cell()} | fields,
+        "resize": {"size": other, "shift": [rng.randint(-1, 1), rng.randint(-1, 1)]},
+        "wind": {"side": side, "index": rng.randrange(max(size)), "strength": rng.randrange(3)},
+        "resolve": {},
+    }
+    return {"do": do, **messages[do]}
