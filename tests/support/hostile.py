@@ -82,43 +82,22 @@ def warps(goals: Callable[[int], int], count: int, before: str = HUGE) -> bytes:
 
 BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
     # The bytes.
-    "not utf-8": ("BR102", lambda: b"version: 1\nname: \xff\xfe\n"),
-    "utf-16": ("BR102", lambda: "version: 1\n".encode("utf-16")),
     "binary": ("BR102", lambda: bytes(range(256)) * 4000),
-    "zeros": ("BR104", lambda: b"\0" * MIB),
-    "a zero": ("BR104", lambda: b"version: 1\0\n"),
-    "half a character": ("BR104", lambda: level('title: "\\ud800"\n')),
     "two MiB": ("BR103", lambda: b"a" * (2 * MIB)),
     # Depth.
     "brackets": ("BR109", lambda: b"[" * 100_000),
-    "braces": ("BR109", lambda: b"{" * MIB),
-    "pairs": ("BR109", lambda: b"{a: " * 100_000),
     "dashes": ("BR109", lambda: b"- " * 100_000),
-    "questions": ("BR109", lambda: b"? " * 100_000),
     "steps": ("BR109", lambda: "".join(" " * n + "a:\n" for n in range(1440)).encode()),
-    "flow in block": ("BR109", lambda: b"a:\n - b:\n    - " + b"[{c: " * 50_000),
     # Tags and aliases.
-    "a tag": ("BR107", lambda: b"!!python/object/apply:os.system ['touch owned']"),
-    "a long tag": ("BR107", lambda: b"!" * MIB),
     "tag directives": (
         "BR107",
         lambda: "".join(f"%TAG !a{n}! x\n" for n in range(60_000)).encode() + b"--- x\n",
     ),
     "a bomb of aliases": ("BR108", bomb),
-    "an alias in itself": ("BR108", lambda: b"a: &a [*a]"),
     "anchors": ("BR108", lambda: level("tags: [" + "&a x, " * 90_000 + "*b]")),
     # Numbers and words.
-    "a number": ("BR111", lambda: level("max_steps: " + "9" * 5000)),
     "numbers": ("BR111", lambda: level("start: [" + ", ".join(["9" * 5000] * 200) + "]")),
     "a hexadecimal number": ("BR111", lambda: level("max_steps: 0x" + "f" * MIB)[:MIB]),
-    "an exponent": ("BR205", lambda: level("rewards: {step: 1e999999999}")),
-    "not a number": ("BR205", lambda: level("rewards: {step: .nan}")),
-    "cells": ("BR205", lambda: level("size: [100000, 100000]")),
-    "a theme as path": ("BR401", lambda: level("theme: ../../../etc/passwd")),
-    "a colour as script": (
-        "BR403",
-        lambda: level('areas: [{at: [0, 0], color: "javascript:alert(1)"}]'),
-    ),
     "a long colour": (
         "BR205",
         lambda: level("areas: [{at: [0, 0], color: 'rgb(" + " " * 900_000 + "'}]"),
@@ -126,31 +105,16 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
     "a long name": ("BR205", lambda: level("name: " + "a-" * 500_000 + "!\n")),
     # Length.
     "a long line": ("BR201", lambda: level("title: " + "x" * (MIB - 100) + "\nfoo: 1\n")),
-    "wide characters": ("BR201", lambda: level("title: " + "🤖" * 250_000 + "\nfoo: 1\n")),
-    "a long field": ("BR201", lambda: level("? " + "a" * 900_000 + "\n: 1\n")),
     "comments": ("BR202", lambda: b"# x\n" * (MIB // 4 - 3) + b"size: 1\n"),
     "line ends": ("BR201", lambda: b"version: 1" + b"\r" * (MIB - 20) + b"foo: 1\r"),
-    "an open quote": ("BR104", lambda: level("title: '" + "''" * 520_000)),
     "an open list": ("BR104", lambda: level("title: [" + "x, " * 45_000)),
     "documents": ("BR106", lambda: b"---\n" * 200_000),
     # Many values.
     "keys": ("BR108", lambda: "".join(f"k{n}: \n" for n in range(100_000)).encode()[:MIB]),
     "the same key": ("BR105", lambda: level("a: 1\n" * 49_000)),
     "unknown fields": ("BR201", lambda: level("".join(f"fiel{n}: 1\n" for n in range(49_000)))),
-    "unknown colours": (
-        "BR201",
-        lambda: level("theme: {colors: {" + ",".join(f"k{n}: 1" for n in range(40_000)) + "}}"),
-    ),
     "tags": ("BR207", lambda: level("tags: [" + "A," * 90_000 + "]")),
-    "lists as keys": ("BR203", lambda: b"? [a, b]\n: 1\n" * 20_000),
-    "legend": (
-        "BR207",
-        lambda: level("map: x\nlegend: {" + ", ".join(f"k{n}: 1" for n in range(40_000)) + "}"),
-    ),
-    "words for wind": ("BR203", lambda: level("wind: {north: [" + "x," * 90_000 + "]}")),
-    "words for starts": ("BR203", lambda: level("start: [" + "[x,9]," * 33_000 + "]")),
     # Geometry.
-    "starts off the grid": ("BR301", lambda: level("start: [" + "[9,9]," * 33_000 + "]")),
     "starts on blocked cells": (
         "BR302",
         lambda: (
@@ -159,18 +123,11 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
         ),
     ),
     "exits on one cell": ("BR305", lambda: level(HUGE + "exit: [" + "[9,9]," * 33_000 + "]")),
-    "walls off the grid": ("BR301", lambda: entries("walls", "{at: [9, 9], side: N}", 14_000)),
-    "openings of the outer wall": (
-        "BR310",
-        lambda: entries("openings", "{at: [0, 0], side: N}", 14_000, HUGE),
-    ),
-    "puddles on one cell": ("BR307", lambda: entries("puddles", "{at: [1, 0]}", 19_000, HUGE)),
     "areas over all": (
         "BR205",
         lambda: entries("areas", "{at: [0, 0], size: [1024, 1024]}", 9_000, HUGE),
     ),
     "warps in one circle": ("BR308", lambda: warps(lambda n: (n + 1) % 10_000, 10_000)),
-    "warps in many circles": ("BR308", lambda: warps(lambda n: n ^ 1, 10_000)),
     "starts on warps": (
         "BR309",
         lambda: warps(
@@ -180,12 +137,7 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
         ),
     ),
     # Things.
-    "60 items": (
-        "BR404",
-        lambda: listed("items", (f"{{name: i{n}, at: {cell(7 * n)}}}" for n in range(60)), HUGE),
-    ),
     "11,000 items": ("BR404", lambda: listed("items", named(123, 11_000), "size: [123, 123]\n")),
-    "items side by side": ("BR404", lambda: listed("items", named(30, 889), "size: [30, 30]\n")),
     "items in any order": (
         "BR404",
         lambda: listed("items", named(5, 24), "size: [5, 5]\nexit: none\n"),
@@ -197,7 +149,6 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
             + b"movers: [{within: {at: [0, 8], size: [4, 2]}, start: [0, 8]}]\n"
         ),
     ),
-    "switches everywhere": ("BR404", lambda: listed("switches", named(7, 39), "size: [7, 7]\n")),
     "an item in many cells": (
         "BR404",
         lambda: level(
@@ -206,27 +157,10 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
             + "]}\n"
         ),
     ),
-    "many exits": (
-        "BR404",
-        lambda: level(
-            "size: [200, 200]\nexit_one_of: ["
-            + ",".join(on_grid(200, n) for n in range(1, 30_000))
-            + "]\n"
-        ),
-    ),
-    "a drawn item in all cells": (
-        "BR404",
-        lambda: drawing(350, 350, start_and("k")) + b"legend: {k: {item: key}}\n",
-    ),
-    "15 movers": ("BR404", lambda: listed("movers", pairs_of_cells(15), "size: [40, 3]\n")),
     "7 movers": ("BR405", lambda: listed("movers", pairs_of_cells(7), "size: [20, 3]\n")),
     "movers in large rectangles": (
         "BR205",
         lambda: entries("movers", "{within: {at: [0, 0], size: [64, 64]}}", 9_000, HUGE),
-    ),
-    "a path of 16,385 cells": (
-        "BR205",
-        lambda: level("movers:\n- {path: [" + "[1, 1], " * 16_384 + "[1, 1]]}\n"),
     ),
     "names of nothing": (
         "BR321",
@@ -235,13 +169,10 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
             + f"exit_needs: [{', '.join(f'j{n}' for n in range(40_000))}]\n".encode()
         ),
     ),
-    "one name for all": ("BR320", lambda: entries("items", "{name: key, at: [1, 1]}", 12_000)),
-    "doors on one side": ("BR322", lambda: entries("doors", "{at: [0, 0], side: S}", 14_000)),
     "long doors": (
         "BR322",
         lambda: entries("doors", "{at: [0, 0], side: S, length: 1024}", 10_000, HUGE),
     ),
-    "doors without entries": ("BR314", lambda: drawing(350, 350, start_and(" "), "/", "-/-")),
     "drawn items on warps": (
         "BR318",
         lambda: (
@@ -257,13 +188,10 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
         "BR312",
         lambda: drawing(1024, 1024, start_and(" "))[: MIB - 5],
     ),
-    "a drawing on one line": ("BR312", lambda: level('map: "' + "+---" * 250_000 + '"')),
     "a drawing of one row": (
         "BR312",
         lambda: level("map: |\n  " + "+---" * 130_000 + "\n  " + "|   " * 130_000 + "\n"),
     ),
-    "a drawing of nothing": ("BR312", lambda: level("map: |\n" + "  xxx\n" * 170_000)),
-    "blank lines for a drawing": ("BR312", lambda: level("map: |\n" + " \n" * 500_000)),
     "letters that nobody knows": ("BR312", lambda: drawing(360, 360, lambda x, y: "Q")),
     "walls that are not drawn": (
         "BR314",
@@ -288,11 +216,8 @@ VALID: dict[str, Callable[[], bytes]] = {
     "narrow blocked columns": lambda: entries(
         "blocked", "{at: [5, 5], size: [1, 1000]}", 11_000, HUGE
     ),
-    "blocked squares": lambda: entries("blocked", "{at: [9, 9], size: [38, 38]}", 9_000, HUGE),
-    "a chain of warps": lambda: warps(lambda n: n + 1, 10_000),
     "a chain of warps, last first": lambda: warps(lambda n: n - 1, 10_000),
     "long walls": lambda: entries("walls", "{at: [1, 0], side: E, length: 1024}", 11_000, HUGE),
-    "glass": lambda: drawing(300, 300, start_and(" "), ":", "- -"),
     "walls and puddles": lambda: drawing(360, 360, start_and("o"), "|", "---"),
     "13,000 doors": lambda: listed(
         "doors",
@@ -301,6 +226,5 @@ VALID: dict[str, Callable[[], bytes]] = {
     ),
     "16,000 movers that stand still": lambda: entries("movers", "{path: [[1, 1]]}", 16_000),
     "items in a corridor": lambda: listed("items", named(400, 390), "size: [400, 1]\n"),
-    "a number with many digits": lambda: level("discount: 0." + "9" * 5000),
 }
 """Files that are levels, and large."""

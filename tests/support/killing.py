@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import shutil
 import signal
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
@@ -28,7 +26,6 @@ from babyrobot_levels.text.files import user_folder
 from support.packs import snapshot
 from support.sessions import run_here
 
-SEED = 20_240_229
 STEPS = {
     "BufferedWriter.write",
     *(function.__qualname__ for function in (os.mkdir, os.rename, os.replace, os.unlink)),
@@ -45,11 +42,6 @@ def install() -> None:
     store.install(read_archive(Path("new.brlpack")), force=True)
 
 
-def repair() -> None:
-    """Install the old version once more."""
-    store.install(read_archive(Path("old.brlpack")), force=True)
-
-
 def uninstall() -> None:
     """Take the pack away."""
     store.uninstall("zoo")
@@ -61,23 +53,20 @@ def pack() -> None:
     assert result.status == 0
 
 
-CALLS: dict[str, tuple[Call, bool, int]] = {
-    "upgrade": (install, True, 100),
-    "install": (install, False, 0),
-    "repair": (repair, True, 0),
-    "uninstall": (uninstall, True, 0),
-    "pack": (pack, False, 0),
-    "pack-anew": (pack, True, 100),
+CALLS: dict[str, tuple[Call, bool]] = {
+    "upgrade": (install, True),
+    "install": (install, False),
+    "uninstall": (uninstall, True),
+    "pack": (pack, True),
 }
-"""What is called, whether the old version is there already, and how often chance kills it."""
+"""What is called, and whether the old version is there already."""
 
 
-def forked(call: Call, *, after: float | None = None, at_step: int | None = None) -> bool:
+def forked(call: Call, at_step: int | None = None) -> bool:
     """Run a call in a process of its own, and say whether it came to its end.
 
     Args:
         call: what it does.
-        after: the seconds after which it is killed.
         at_step: the number of changes of files that it may make before it is killed.
     """
     child = os.fork()
@@ -86,9 +75,6 @@ def forked(call: Call, *, after: float | None = None, at_step: int | None = None
             sys.setprofile(killer(at_step))
         call()
         os._exit(0)
-    if after is not None:
-        time.sleep(after)
-        os.kill(child, signal.SIGKILL)
     _, status = os.waitpid(child, 0)
     assert status in (0, signal.SIGKILL), status
     return status == 0
@@ -135,28 +121,14 @@ def _hidden(folder: Path) -> list[str]:
 
 def outcomes(name: str) -> Iterator[dict[str, Any]]:
     """Yield what is found after each killed call, and at last after one that was left in peace."""
-    call, is_there, chances = CALLS[name]
+    call, is_there = CALLS[name]
     prepared(None)
     # What the calls import is there from now on.
     pack()
-    repair()
+    store.install(read_archive(Path("old.brlpack")))
     before = Path("before")
     shutil.copytree(user_folder(), before)
     start = before if is_there else None
-
-    times = []
-    for _ in range(5):
-        prepared(start)
-        begin = time.perf_counter()
-        assert forked(call)
-        times.append(time.perf_counter() - begin)
-    clock = random.Random(SEED)
-    longest = sorted(times)[2] * 1.1
-    moments = [longest * (number + clock.random()) / chances for number in range(chances)]
-    for moment in moments:
-        prepared(start)
-        ended = forked(call, after=moment)
-        yield {"how": f"after {moment:.4f} s", "ended": ended, **found()}
     number, ended = 0, False
     while not ended:
         prepared(start)
