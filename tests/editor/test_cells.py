@@ -178,8 +178,9 @@ def test_start_and_exit_take_each_others_cells_while_others_are_left() -> None:
     assert error == "the start is there: move it to another cell first"
 
 
-def test_exit_takes_the_place_of_an_item() -> None:
-    text = "items:\n  - {name: key, at: [1, 1]}\nexit_needs: key\n"
+@pytest.mark.parametrize("things", ["items", "switches"])
+def test_exit_takes_the_place_of_a_thing(things: str) -> None:
+    text = f"{things}:\n  - {{name: key, at: [1, 1]}}\nexit_needs: key\n"
     assert added(paint(Session(EMPTY + text), "exit", (1, 1))) == "exit: [1, 1]\n"
 
 

@@ -61,13 +61,18 @@ def random_gesture(rng: Random, session: Session) -> dict[str, Any]:
     )
     do = rng.choices(["walls", "paint", "fill", "resize", "wind", "resolve"], [9, 9, 3, 2, 2, 1])[0]
     brush = rng.choice([*GROUND, "start", "exit"] if do == "paint" else GROUND)
-    looks = {"color": rng.choice(["red", "gold"])}
-    traits = rng.choice([{}, {"reward": -3}, {"label": "here"}, {"ends": True, "skid": 0.5}])
+    looks: dict[str, Any] = {"color": rng.choice(["red", "gold"])}
+    traits: dict[str, Any] = rng.choice(
+        [{}, {"reward": -3}, {"label": "here"}, {"ends": True, "skid": 0.5}]
+    )
     fields: dict[str, Any] = {"fields": looks | traits} if brush == "area" else {}
-    wall = {"at": [x, y], "side": side, "length": rng.choice([1, 1, 1, 2, 3])}
+    wall: dict[str, Any] = {"at": [x, y], "side": side, "length": rng.choice([1, 1, 1, 2, 3])}
     wall |= {"to": rng.choice(["next", "next", "none", "wall", "glass", "door"])}
     wall |= rng.choice([{}, {"pass": 0.2}, {"pass": 0}, {"pass": 1}])
-    painted = {"cells": [cell() for _ in range(rng.choice([1, 1, 2, 3]))], "brush": brush}
+    painted: dict[str, Any] = {
+        "cells": [cell() for _ in range(rng.choice([1, 1, 2, 3]))],
+        "brush": brush,
+    }
     painted |= {"rectangle": rng.random() < 0.3, "add": rng.random() < 0.3}
     other = [min(9, max(1, old + rng.randint(-1, 2))) for old in size]
     messages: dict[str, dict[str, Any]] = {
