@@ -96,7 +96,7 @@ def maze_page() -> str:
 
 def editor_page() -> str:
     """Return the page on the editor, with the keys that the front end knows."""
-    from babyrobot_levels.render.scripts import static
+    from babyrobot_levels.render.templates import static
 
     script = static("editor/static/keys.js")
     lines = []

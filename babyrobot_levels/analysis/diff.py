@@ -374,7 +374,7 @@ def _side_data(state: float) -> Any:
 def _both(result: Difference) -> Iterator[str]:
     """Yield the pictures of both levels, in which changed cells and walls are marked."""
     from babyrobot_levels.render.notebook.html import is_too_large, picture_of, strip
-    from babyrobot_levels.render.page_data import bare
+    from babyrobot_levels.render.page import bare
     from babyrobot_levels.render.scene.build import build_scene
     from babyrobot_levels.render.scene.layout import layout_of
     from babyrobot_levels.render.scene.marks import MarkedSide, marked

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.page import Guide
     from babyrobot_levels.render.scene.overlay import Overlay
 
 BEST, RANDOM = "best", "random"
@@ -83,7 +83,7 @@ def solution_guide(level: GridWorld, solution: Solution) -> Guide:
         level: the level.
         solution: its solution, for a robot that moves.
     """
-    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.page import Guide
 
     overlay = overlay_of(level, {"values": solution, "policy": solution})
     assert overlay is not None
@@ -94,7 +94,7 @@ def _turning_guide(level: GridWorld) -> Guide | None:
     """Return what a page shows of the solution for a robot that turns; None without one."""
     from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import TURNS, UndefinedReturnError
-    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.page import Guide
 
     try:
         solution = solve(level, actions=TURNS)

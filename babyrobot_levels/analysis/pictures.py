@@ -24,7 +24,7 @@ from babyrobot_levels.analysis.picture_options import (
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.gif import Step
-    from babyrobot_levels.render.page_data import WatchedPolicy
+    from babyrobot_levels.render.page import WatchedPolicy
     from babyrobot_levels.render.raster import Progress
     from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
@@ -324,7 +324,7 @@ def to_html(
     """
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page import to_html as paint
-    from babyrobot_levels.render.page_data import without_panels
+    from babyrobot_levels.render.page import without_panels
 
     policy, values = shown.get("policy"), shown["values"]
     is_known = policy is None or isinstance(policy, bool) or policy in (BEST, RANDOM)

@@ -13,8 +13,8 @@ from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 from babyrobot_levels.language.share_code import encode
 from babyrobot_levels.mdp.gridworld import LevelLike, world_of
-from babyrobot_levels.render.page import link_fragment
-from babyrobot_levels.render.page_data import TooLargeError, without_panels
+from babyrobot_levels.render.page import link_fragment, without_panels
+from babyrobot_levels.render.page_format import TooLargeError
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -76,7 +76,7 @@ def state_picture(result: Any, extent: tuple[float, float] | None = None) -> Pic
     """
     from babyrobot_levels.mdp.states import initial_configuration
     from babyrobot_levels.render.notebook.html import is_too_large, picture_of
-    from babyrobot_levels.render.page_data import bare
+    from babyrobot_levels.render.page import bare
     from babyrobot_levels.render.scene.build import build_scene
 
     level: GridWorld | None = getattr(result, "level", None)
@@ -109,7 +109,7 @@ def extent_of(results: Sequence[Any]) -> tuple[float, float] | None:
 def level_picture(level: GridWorld, width: float, *, small: bool = False) -> Picture | None:
     """Return a picture of a level, or a thumbnail; None if the level is too large."""
     from babyrobot_levels.render.notebook.html import is_too_large, picture_of, thumbnail_of
-    from babyrobot_levels.render.page_data import bare
+    from babyrobot_levels.render.page import bare
     from babyrobot_levels.render.scene.build import build_scene
 
     if is_too_large(level):

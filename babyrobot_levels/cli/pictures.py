@@ -101,7 +101,8 @@ def _end_unsolved(error: ArithmeticError) -> NoReturn:
 
 def check_page_size(level: Level, help_text: str) -> None:
     """End the command if a level is too large for a page, before it is solved for one."""
-    from babyrobot_levels.render.page_data import TooLargeError, without_panels
+    from babyrobot_levels.render.page import without_panels
+    from babyrobot_levels.render.page_format import TooLargeError
 
     try:
         without_panels(level)

@@ -154,7 +154,7 @@ class _Shown:
     def _fragment(self, level: Level) -> str:
         from babyrobot_levels.analysis.sharing import fragment_of
         from babyrobot_levels.cli.pictures import check_page_size
-        from babyrobot_levels.render.page_data import TooLargeError
+        from babyrobot_levels.render.page_format import TooLargeError
 
         try:
             return fragment_of(level, answers=self.answers, tell=note)

@@ -11,7 +11,7 @@ from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import link_fragment
-from babyrobot_levels.render.page_data import TooLargeError
+from babyrobot_levels.render.page_format import TooLargeError
 from babyrobot_levels.text.errors import LevelError
 
 Form = Literal["yaml", "drawing", "python", "code", "link"]

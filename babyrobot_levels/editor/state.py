@@ -9,7 +9,7 @@ from babyrobot_levels.editor.entries.places import places_of
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown.contrast import look_of
 from babyrobot_levels.editor.shown.findings import findings_of
-from babyrobot_levels.render.page_data import TooLargeError
+from babyrobot_levels.render.page_format import TooLargeError
 
 
 def state_of(session: Session) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium import logger
 
 from babyrobot_levels.mdp.actions import Action, Turn
-from babyrobot_levels.render.scene.situation import STANDING, GoodEnds, pose_of
+from babyrobot_levels.render.situation import STANDING, GoodEnds, pose_of
 from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+import math
 import posixpath
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.play import program
 from babyrobot_levels.library.catalogue import files_in
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_file
 from babyrobot_levels.library.search_path import gallery_place
+from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.publish.citation import bibtex, citation
 from babyrobot_levels.publish.facts import Facts
-from babyrobot_levels.publish.highlight import python_html, yaml_html
-from babyrobot_levels.publish.level_values import shown_values, solved_values
-from babyrobot_levels.render.page_data import Guide, TooLargeError, page_data, rounded
-from babyrobot_levels.render.svg import number
+from babyrobot_levels.publish.published import Comparison, comparisons
+from babyrobot_levels.render.page import Guide, bare, page_data
+from babyrobot_levels.render.page_format import TooLargeError, rounded
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.svg import escaped, number, to_svg
 from babyrobot_levels.render.templates import as_html, embedded_json, html
 from babyrobot_levels.render.words.describe import describe
+from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
 
 MAX_SHOWN = 100_000
 """The most characters of a level's text on its page."""
@@ -203,3 +212,170 @@ def _size(size: int) -> str:
 def _relative(facts: Facts, path: str) -> str:
     """Return the path of a file of the gallery as it is seen from the page of a level."""
     return posixpath.relpath(path, posixpath.dirname(facts.files.page))
+
+
+# -- YAML and Python as HTML -----------------------------------------------------------------------
+
+_STRINGS = r'"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\n]|\'\')*\''
+_NUMBER = r"[-+]?(?:\d[\d_]*(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?(?![\w.-])"
+
+_YAML = re.compile(
+    rf"""
+    (?P<comment>(?:^|(?<=[ \t]))\#.*)
+    | (?P<key>(?:{_STRINGS}|[\w$][\w$.\ -]*?)(?=[ \t]*:(?:[ \t]|$)))
+    | (?P<text>{_STRINGS})
+    | (?P<mark>[&*!][\w!/.-]+)
+    | (?P<number>(?<![\w.-]){_NUMBER})
+    | (?P<word>\b(?:true|false|null)\b)
+    | [\w.-]+
+    """,
+    re.VERBOSE,
+)
+
+_BLOCK = re.compile(r"(?:^|[:\-])[ \t]*[|>][-+1-9]*[ \t]*(?:#.*)?$")
+"""The end of a line after which the text of a block follows."""
+
+_PYTHON = re.compile(
+    rf"""
+    (?P<comment>\#.*)
+    | (?P<text>{_STRINGS})
+    | (?P<number>(?<!\w){_NUMBER})
+    | (?P<word>\b(?:import|as|from|for|in|while|not|and|or|if|else|True|False|None)\b)
+    | \w+
+    """,
+    re.VERBOSE,
+)
+
+
+def yaml_html(text: str) -> Markup:
+    """Return a YAML text as HTML."""
+    return as_html("\n".join(_yaml_lines(text)))
+
+
+def python_html(text: str) -> Markup:
+    """Return a Python text, whose strings end on their lines, as HTML."""
+    return as_html("\n".join(_line(line, _PYTHON) for line in text.split("\n")))
+
+
+def _yaml_lines(text: str) -> Iterator[str]:
+    """Yield the lines of a YAML text; those of a block are a text, whatever is in them."""
+    outside: int | None = None
+    for line in text.split("\n"):
+        depth = len(line) - len(line.lstrip(" "))
+        if outside is not None and (not line.strip() or depth > outside):
+            yield _span("text", line) if line.strip() else line
+            continue
+        outside = depth if _BLOCK.search(line) else None
+        yield _line(line, _YAML)
+
+
+def _line(line: str, tokens: re.Pattern[str]) -> str:
+    parts, at = [], 0
+    for found in tokens.finditer(line):
+        parts.append(escaped(line[at : found.start()]))
+        kind, at = found.lastgroup, found.end()
+        parts.append(_span(kind, found[0]) if kind else escaped(found[0]))
+    return "".join([*parts, escaped(line[at:])])
+
+
+def _span(kind: str, text: str) -> str:
+    return f'<span class="{kind[0]}">{escaped(text)}</span>'
+
+
+# -- what is shown of the solution -----------------------------------------------------------------
+
+MOST_CELLS = 256
+"""The most cells of a level whose values are on the page as a table, too."""
+
+
+LARGE_CELL = 96
+"""The width of a cell of the picture in pixels, where there is room."""
+
+
+def values_svg(level: Level, guide: Guide) -> str:
+    """Return the picture of a level with its optimal values and actions, where episodes begin."""
+    start = _start(level)
+    scene = build_scene(
+        bare(level), configuration=start, robot=False, overlay=guide.overlay.at(start)
+    )
+    return to_svg(scene)
+
+
+def _start(level: Level) -> int | None:
+    """Return the configuration in which episodes begin; None without things."""
+    return initial_configuration(level) if level.has_things else None
+
+
+def shown_values(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]:
+    """Yield what is known about the returns and steps of policies, each with its name."""
+    name, limit = "Optimal return", facts.max_steps
+    best = None if facts.best_return is None else rounded(facts.best_return)
+    if guide and limit is not None and not math.isnan(guide.expected_return):
+        within = rounded(guide.expected_return)
+        if best != within:
+            yield with_limit(name, limit, limit), within
+            name = with_limit(name, None, limit)
+    if best is not None:
+        yield name, best
+    if facts.best_steps is not None:
+        yield "Steps of the optimal policy", rounded(facts.best_steps)
+    if facts.random_return is not None:
+        yield "Return of random actions", rounded(facts.random_return)
+
+
+def solved_values(level: Level, facts: Facts, guide: Guide) -> dict[str, Any]:
+    """Return what the tab of values tells.
+
+    Args:
+        level: the level; a maze has its seed.
+        facts: its facts.
+        guide: its solution.
+    """
+    return {
+        "width": LARGE_CELL * level.size[0],
+        "within": with_limit("from there", None, facts.max_steps),
+        "changing": [kind.state for kind in THINGS if kind.field in facts.things],
+        "returns": list(shown_values(facts, guide)),
+        "figures": list(map(_figure, comparisons(level))),
+        "table": _table(level, guide),
+    }
+
+
+def _table(level: Level, guide: Guide) -> list[list[tuple[str, str]]]:
+    """Return the values as the cells of a table; none if it would be too large."""
+    values = guide.overlay.at(_start(level)).values
+    if values is None or math.prod(level.size) > MOST_CELLS:
+        return []
+    return [
+        [("" if value is None or math.isnan(value) else rounded(value), "") for value in row]
+        for row in values
+    ]
+
+
+def _figure(comparison: Comparison) -> dict[str, Any]:
+    """Return a figure in print beside what is computed: a single number, or a table."""
+    figure, decimals = comparison.figure, comparison.figure.decimals
+    difference = _fixed(comparison.difference, decimals + 2)
+    rows = [
+        [
+            ("", "") if value is None or other is None
+            else (_fixed(value, decimals), _fixed(other, decimals + 2))
+            for value, other in zip(row, computed, strict=True)
+        ]
+        for row, computed in zip(figure.printed, comparison.computed, strict=True)
+    ]  # fmt: skip
+    printed, computed = rows[0][0]
+    single = (("In print", printed), ("Computed", computed), ("Difference", difference))
+    return {
+        "what": figure.what,
+        "source": figure.source,
+        "difference": difference,
+        "agrees": comparison.agrees,
+        "rows": rows,
+        "single": single if len(rows) == len(rows[0]) == 1 else None,
+    }
+
+
+def _fixed(value: float, decimals: int) -> str:
+    text = f"{value:.{decimals}f}"
+    return ("0" if float(text) == 0 else text).replace("-", "\N{MINUS SIGN}")

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from babyrobot_levels.publish.sheet_entries import INK, Entry
 from babyrobot_levels.render.helvetica import cut, width_of, wrapped
 from babyrobot_levels.render.scene.layout import height_for
 from babyrobot_levels.render.scene.panels import SampledRule, rule_shapes
@@ -25,8 +24,8 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.words import phrases
 
-FAINT, LINE = "#555555", "#8c8c8c"
-"""The colours of small texts and of lines."""
+INK, FAINT, LINE = "#000000", "#555555", "#8c8c8c"
+"""The colours of texts, of small texts, and of lines."""
 
 _MARGIN = 54.0
 _GAP = 22.0
@@ -52,6 +51,27 @@ _MOST_WITH_RULES = 9
 
 _RULES_HEAD = 20.0
 _RULES_SCALES = (1.0, 0.9, 0.8)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A level on a sheet.
+
+    Attributes:
+        title: its title.
+        mark: its name and the first digits of its digest.
+        pictures: its picture, and the grids; each with its caption, which may be empty.
+        answer: what is written below; empty for nothing.
+        blank: whether there is room to write behind the answer.
+        rules: its rules.
+    """
+
+    title: str
+    mark: str
+    pictures: Sequence[tuple[Scene, str]]
+    answer: str = ""
+    blank: bool = False
+    rules: Sequence[SampledRule] = field(default=())
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,15 +16,15 @@ from babyrobot_levels.render.scene.layout import CELL, STRIP, Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, shifted, toned
-from babyrobot_levels.render.scene.situation import (
+from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
+from babyrobot_levels.render.situation import (
     STANDING,
     Pose,
     Situation,
     place_of,
     situation_of,
 )
-from babyrobot_levels.render.scene.slots import Slots
-from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
 
 if TYPE_CHECKING:
     import numpy as np

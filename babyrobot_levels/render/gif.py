@@ -24,7 +24,8 @@ from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Point, Scene, Shape, scaled, toned
-from babyrobot_levels.render.scene.situation import (
+from babyrobot_levels.render.scene.things import held_pieces, mover_shapes, mover_spots
+from babyrobot_levels.render.situation import (
     STANDING,
     GoodEnds,
     Pose,
@@ -32,7 +33,6 @@ from babyrobot_levels.render.scene.situation import (
     pose_of,
     situation_of,
 )
-from babyrobot_levels.render.scene.things import held_pieces, mover_shapes, mover_spots
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import door_name, door_sides
-from babyrobot_levels.render.page_shapes import BAR, Group, Palette, length, pack
+from babyrobot_levels.render.page_format import BAR, Group, Palette, length, pack
 from babyrobot_levels.render.scene.build import (
     Lengths,
     arrow_lengths,
@@ -37,10 +37,10 @@ from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import Layout
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Shape
-from babyrobot_levels.render.scene.situation import look_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import busy_cells, form_of, number_shapes
 from babyrobot_levels.render.scene.things import Piece, mover_shapes, pieces, thing_label
+from babyrobot_levels.render.situation import look_of, situation_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.geometry import Cell

@@ -1,17 +1,121 @@
-"""HTML from templates, in which every text is escaped that is not marked as HTML."""
+"""What pages consist of: HTML from templates, and a script and a style sheet from modules.
+
+In templates, every text is escaped that is not marked as HTML.
+
+In `static` folders, scripts are ES modules, and style sheets name others by `@import`. Tools for
+JavaScript read them as they are. A page gets one script and one style sheet, made here: each
+module once, after those that it imports, without lines of `import` and the word `export`. So all
+modules of a script share one scope, and their top-level names must differ.
+
+Only these forms are understood, each at the beginning of a line:
+
+- `import { a, b } from "./module.js";` and `@import "sheet.css";`, by a relative path,
+- `export` before `const`, `let`, `function`, `async function` and `class`,
+- `export default`, which stays, in the module that nobody imports.
+"""
 
 from __future__ import annotations
 
 import json
+import posixpath
+import re
+from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from babyrobot_levels.render.scripts import static
 from babyrobot_levels.render.svg import NOT_XML
 
 if TYPE_CHECKING:
     from jinja2 import Environment
     from markupsafe import Markup
+
+_IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";$|^@import "([^"]+)";$', re.M)
+_EXPORT = re.compile(r"^export (?=(?:const|let|class|function|async function) (\w+))", re.M)
+_NAMES = re.compile(r"^(?:const|let|class|(?:async )?function) (?:(\w+)|[\[{]([^=]*)[\]}] =)", re.M)
+_LEFT = re.compile(r"^(?:import\b|export (?!default )|@import\b).*", re.M)
+_NEEDLESS = re.compile(r"^((?:(?!//).)*),\n(?=[)\]}])", re.M)
+"""A comma and a break after the last of several lines."""
+_COMMENTS = re.compile(
+    r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$|/\*\* @type (?:(?!\*/).)*\*/ ?", re.M | re.S
+)
+"""Comments that have lines of their own, and types of expressions."""
+
+
+class _Module(NamedTuple):
+    """A script or style sheet: what it imports, by path, and its text without that."""
+
+    imports: dict[str, frozenset[str]]
+    exports: frozenset[str]
+    names: frozenset[str]
+    """What it declares at the top level."""
+    code: str
+
+
+def static(path: str) -> str:
+    """Return the text of a file, by its path from the package's folder."""
+    return files("babyrobot_levels").joinpath(*path.split("/")).read_text("utf-8")
+
+
+def put_together(path: str, given: Mapping[str, str] | None = None) -> str:
+    """Return a script or style sheet with all that it imports, without what is only for readers.
+
+    Args:
+        path: the module that imports the others, from the package's folder.
+        given: texts that take the place of modules, by their paths.
+
+    Raises:
+        ValueError: modules import each other in a circle, or what is not exported; two of them
+            have the same name at the top level; or a line is of a form that is not understood.
+    """
+    modules: dict[str, _Module] = {}
+    _collect(path, given or {}, modules, ())
+    _check_names(modules)
+    return "\n".join(module.code for module in modules.values() if module.code)
+
+
+def _collect(
+    path: str, given: Mapping[str, str], modules: dict[str, _Module], waiting: tuple[str, ...]
+) -> None:
+    """Add a module, after those that it imports; `waiting` are those that import it."""
+    if path in waiting:
+        circle = " -> ".join([*waiting[waiting.index(path) :], path])
+        raise ValueError(f"modules import each other in a circle: {circle}")
+    if path in modules:
+        return
+    module = _read(path, given[path] if path in given else static(path))
+    for other, names in module.imports.items():
+        _collect(other, given, modules, (*waiting, path))
+        if missing := names - modules[other].exports:
+            raise ValueError(f"{path}: {other} does not export {', '.join(sorted(missing))}")
+    modules[path] = module
+
+
+def _read(path: str, text: str) -> _Module:
+    folder = posixpath.dirname(path)
+    imports = {
+        posixpath.normpath(posixpath.join(folder, script or sheet)): _words(names or "")
+        for names, script, sheet in _IMPORT.findall(text)
+    }
+    exports = frozenset(_EXPORT.findall(text))
+    code = _EXPORT.sub("", _IMPORT.sub("", _COMMENTS.sub("", text)))
+    if left := _LEFT.search(code):
+        raise ValueError(f"{path}: this form is not understood: {left[0]}")
+    names = frozenset[str]().union(*map(_words, map(" ".join, _NAMES.findall(code))))
+    lines = filter(None, map(str.strip, code.splitlines()))
+    return _Module(imports, exports, names, _NEEDLESS.sub(r"\1", "\n".join(lines)))
+
+
+def _check_names(modules: Mapping[str, _Module]) -> None:
+    owners: dict[str, str] = {}
+    for path, module in modules.items():
+        for name in module.names:
+            if (owner := owners.setdefault(name, path)) != path:
+                raise ValueError(f"{owner} and {path} both have the name {name}")
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(re.findall(r"\w+", text))
 
 
 def html(path: str, **values: Any) -> str:

@@ -12,9 +12,9 @@ from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat, Scale
 from babyrobot_levels.render.scene.layout import layout_of
 from babyrobot_levels.render.scene.overlay import Overlay, Rows
-from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import Form, form_of
+from babyrobot_levels.render.situation import place_of, situation_of
 from babyrobot_levels.render.terminal import cut_out
 from babyrobot_levels.render.text_plan import (
     RESET,

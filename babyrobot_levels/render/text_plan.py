@@ -14,9 +14,9 @@ from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.drawn import drawing_of
 from babyrobot_levels.render.colors import Rgb, contrast, over
 from babyrobot_levels.render.scene.icons import thing_color
-from babyrobot_levels.render.scene.situation import Situation
 from babyrobot_levels.render.scene.things import door_color
 from babyrobot_levels.render.scene.walls import GLASS
+from babyrobot_levels.render.situation import Situation
 from babyrobot_levels.render.terminal import ALL_COLORS, PALETTE
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@
 type Cell = [number, number];
 type Side = "N" | "E" | "S" | "W";
 
-// -- pages: `render/page_data.py` and `render/page_things.py` -------------------------------------
+// -- pages: `render/page.py` and `render/page_things.py` -------------------------------------
 
 /** A shape is its kind and colour, and what its painter takes; see `paint.js`. */
 type Shape = [number, number, ...(number | string)[]];

@@ -7,7 +7,7 @@ import re
 from renew import editor_page
 from support.places import DOCS
 
-from babyrobot_levels.render.scripts import static
+from babyrobot_levels.render.templates import static
 
 TEXT = (DOCS / "editor.md").read_text("utf-8")
 

@@ -13,7 +13,7 @@ from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown import answers as module
 from babyrobot_levels.editor.shown.answers import Optimum
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.page_data import page_data
+from babyrobot_levels.render.page import page_data
 
 CORRIDOR = "version: 1\nsize: [5, 1]\nstart: [0, 0]\nexit: [4, 0]\n"
 

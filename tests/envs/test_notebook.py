@@ -12,7 +12,7 @@ from support.subprocesses import python
 import babyrobot_levels as brl
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
-from babyrobot_levels.render.scene.situation import Pose
+from babyrobot_levels.render.situation import Pose
 from babyrobot_levels.render.svg import to_svg
 
 RUNNER = """

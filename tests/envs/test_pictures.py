@@ -18,7 +18,7 @@ from babyrobot_levels.envs.rendering import Pictures
 from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.text import TextPainter
 

@@ -19,7 +19,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.render.frames import FramePainter
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.suites.suite import load_suite
 from babyrobot_levels.text.emitter import emit
 

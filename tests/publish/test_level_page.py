@@ -22,15 +22,16 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.publish.citation import bibtex, citation
 from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
-from babyrobot_levels.publish.highlight import python_html, yaml_html
 from babyrobot_levels.publish.level_page import (
     MAX_SHOWN,
     level_html,
     load_name,
     programs,
+    python_html,
     with_neighbours,
+    yaml_html,
 )
-from babyrobot_levels.render.page_data import MAX_CELLS
+from babyrobot_levels.render.page import MAX_CELLS
 
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"
 FILES = Files(

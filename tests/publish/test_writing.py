@@ -12,7 +12,7 @@ from PIL import Image
 
 import babyrobot_levels as brl
 from babyrobot_levels.publish import gallery as writing
-from babyrobot_levels.render.page_data import rounded
+from babyrobot_levels.render.page_format import rounded
 
 LEVELS = ["final-maze", "treasure-chests", "first-key"]
 SUITE: dict[str, Any] = {

@@ -32,13 +32,13 @@ from babyrobot_levels.render.colors import (
 )
 from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.gif import Step, to_gif
-from babyrobot_levels.render.page_data import common_data, page_data
+from babyrobot_levels.render.page import common_data, page_data
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 
 EACH = (
     "areas",

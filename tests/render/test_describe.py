@@ -10,7 +10,7 @@ from PIL import Image
 from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.render.page_data import page_data
+from babyrobot_levels.render.page import page_data
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg

@@ -16,7 +16,7 @@ from babyrobot_levels.render.frames import FramePainter, default_image_size
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Note, Overlay
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 
 WORLD = level(
     size=[5, 4],

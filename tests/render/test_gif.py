@@ -19,7 +19,7 @@ from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.situation import STANDING, pose_of
+from babyrobot_levels.render.situation import STANDING, pose_of
 
 PER_STEP = 5
 """Frames of a step: four on the way, and the arrival."""

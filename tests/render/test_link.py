@@ -17,8 +17,8 @@ from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.page import MAX_LINK, link_fragment
-from babyrobot_levels.render.page_data import TooLargeError, page_data
+from babyrobot_levels.render.page import MAX_LINK, link_fragment, page_data
+from babyrobot_levels.render.page_format import TooLargeError
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 
 NAMES = [info.name for info in levels()]

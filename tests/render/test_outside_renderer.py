@@ -30,7 +30,7 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
 
 BOLD = re.compile(r'font-size="([\d.]+)" font-weight="bold"(.*?)fill="(.*?)"')

@@ -16,12 +16,11 @@ from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.page import to_html
-from babyrobot_levels.render.page_data import Guide, facts, playable
-from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES
+from babyrobot_levels.render.page import Guide, facts, to_html
+from babyrobot_levels.render.page_format import CHEER, EVENTS, POSES, playable
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.situation import Mood, Pose, pose_of
+from babyrobot_levels.render.situation import Mood, Pose, pose_of
 from babyrobot_levels.render.templates import embedded_json
 
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"

@@ -14,10 +14,10 @@ from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.events import hits_of
-from babyrobot_levels.render import page_data as pages
-from babyrobot_levels.render.page import link_fragment, to_html
-from babyrobot_levels.render.page_data import Guide, TooLargeError, page_data
-from babyrobot_levels.render.page_tables import EVENTS
+from babyrobot_levels.render import page as pages
+from babyrobot_levels.render import page_format
+from babyrobot_levels.render.page import Guide, link_fragment, page_data, to_html
+from babyrobot_levels.render.page_format import EVENTS, TooLargeError
 from babyrobot_levels.render.scene.heat import STEPS
 from babyrobot_levels.render.scene.overlay import Overlay
 
@@ -231,7 +231,7 @@ def test_a_level_of_too_many_states_is_refused(monkeypatch: pytest.MonkeyPatch) 
 
 def test_tables_that_are_too_large_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     numbers = sum(map(len, page_data(VAULT)["rows"]))
-    monkeypatch.setattr(pages, "MAX_NUMBERS", numbers - 1)
+    monkeypatch.setattr(page_format, "MAX_NUMBERS", numbers - 1)
     with pytest.raises(TooLargeError, match=f"their rows have {numbers:,} numbers"):
         page_data(VAULT)
 

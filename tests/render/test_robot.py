@@ -17,7 +17,7 @@ from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
-from babyrobot_levels.render.scene.situation import STANDING, Mood, Pose, pose_of
+from babyrobot_levels.render.situation import STANDING, Mood, Pose, pose_of
 
 POSES = [Pose(facing, mood) for mood in Mood for facing in Action]
 WIDTH = 5

@@ -12,7 +12,7 @@ from support.worlds import level
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.page_data import page_data
+from babyrobot_levels.render.page import page_data
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import sample_shapes

@@ -16,7 +16,7 @@ from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
-from babyrobot_levels.render.scene.situation import Pose
+from babyrobot_levels.render.situation import Pose
 from babyrobot_levels.text.errors import LevelError
 
 MARGIN = 3

@@ -26,7 +26,7 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.render.terminal import ALL_COLORS
 from babyrobot_levels.render.text import TextPainter
 

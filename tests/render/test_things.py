@@ -25,8 +25,8 @@ from babyrobot_levels.render.scene.icons import INK, KINDS, RIM, default_color
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Path, Text
-from babyrobot_levels.render.scene.situation import GoodEnds, Pose, place_of, situation_of
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
+from babyrobot_levels.render.situation import GoodEnds, Pose, place_of, situation_of
 
 VAULT = load(str(FOLDER / "things.yaml"))
 CELLS = 35

@@ -12,13 +12,13 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import contrast
-from babyrobot_levels.render.effects import End, effects_of
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape, Text
+from babyrobot_levels.render.situation import End, effects_of
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""

@@ -17,7 +17,6 @@ from scipy import ndimage  # type: ignore[import-untyped]
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, ink_on, rgba
-from babyrobot_levels.render.effects import effects_of
 from babyrobot_levels.render.raster import Painter
 from babyrobot_levels.render.scene.build import arrow_lengths, arrow_shapes, build_scene
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes, pad_shapes, puddle_shapes
@@ -26,10 +25,10 @@ from babyrobot_levels.render.scene.marks import mark_shapes, warp_shapes, wind_s
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text, toned
-from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
+from babyrobot_levels.render.situation import effects_of, situation_of
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

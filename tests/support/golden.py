@@ -19,7 +19,7 @@ from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
 from support.places import TESTS
 

@@ -10,8 +10,7 @@ from typing import Any
 from playwright.sync_api import Page, expect
 
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.render.page import to_html
-from babyrobot_levels.render.page_data import Guide
+from babyrobot_levels.render.page import Guide, to_html
 from babyrobot_levels.render.scene.overlay import Overlay
 
 KEYS = [" ", "ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft"]

@@ -6,9 +6,8 @@ import json
 from functools import cache
 
 from babyrobot_levels.editor.shown.contrast import themes
-from babyrobot_levels.render.page import common_module
-from babyrobot_levels.render.page_data import common_data
-from babyrobot_levels.render.scripts import put_together
+from babyrobot_levels.render.page import common_data, common_module
+from babyrobot_levels.render.templates import put_together
 
 
 @cache

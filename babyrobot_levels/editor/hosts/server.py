@@ -31,7 +31,7 @@ from starlette.routing import Mount, Route
 from babyrobot_levels.editor.hosts.front_end import served_script, style
 from babyrobot_levels.editor.protocol import answer, prepare
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.render.scripts import static
+from babyrobot_levels.render.templates import static
 from babyrobot_levels.text.errors import BabyRobotError
 
 LOOPBACK = "127.0.0.1"

@@ -18,13 +18,8 @@ import numpy as np
 from babyrobot_levels.analysis.guides import random_return, solution_guide
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import initial_configuration, reach_of
-from babyrobot_levels.render.page_data import (
-    Guide,
-    TooLargeError,
-    page_data,
-    rounded,
-    without_panels,
-)
+from babyrobot_levels.render.page import Guide, page_data, without_panels
+from babyrobot_levels.render.page_format import TooLargeError, rounded
 from babyrobot_levels.render.words.phrases import with_limit
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import select
 from babyrobot_levels.linter.runner import Report, findings_in, names_of
-from babyrobot_levels.render.page_data import MAX_CELLS
+from babyrobot_levels.render.page import MAX_CELLS
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.source import Position

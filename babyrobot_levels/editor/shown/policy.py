@@ -15,7 +15,7 @@ from babyrobot_levels.editor.shown.answers import Optimum, endless, finite
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.tables import Floats
-from babyrobot_levels.render.page_data import rounded
+from babyrobot_levels.render.page_format import rounded
 from babyrobot_levels.render.words.phrases import with_limit
 
 NOT_DRAWN = -1

@@ -26,7 +26,7 @@ class ImageObserver:
     ) -> None:
         # Pictures bring Pillow; the other observations do without it.
         from babyrobot_levels.render.frames import FramePainter
-        from babyrobot_levels.render.scene.situation import STANDING
+        from babyrobot_levels.render.situation import STANDING
 
         self.space = image_space(extent, image_size, grayscale)
         height, width = self.space.shape[:2]

@@ -33,7 +33,9 @@ from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted, toned
-from babyrobot_levels.render.scene.situation import (
+from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.things import moving_pieces, pieces
+from babyrobot_levels.render.situation import (
     STANDING,
     Mood,
     Pose,
@@ -42,8 +44,6 @@ from babyrobot_levels.render.scene.situation import (
     pose_of,
     situation_of,
 )
-from babyrobot_levels.render.scene.slots import Slots
-from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.text import TextPainter
 from babyrobot_levels.render.words.describe import describe
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.effects import effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.heat import Heat, ink_on
 from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell, layout_of
@@ -35,7 +34,6 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
     toned,
 )
-from babyrobot_levels.render.scene.situation import STANDING, Pose, place_of, situation_of
 from babyrobot_levels.render.scene.slots import Arrow, Box, Slots
 from babyrobot_levels.render.scene.texts import (
     Anchor,
@@ -50,6 +48,7 @@ from babyrobot_levels.render.scene.texts import (
 )
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
+from babyrobot_levels.render.situation import STANDING, Pose, effects_of, place_of, situation_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

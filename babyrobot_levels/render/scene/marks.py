@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.icons import INK, RIM, Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
@@ -29,6 +28,7 @@ from babyrobot_levels.render.scene.shapes import (
     rounded,
 )
 from babyrobot_levels.render.scene.slots import ICON, LABEL_MARGIN, Arrow, Box, Slots
+from babyrobot_levels.render.situation import STRENGTHS, Effects
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -12,7 +12,6 @@ from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import ink_on, mixed, plate_for
-from babyrobot_levels.render.effects import Effects, effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.icons import Spot, item_shapes, thing_color
 from babyrobot_levels.render.scene.layout import (
@@ -48,10 +47,10 @@ from babyrobot_levels.render.scene.shapes import (
     shifted,
     toned,
 )
-from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import mover_shapes, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
+from babyrobot_levels.render.situation import Effects, effects_of, situation_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -24,8 +24,8 @@ from babyrobot_levels.render.scene.shapes import (
     scaled,
     shifted,
 )
-from babyrobot_levels.render.scene.situation import STANDING, Mood, Pose
 from babyrobot_levels.render.scene.slots import ROBOT_CORNER, SMALL_ROBOT
+from babyrobot_levels.render.situation import STANDING, Mood, Pose
 
 OUTLINE = "#232c38"
 VISOR = "#17202b"

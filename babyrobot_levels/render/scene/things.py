@@ -34,9 +34,9 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
     rounded,
 )
-from babyrobot_levels.render.scene.situation import Situation
 from babyrobot_levels.render.scene.slots import ICON, Box, Slots
 from babyrobot_levels.render.scene.texts import end_text, label_shapes
+from babyrobot_levels.render.situation import Situation
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

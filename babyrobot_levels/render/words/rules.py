@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from babyrobot_levels.language.cells import Skid, Told, Warp, as_skid, shifts
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.grid import door_name
-from babyrobot_levels.render.effects import End, effects_of
+from babyrobot_levels.render.situation import End, effects_of
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.text.words import listed
 

@@ -18,9 +18,8 @@ from babyrobot_levels.analysis.solver.distribution import return_distribution
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.page import link_fragment
-from babyrobot_levels.render.page_data import page_data
-from babyrobot_levels.render.page_tables import CHEER
+from babyrobot_levels.render.page import link_fragment, page_data
+from babyrobot_levels.render.page_format import CHEER
 
 MINUS = "\N{MINUS SIGN}"
 FAST = {"robot": {"speed": 100}}

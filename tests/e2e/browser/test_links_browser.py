@@ -22,8 +22,7 @@ from support.worlds import World, decorated_worlds, level_of
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, to_html
-from babyrobot_levels.render.page_data import page_data
+from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, page_data, to_html
 
 SOME = [
     "final-maze", "four-corners", "glasshouse", "moonlight", "random-maze", "river-crossing",

@@ -18,8 +18,7 @@ from support.vault import vault
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Turn
-from babyrobot_levels.render.page import link_fragment
-from babyrobot_levels.render.page_data import page_data
+from babyrobot_levels.render.page import link_fragment, page_data
 
 VAULT = vault()
 LOOKING = vault(heading="S")

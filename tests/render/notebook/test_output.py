@@ -10,7 +10,7 @@ from support.kernels import Message, run_cells
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.situation import Pose
+from babyrobot_levels.render.situation import Pose
 from babyrobot_levels.render.svg import to_svg
 
 WIDGET = "application/vnd.jupyter.widget-view+json"

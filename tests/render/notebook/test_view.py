@@ -20,7 +20,7 @@ from babyrobot_levels.render.scene.build import LAYERS, build_layers
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Shape
-from babyrobot_levels.render.scene.situation import Mood, Pose
+from babyrobot_levels.render.situation import Mood, Pose
 
 LEVEL = brl.Level.model_validate({"version": 1, "size": (4, 3), "puddles": [{"at": (1, 1)}]})
 EAST = Pose(brl.Action.EAST)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from babyrobot_levels.render.page_shapes import AGAIN, ELLIPSE, PATH, RECT, TEXT, Palette, pack
+from babyrobot_levels.render.page_format import AGAIN, ELLIPSE, PATH, RECT, TEXT, Palette, pack
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
     Path,

@@ -10,7 +10,7 @@ import pytest
 
 from babyrobot_levels.editor.hosts.front_end import served_script, widget_script
 from babyrobot_levels.publish.assets import ASSETS
-from babyrobot_levels.render.scripts import put_together, static
+from babyrobot_levels.render.templates import put_together, static
 
 ENTRIES = [
     ("editor", "editor.css"),
