@@ -20,6 +20,8 @@ def main() -> None:
     _prepare_streams()
     # Levels make many small matrices, over which the threads of BLAS only wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # To find pydantic's plugins, the metadata of every package that is installed would be read.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
         _run()
     except KeyboardInterrupt:

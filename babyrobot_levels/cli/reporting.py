@@ -147,12 +147,13 @@ def _titles() -> dict[str, str]:
 
 def level_paths(paths: Sequence[Path] | None) -> list[Path]:
     """Return the given files, and all level files below the given folders."""
-    from babyrobot_levels.library.search_path import yaml_files
     from babyrobot_levels.text.files import is_folder
 
     files: dict[Path, None] = {}
     for path in paths or [DEFAULT_FOLDER]:
         if is_folder(path):
+            from babyrobot_levels.library.search_path import yaml_files
+
             found = list(yaml_files(path, all_of_them=True))
             if not found:
                 note(f"no level files (.yaml) in {path}")

@@ -5,14 +5,13 @@ from __future__ import annotations
 import ast
 import json
 import math
-import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 from babyrobot_levels.language.kinds import THINGS
-from babyrobot_levels.language.looks import PATTERN
+from babyrobot_levels.language.looks import LONGEST_COLOR, is_color
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.diagnostics import one_line
@@ -403,4 +402,4 @@ def color(value: Any) -> str | None:
         return None
     text = value.strip()
     text = text if text.startswith("#") else text.lower()
-    return text if len(text) <= 64 and re.fullmatch(PATTERN, text) else None
+    return text if len(text) <= LONGEST_COLOR and is_color(text) else None

@@ -36,7 +36,10 @@ _OF_PYDANTIC = frozenset(dir(BaseModel))
 
 
 class Model(BaseModel):
-    """A frozen model that refuses fields that it does not know."""
+    """A frozen model that refuses fields that it does not know.
+
+    As models are frozen, those that are defaults are made once; that needs no validator.
+    """
 
     # Help for a file without any field.
     BEGINNING: ClassVar[str] = "a level begins with `version: 1`"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from functools import cache
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
@@ -128,9 +129,9 @@ class LargePuddle(PuddleType):
 class PuddleTypes(Model):
     """What the two sizes of puddles mean in this level."""
 
-    small: SmallPuddle = Field(default_factory=SmallPuddle)
+    small: SmallPuddle = Field(default_factory=cache(SmallPuddle.model_construct))
     """Small puddles."""
-    large: LargePuddle = Field(default_factory=LargePuddle)
+    large: LargePuddle = Field(default_factory=cache(LargePuddle.model_construct))
     """Large puddles."""
 
 

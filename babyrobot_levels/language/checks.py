@@ -14,7 +14,6 @@ from babyrobot_levels.language.geometry import (
     painted,
     show_cell,
 )
-from babyrobot_levels.language.thing_checks import check_things
 from babyrobot_levels.language.walls import RECTANGULAR, Opening, sides_of
 from babyrobot_levels.text.diagnostics import Issue
 
@@ -129,9 +128,13 @@ def issues_of(level: LevelFields) -> list[Issue]:
     for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
         _collect(issues, check(level))
     blocked = blocked_cells(level)
-    checks = (check_ends, _check_puddles, _check_warps, check_things)
-    for check_cells in checks:
+    for check_cells in (check_ends, _check_puddles, _check_warps):
         _collect(issues, check_cells(level, blocked))
+    if level.has_things or level.exit_keys:
+        # Most levels have none.
+        from babyrobot_levels.language.thing_checks import check_things
+
+        _collect(issues, check_things(level, blocked))
     return issues
 
 

@@ -6,17 +6,14 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import MAX_VALUES, plain
-from babyrobot_levels.language.suite import SuiteFields, impossible
-from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields, suite_model
 from babyrobot_levels.language.validation import Checked, ModelT, check, parse, validate
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import (
     MAX_DEPTH,
@@ -29,6 +26,10 @@ from babyrobot_levels.text.files import (
 from babyrobot_levels.text.reader import MAX_NODES, open_document, read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 from babyrobot_levels.text.words import did_you_mean
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.suite import SuiteFields
+    from babyrobot_levels.language.suite_list import AnySuite
 
 LevelT = TypeVar("LevelT", bound=LevelSpec)
 
@@ -65,7 +66,7 @@ def check_level(
         path: the file that it is from: it gives the level's name, and themes beside it.
     """
     if is_suite(document):
-        help_text = _LIST_HELP if suite_model(document.data) is SuiteListFields else _SUITE_HELP
+        help_text = _LIST_HELP if "levels" in document.data else _SUITE_HELP
         issue = Issue("BR201", ("kind",), "this is a suite of levels, not a level", help_text)
         return Checked(None, [document.diagnostic(issue)])
     theme = _ThemeCheck(path)
@@ -80,6 +81,9 @@ def check_level(
 
 def check_suite(document: Document, path: Path | None = None) -> Checked[AnySuite]:
     """Check a document as a suite; see `check_level`. What it lists is not looked for."""
+    from babyrobot_levels.language.suite import SuiteFields, impossible
+    from babyrobot_levels.language.suite_list import SuiteListFields, suite_model
+
     if suite_model(document.data) is SuiteListFields:
         listed, diagnostics = check(document, SuiteListFields)
         if listed is not None:
@@ -129,7 +133,7 @@ def error_in_mapping(data: Mapping[str, Any], issues: Sequence[Issue]) -> LevelE
     fields = plain(data, most=MAX_VALUES)
     if not _fits(fields):
         return LevelError(message="; ".join(issue.message for issue in issues[:_MOST]))
-    document = read(SourceFile("<mapping>", emit(fields) or "{}"))
+    document = read(_written(fields))
     return LevelError([document.diagnostic(issue) for issue in issues])
 
 
@@ -139,6 +143,8 @@ def suite_from_mapping(data: Mapping[str, Any]) -> AnySuite:
     Raises:
         LevelError: the mapping is not a valid suite; see `level_from_mapping`.
     """
+    from babyrobot_levels.language.suite_list import SuiteListFields, suite_model
+
     if suite_model(data) is SuiteListFields:
         return _from_mapping(data, SuiteListFields, [], None)
     return grown_from_mapping(data)
@@ -146,6 +152,8 @@ def suite_from_mapping(data: Mapping[str, Any]) -> AnySuite:
 
 def grown_from_mapping(data: Mapping[str, Any]) -> SuiteFields:
     """Return the fields of a suite that grows mazes; see `suite_from_mapping`."""
+    from babyrobot_levels.language.suite import SuiteFields, impossible
+
     theme = _ThemeCheck(None)
     return _from_mapping(data, SuiteFields, [theme, impossible], theme)
 
@@ -176,11 +184,17 @@ def _from_mapping(
         return value
     shown: list[Diagnostic] = []
     if _fits(fields):
-        source = SourceFile("<mapping>", emit(fields) or "{}")
-        shown = parse(source, model, checks).diagnostics
+        shown = parse(_written(fields), model, checks).diagnostics
     shown += found
     message = "; ".join(issue.message for issue in issues[:_MOST])
     raise LevelError(shown, None if shown else message)
+
+
+def _written(fields: Any) -> SourceFile:
+    """Return the text of a file with these fields."""
+    from babyrobot_levels.text.emitter import emit
+
+    return SourceFile("<mapping>", emit(fields) or "{}")
 
 
 def _fits(data: Any) -> bool:

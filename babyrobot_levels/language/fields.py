@@ -161,11 +161,13 @@ class LevelFields(Model):
     """Cells that flip between off and on as the robot arrives there."""
     movers: Annotated[tuple[Mover, ...], Role.DYNAMICS] = ()
     """What moves by itself: guards on a path, wanderers in a rectangle."""
-    hit: Annotated[Hit, Role.DYNAMICS] = Field(default_factory=Hit)
+    hit: Annotated[Hit, Role.DYNAMICS] = Field(default_factory=cache(Hit.model_construct))
     """What it means to meet a mover."""
     puddles: Annotated[tuple[Puddle, ...], Role.DYNAMICS, DRAWN] = ()
     """Cells that are costly to enter and slippery to leave."""
-    puddle_types: Annotated[PuddleTypes, Role.DYNAMICS] = Field(default_factory=PuddleTypes)
+    puddle_types: Annotated[PuddleTypes, Role.DYNAMICS] = Field(
+        default_factory=cache(PuddleTypes.model_construct)
+    )
     """Rewards and skids of small and large puddles."""
     areas: Annotated[tuple[Area, ...], Role.DYNAMICS] = ()
     """Rectangles of cells with properties; later ones take precedence."""
@@ -177,7 +179,7 @@ class LevelFields(Model):
     """Wind that pushes the robot in some columns and rows."""
     skid: Annotated[SkidLike | None, Role.DYNAMICS] = None
     """The probability with which the robot skids, on every cell."""
-    rewards: Annotated[Rewards, Role.REWARD] = Field(default_factory=Rewards)
+    rewards: Annotated[Rewards, Role.REWARD] = Field(default_factory=cache(Rewards.model_construct))
     """The rewards of a step."""
     discount: Annotated[Number, Field(gt=0, le=1), Role.LIMIT] = 1.0
     """The discount factor that solvers use by default."""
@@ -185,7 +187,7 @@ class LevelFields(Model):
     """The time limit: episodes are truncated after this many steps."""
     theme: Annotated[ThemeLike, Role.LOOK] = "default"
     """Colours and widths: the name of a theme, or a mapping."""
-    display: Annotated[Display, Role.LOOK] = Field(default_factory=Display)
+    display: Annotated[Display, Role.LOOK] = Field(default_factory=cache(Display.model_construct))
     """What pictures show besides the level itself."""
 
     _drawn: dict[str, int] = PrivateAttr(default_factory=dict)

@@ -20,7 +20,7 @@ from pydantic import BaseModel
 
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.kinds import LEGEND
-from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
+from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, Theme
 from babyrobot_levels.language.play import PlayFields
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import KINDS, PackFields, SuiteListFields
@@ -181,7 +181,7 @@ def _tidy(value: Any) -> Any:
         return [_tidy(item) for item in value]
     if not isinstance(value, dict):
         return value
-    if value.get("pattern") == PATTERN:
+    if value.get("format") == "color":
         texts = {key: value[key] for key in ("description", "default") if key in value}
         return {"allOf": [{"$ref": "#/$defs/Color"}], **texts}
     tidied = {}

@@ -10,10 +10,8 @@ from pydantic import PrivateAttr, model_validator
 from babyrobot_levels.language.checks import issues_of
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
-from babyrobot_levels.language.map import expand_map
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.text.diagnostics import Issue
-from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 
 if TYPE_CHECKING:
@@ -34,6 +32,8 @@ class LevelSpec(LevelFields):
         """Fill in what the drawing gives, and check what only the whole level shows."""
         issues: list[Issue] = []
         if self.map is not None or "legend" in self.model_fields_set:
+            from babyrobot_levels.language.map import expand_map
+
             drawn, issues = expand_map(self)
             if drawn is not None:
                 self._drawing = drawn.drawing
@@ -105,6 +105,7 @@ class LevelSpec(LevelFields):
             comments: whether a level that was loaded from a text keeps its comments and its
                 layout, so that only the lines of changed fields are new.
         """
+        from babyrobot_levels.text.emitter import emit
         from babyrobot_levels.text.splice import splice
 
         if comments and self._origin is not None:

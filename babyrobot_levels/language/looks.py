@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from functools import cache
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictStr, StringConstraints
+from pydantic import AfterValidator, Field, StrictStr, StringConstraints, WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from babyrobot_levels.language.base import Flag, Model, Number, form, forms
 
@@ -46,9 +49,31 @@ _FORMS = (
 FORM_PATTERN = f"^({_FORMS})$"
 """The colours that are not names."""
 
-PATTERN = f"^({'|'.join(NAMES)}|{_FORMS})$"
+LONGEST_COLOR = 64
+"""The most characters of a colour."""
 
-Color = Annotated[StrictStr, StringConstraints(pattern=PATTERN, max_length=64)]
+
+def is_color(text: str) -> bool:
+    """Tell whether a text is a colour, if it is not too long."""
+    return text in NAMES or re.fullmatch(_FORMS, text) is not None
+
+
+def _css_color(text: str) -> str:
+    if not is_color(text):
+        raise PydanticCustomError("color", "must be a CSS colour")
+    return text
+
+
+COLOR_CHECK = AfterValidator(_css_color)
+"""What the type of every field that is a colour has."""
+
+# A `pattern` would be compiled for every field that is a colour.
+Color = Annotated[
+    StrictStr,
+    StringConstraints(max_length=LONGEST_COLOR),
+    COLOR_CHECK,
+    WithJsonSchema({"type": "string", "format": "color"}),
+]
 """A CSS colour: a name in small letters, `#rgb`, `#rrggbb` (or with alpha), `rgb(…)`, `rgba(…)`,
 `hsl(…)`."""
 
@@ -107,9 +132,9 @@ class Widths(Model):
 class Theme(Model):
     """Colours and widths."""
 
-    colors: Colors = Field(default_factory=Colors)
+    colors: Colors = Field(default_factory=cache(Colors.model_construct))
     """The colours."""
-    widths: Widths = Field(default_factory=Widths)
+    widths: Widths = Field(default_factory=cache(Widths.model_construct))
     """The widths."""
 
 
@@ -162,7 +187,7 @@ class Display(Model):
     """A panel to the right: `none`, a width, or a mapping."""
     bottom_panel: PanelLike = "none"
     """A panel below: `none`, a height, or a mapping."""
-    robot: Robot = Field(default_factory=Robot)
+    robot: Robot = Field(default_factory=cache(Robot.model_construct))
     """The robot."""
 
 
@@ -176,17 +201,18 @@ ThemeLike = Annotated[
 
 
 def _theme(padding: float, wall_width: float, /, **colors: str) -> Theme:
-    return Theme(
-        colors=Colors.model_validate(colors),
-        widths=Widths(padding=padding, walls=wall_width, border=wall_width),
-    )
+    # They are valid: to check them at each start would take longer than to check a level.
+    widths = Widths.model_construct(padding=padding, walls=wall_width, border=wall_width)
+    return Theme.model_construct(colors=Colors.model_construct(None, **colors), widths=widths)
 
 
 BUILTIN_THEMES: dict[str, Theme] = {
-    "default": Theme(),
+    "default": Theme.model_construct(
+        set(), colors=Colors.model_construct(), widths=Widths.model_construct()
+    ),
     "black_orange": _theme(
-        3,
-        6,
+        3.0,
+        6.0,
         base="#1e1e1e",
         lines="#707070",
         start="#007acc",
@@ -201,8 +227,8 @@ BUILTIN_THEMES: dict[str, Theme] = {
         robot="#b9c4cf",
     ),
     "blue_green": _theme(
-        3,
-        6,
+        3.0,
+        6.0,
         base="#beb8eb",
         lines="#5e5c6c",
         start="#1b69ae",
@@ -217,8 +243,8 @@ BUILTIN_THEMES: dict[str, Theme] = {
         robot="#4a5568",
     ),
     "green": _theme(
-        3,
-        6,
+        3.0,
+        6.0,
         base="#588157",
         lines="#84a98c",
         start="#d6dfc4",
@@ -234,8 +260,8 @@ BUILTIN_THEMES: dict[str, Theme] = {
         robot="#d5dbe1",
     ),
     "high_contrast": _theme(
-        4,
-        7,
+        4.0,
+        7.0,
         base="#000000",
         lines="#7f7f7f",
         start="#ffb000",
@@ -252,8 +278,8 @@ BUILTIN_THEMES: dict[str, Theme] = {
         robot="#f2f2f2",
     ),
     "print": _theme(
-        3,
-        5,
+        3.0,
+        5.0,
         base="#ffffff",
         lines="#9a9a9a",
         start="#949494",

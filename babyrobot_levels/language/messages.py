@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG, VERSION, Forms
 from babyrobot_levels.language.kinds import KINDS, THINGS
-from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME
+from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
 from babyrobot_levels.text.scalars import is_plain_string
 from babyrobot_levels.text.words import did_you_mean, shortened
 
@@ -114,6 +114,10 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         return "BR205", f"must be a finite number, not {show(value)}", None
     if kind in ("too_short", "too_long"):
         return _length(kind, context, field, value)
+    if kind == "color":
+        message = f"{_named(value)} is not a CSS colour{did_you_mean(str(value), NAMES)}"
+        help_text = 'use a CSS name in lower case, `"#rrggbb"`, `rgb(…)`, `rgba(…)` or `hsl(…)`'
+        return "BR403", message, help_text
     if kind == "string_pattern_mismatch":
         return _pattern(context["pattern"], names[0] if names else "", value)
     if kind == "string_too_long":
@@ -232,7 +236,7 @@ def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str
     if value is None:
         if field == "exit":
             return "write `exit: none` for a level without an exit"
-        if any(getattr(part, "pattern", None) == PATTERN for part in _parts(info)):
+        if COLOR_CHECK in _parts(info):
             return "put quotes around a colour that begins with `#`, or remove the field"
         return "give it a value, or remove the field"
     if field == "version":
@@ -316,12 +320,6 @@ def _length(kind: str, context: dict[str, Any], field: str, value: Any) -> Compl
 
 
 def _pattern(pattern: str, root: str, value: Any) -> Complaint:
-    if pattern == PATTERN:
-        return (
-            "BR403",
-            f"{_named(value)} is not a CSS colour{did_you_mean(str(value), NAMES)}",
-            'use a CSS name in lower case, `"#rrggbb"`, `rgb(…)`, `rgba(…)` or `hsl(…)`',
-        )
     if pattern == SLUG:
         message = f"must be lower-case letters and digits joined by `-`, not {show(value)}"
         if root in NAMING:

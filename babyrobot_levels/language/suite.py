@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
@@ -193,7 +194,7 @@ class SuiteFields(SuiteTexts):
     """The parts of the suite and their shares, which add up to 1. No maze is in two of them."""
     size: Sizes = (8, 5)
     """Width and height in cells, or a range of sizes."""
-    maze: SuiteMaze = Field(default_factory=SuiteMaze)
+    maze: SuiteMaze = Field(default_factory=cache(SuiteMaze.model_construct))
     """How the mazes are grown."""
     start: Place = "corner"
     """Where the robot starts: in the top-left `corner`, on a `random` cell, or `farthest` off."""
@@ -219,7 +220,7 @@ class SuiteFields(SuiteTexts):
     """How many cells have exactly one open side."""
     difficulty: Numbers | None = None
     """How hard the levels are, by the metric of that name."""
-    rewards: Rewards = Field(default_factory=Rewards)
+    rewards: Rewards = Field(default_factory=cache(Rewards.model_construct))
     """The rewards of a step, in all levels."""
     discount: Annotated[Number, Field(gt=0, le=1)] = 1.0
     """The discount factor that solvers use by default."""

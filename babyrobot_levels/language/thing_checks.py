@@ -38,8 +38,6 @@ def check_things(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
             "`exit_one_of` cannot be combined with `exit`",
             "remove one of them",
         )
-    if not (level.has_things or level.exit_keys):
-        return
     yield from _check_names(level)
     yield from _check_needs(level)
     yield from _check_places(level, blocked)

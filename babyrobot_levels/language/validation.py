@@ -13,7 +13,6 @@ from babyrobot_levels.language.base import FORM_PREFIX
 from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.language.drawing import is_block_map
 from babyrobot_levels.language.kinds import NAMED
-from babyrobot_levels.language.messages import beginning, complaint, fields_around
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
@@ -64,6 +63,8 @@ def check(
     issues = [*document.issues[:MAX_PROBLEMS]]
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "does not contain a mapping of fields"
+        from babyrobot_levels.language.messages import beginning
+
         help_text = beginning(model)
         if document.data is None and is_block_map(document.source.lines):
             # To YAML, lines that begin with `#` are comments.
@@ -109,6 +110,8 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
 
 
 def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
+    from babyrobot_levels.language.messages import complaint
+
     issues: list[Issue] = []
     misnamed = _misnamed(details, model)
     for detail in details:
@@ -133,6 +136,8 @@ def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
 
 def _misnamed(details: Sequence[Any], model: type[BaseModel]) -> dict[Any, set[str | None]]:
     """Return what the unknown fields of each mapping may be meant to be, None for anything."""
+    from babyrobot_levels.language.messages import fields_around
+
     found: dict[Any, set[str | None]] = {}
     for detail in details:
         if detail["type"] == "extra_forbidden":

@@ -4,57 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from babyrobot_levels.language.documents import check_document as check_any
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.language.share_code import NAME, decode
-from babyrobot_levels.language.suite_list import AnySuite
-from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import playable
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.errors import UnplayableError
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
 
 
-def check_document(
-    document: Document, path: Path | None = None
-) -> Checked[Level] | Checked[AnySuite]:
-    """Check a level or a suite, whichever the document says it is, without what a suite lists.
-
-    `path` is the file that it is from: it gives the name, and themes beside it.
-    """
-    checked = check_any(document, Level, path)
-    return _playable(checked, document) if isinstance(checked.value, Level) else checked
-
-
 def load_document(document: Document, path: Path | None = None) -> Level:
-    """Return the level of a document; see `check_document`.
+    """Return the level of a document, which `path` is the file of: it gives name and themes.
 
     Raises:
         LevelError: it is not a valid level; its `diagnostics` say where and why.
     """
-    return _playable(check_level(document, Level, path), document).valid()
-
-
-def _playable(checked: Checked[Level], document: Document) -> Checked[Level]:
-    """Refuse a level that cannot be compiled: where its fields leave that open, by compiling it."""
-    level = checked.value
-    if level is None or level.has_random_maze:
-        return checked
-    # What most levels need not import.
-    from babyrobot_levels.mdp.configurations import surely_fits
-    from babyrobot_levels.mdp.grid import check_placement
-
-    try:
-        if not surely_fits(level):
-            level.compile()
-        elif level.stands_on_grid:
-            check_placement(level, level.grid())
-    except UnplayableError as error:
-        found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
-        return Checked(None, found)
-    return checked
+    return playable(check_level(document, Level, path), document).valid()
 
 
 def loads(text: str, *, name: str = "<text>") -> Level:

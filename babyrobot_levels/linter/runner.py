@@ -90,7 +90,7 @@ def lint_document(
 ) -> Report:
     """Return the errors of a document or, if it has none, the findings; see `lint_source`."""
     source = document.source
-    level, errors = check_document(document, path)
+    level, errors = check_document(document, Level, path)
     if not isinstance(level, Level):
         # Rules check levels; a suite only has errors.
         return Report(source, errors, document=document)

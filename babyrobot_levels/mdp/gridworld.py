@@ -7,15 +7,29 @@ import os
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from babyrobot_levels import mdp
+from babyrobot_levels.language.documents import (
+    check_document,
+    error_in_mapping,
+    level_from_mapping,
+)
 from babyrobot_levels.language.level import LevelSpec
+from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.language.walls import Maze
-from babyrobot_levels.mdp.grid import Grid, build_grid, grid_with_doors, placement_issues
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.mdp.grid import (
+    Grid,
+    build_grid,
+    check_placement,
+    grid_with_doors,
+    placement_issues,
+)
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.errors import LevelError, UnplayableError
 
 if TYPE_CHECKING:
+    from babyrobot_levels.language.suite_list import AnySuite
     from babyrobot_levels.mdp.configurations import Configuration, Things
     from babyrobot_levels.mdp.tables import Mdp
 
@@ -38,8 +52,6 @@ class GridWorld(LevelSpec):
             LevelError: the mapping is not a valid level. The diagnostics point into the mapping
                 as it would be written in a file.
         """
-        from babyrobot_levels.language.documents import error_in_mapping, level_from_mapping
-
         level = level_from_mapping(fields, cls, name=name, folder=folder)
         if level.stands_on_grid and not level.has_random_maze:
             issues = placement_issues(level, level.grid())
@@ -179,6 +191,42 @@ class GridWorld(LevelSpec):
         if self.maze is None:
             return self
         return self.replace(**resolved_fields(self, self.grid()))
+
+
+WorldT = TypeVar("WorldT", bound=GridWorld)
+
+
+def check_world(
+    document: Document, model: type[WorldT], path: Path | None = None
+) -> Checked[WorldT] | Checked[AnySuite]:
+    """Check a level or a suite, whichever the document says it is, without what a suite lists.
+
+    Args:
+        document: the document.
+        model: the class of the level.
+        path: the file that it is from: it gives the name, and themes beside it.
+    """
+    checked = check_document(document, model, path)
+    return playable(checked, document) if isinstance(checked.value, GridWorld) else checked
+
+
+def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
+    """Refuse a level that cannot be compiled: where its fields leave that open, by compiling it."""
+    level = checked.value
+    if level is None or level.has_random_maze:
+        return checked
+    # What most levels need not import.
+    from babyrobot_levels.mdp.configurations import surely_fits
+
+    try:
+        if not surely_fits(level):
+            level.compile()
+        elif level.stands_on_grid:
+            check_placement(level, level.grid())
+    except UnplayableError as error:
+        found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
+        return Checked(None, found)
+    return checked
 
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | GridWorld

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Generator, Iterable
 from typing import Literal
 
-from babyrobot_levels.parallel.executor import Executor
-from babyrobot_levels.parallel.in_process import InProcess
+from babyrobot_levels.parallel.executor import Executor, Failure, Item, Result, outcome_of
 
 ExecutorName = Literal["processes", "ray"]
+
+
+class InProcess:
+    """Runs functions in this process, one item after the other."""
+
+    def map(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Generator[Result | Failure]:
+        """Yield the result of a function for each item; see `Executor.map`."""
+        for index, item in enumerate(items):
+            yield outcome_of(function, index, item)
 
 
 def executor_for(

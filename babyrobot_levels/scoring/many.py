@@ -25,9 +25,8 @@ from babyrobot_levels.analysis.solver.results import (
     check_within,
 )
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.parallel.choice import ExecutorName, executor_for
+from babyrobot_levels.parallel.choice import ExecutorName, InProcess, executor_for
 from babyrobot_levels.parallel.executor import Executor, Failure
-from babyrobot_levels.parallel.in_process import InProcess
 from babyrobot_levels.scoring.agents import Table
 from babyrobot_levels.scoring.results import plain
 from babyrobot_levels.scoring.saved import MAX_BYTES, load_policy

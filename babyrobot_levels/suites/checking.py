@@ -10,23 +10,18 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.share_code import NAME, decode, is_code
-from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields
 from babyrobot_levels.language.validation import Checked
-from babyrobot_levels.library import reading
-from babyrobot_levels.library.catalogue import find, looks_like_path
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.search_path import yaml_files
-from babyrobot_levels.suites.members import member_issues
+from babyrobot_levels.mdp.gridworld import GridWorld, WorldT, check_world
 from babyrobot_levels.text.diagnostics import Diagnostic, Findings
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import is_folder, read_source, source_of, write_text
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
+    from babyrobot_levels.language.suite_list import AnySuite
+    from babyrobot_levels.library.level import Level
     from babyrobot_levels.suites.named import Levels
 
 
@@ -82,6 +77,10 @@ def texts_of(levels: Levels) -> Iterator[Path | SourceFile]:
 
     Args and errors are those of `validate`.
     """
+    from babyrobot_levels.language.share_code import NAME, decode, is_code
+    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.text.emitter import emit
+
     if isinstance(levels, Level):
         yield SourceFile(levels.name or "<level>", _text_of(levels))
     elif isinstance(levels, Mapping):
@@ -108,6 +107,8 @@ def _text_of(level: Level) -> str:
 
 
 def _files_of(name: str | os.PathLike[str]) -> Iterator[Path]:
+    from babyrobot_levels.library.catalogue import find, looks_like_path
+    from babyrobot_levels.library.search_path import yaml_files
     from babyrobot_levels.suites.named import folder_named
 
     path = Path(name)
@@ -126,13 +127,21 @@ def _files_of(name: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def check_document(
-    document: Document, path: Path | None = None
-) -> Checked[Level] | Checked[AnySuite]:
+    document: Document, model: type[WorldT], path: Path | None = None
+) -> Checked[WorldT] | Checked[AnySuite]:
     """Check a level or a suite, whichever the document says it is, with what the suite lists.
 
-    `path` is the file that it is from: it gives the name, and what stands beside it.
+    Args:
+        document: the document.
+        model: the class of the level.
+        path: the file that it is from: it gives the name, and what stands beside it.
     """
-    checked = reading.check_document(document, path)
+    checked = check_world(document, model, path)
+    if checked.value is None or isinstance(checked.value, GridWorld):
+        return checked
+    from babyrobot_levels.language.suite_list import SuiteListFields
+    from babyrobot_levels.suites.members import member_issues
+
     if not isinstance(checked.value, SuiteListFields):
         return checked
     issues = member_issues(checked.value, path)
@@ -142,7 +151,7 @@ def check_document(
 def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
     """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
     try:
-        return check_document(read(source), path).diagnostics
+        return check_document(read(source), GridWorld, path).diagnostics
     except LevelError as error:
         return [*error.diagnostics]
 

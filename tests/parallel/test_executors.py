@@ -15,9 +15,8 @@ from typing import Any
 import pytest
 from support import tasks
 
-from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.parallel.choice import InProcess, executor_for
 from babyrobot_levels.parallel.executor import Executor, Failure, WorkerDiedError, results
-from babyrobot_levels.parallel.in_process import InProcess
 from babyrobot_levels.parallel.processes import Processes
 
 EXECUTORS: list[Executor] = [InProcess(), Processes(2)]

@@ -15,7 +15,7 @@ from babyrobot_levels.text.source import SourceFile
 def read_level(source: SourceFile, path: Path | None = None) -> Checked[Level]:
     """Return the level of a text, or its diagnostics."""
     try:
-        level, diagnostics = check_document(read(source), path)
+        level, diagnostics = check_document(read(source), Level, path)
     except LevelError as error:
         return Checked(None, [*error.diagnostics])
     assert level is None or isinstance(level, Level)

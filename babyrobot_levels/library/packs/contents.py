@@ -11,9 +11,8 @@ from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.suite import SuiteTexts
 from babyrobot_levels.language.suite_list import PackFields
 from babyrobot_levels.language.validation import check
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.packs.format import TEXTS, LevelEntry, Manifest, PackError, is_theme
-from babyrobot_levels.library.reading import check_document
+from babyrobot_levels.mdp.gridworld import GridWorld, check_world
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError
@@ -82,7 +81,7 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
             found.themes.append(path)
             found.diagnostics += check(document, Theme).diagnostics
         else:
-            world, errors = check_document(document, folder / path)
+            world, errors = check_world(document, GridWorld, folder / path)
             found.diagnostics += errors
             if world is None:
                 continue
@@ -137,7 +136,7 @@ def _compare(levels: Mapping[str, LevelEntry], stated: Mapping[str, LevelEntry])
 
 
 def _taken(
-    world: Level | SuiteTexts, path: str, document: Document, names: dict[str, str]
+    world: GridWorld | SuiteTexts, path: str, document: Document, names: dict[str, str]
 ) -> Issue | None:
     """Return the problem with the names of a level, its own and that of its file, if any."""
     stem = slug(path.rpartition("/")[2].rpartition(".")[0])

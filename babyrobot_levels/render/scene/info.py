@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from babyrobot_levels.language.looks import PATTERN
+from babyrobot_levels.language.looks import is_color
 from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, Turn, drawn_policy
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.render.scene.overlay import Note, Overlay
@@ -156,7 +155,7 @@ def _note(item: Any, precision: int, level: GridWorld) -> Note:
     width, height = level.size
     if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
         raise ValueError(f"the text {text!r} is at [{x:g}, {y:g}], which is not on the level")
-    if color is not None and not (isinstance(color, str) and re.fullmatch(PATTERN, color)):
+    if color is not None and not (isinstance(color, str) and is_color(color)):
         raise ValueError(f"the text {text!r} has an invalid CSS colour: {color!r}")
     shown = short(text, precision) if isinstance(text, float) and math.isfinite(text) else text
     return Note(x, y, str(shown), color)
