@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from PIL import Image, ImageChops
 from playwright.sync_api import Browser, Page, expect
 from support.codes import CODE, play_sealed, played
-from support.playground import KEYS, Playground
+from support.playground import Playground
 from support.worlds import World, decorated_worlds, level_of
 
 from babyrobot_levels.analysis.guides import guide_of
@@ -29,10 +29,7 @@ SOME = [
     "side-panel", "teleport-pads",
 ]  # fmt: skip
 """Between them, they have all that a level can have; worlds that are drawn have the rest."""
-MORE = ["areas", "cliff-walking", "frozen-lake", "garden"]
-EACH = [*SOME, *(pytest.param(name, marks=pytest.mark.sweep) for name in MORE)]
 OWN = Level.from_fields({"version": 1, "size": [4, 3], "title": "The page's own", "theme": "print"})
-FAST = {"robot": {"speed": 100}}
 NO_LEVEL = "This link is damaged: its content is not a level."
 
 
@@ -78,7 +75,7 @@ def notice(ground: Playground) -> str:
 # -- the level of the link -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", EACH)
+@pytest.mark.parametrize("name", SOME)
 def test_a_link_shows_what_the_levels_own_page_shows(
     name: str, ground: Playground, tmp_path: Path
 ) -> None:
@@ -93,7 +90,7 @@ def test_a_link_shows_what_the_levels_own_page_shows(
     assert seen(ground.page) == linked != own
 
 
-@pytest.mark.parametrize("name", EACH)
+@pytest.mark.parametrize("name", SOME)
 def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     """A page has its picture twice: as it is, and as data. Both look alike."""
     game = game_of(name)
@@ -121,34 +118,6 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     # Data has lengths in tenths of a pixel: edges between them differ a little.
     assert np.mean(difference) < 0.25
     assert np.mean(difference.max(axis=2) > 64) < 0.0003
-
-
-@pytest.mark.parametrize("name", EACH)
-def test_a_seed_and_the_same_actions_give_the_environments_episode(
-    name: str, ground: Playground
-) -> None:
-    game = game_of(name)
-    env = game.make(observation="index", actions="all")
-    ground.follow(fragment_of(name))
-    ground.page.locator("#seed").fill("7")
-    ground.page.locator("#seed").press("Enter")
-    ground.page.locator("#stage").focus()
-    seed = 7
-    state, _ = env.reset(seed=seed)
-    chosen = np.random.default_rng(1)
-    total = 0.0
-    for _ in range(40):
-        action = int(chosen.integers(5))
-        state, reward, terminated, truncated, _ = env.step(action)
-        ground.press(KEYS[action])
-        total += float(reward)
-        assert ground.state == state
-        assert ground.number("return") == pytest.approx(total, abs=0.006)
-        if terminated or truncated:
-            total, seed = 0.0, seed + 1
-            state, _ = env.reset(seed=seed)
-            ground.press("n")
-            assert ground.state == state
 
 
 def test_the_best_policy_is_watched(ground: Playground) -> None:
@@ -286,16 +255,12 @@ LINK = fragment_of("walls")
     [
         (LINK.partition("~")[0], "This link contains only a share code"),
         (LINK[:-5], "This link is cut off: its last 5 characters are missing."),
-        (LINK[:-1], "This link is cut off: its last 1 characters are missing."),
         (LINK.partition("~")[0] + "~", "This link is cut off or damaged."),
         (LINK.partition("~")[0] + "~1.40", "This link is cut off or damaged."),
         (LINK + "abc", "This link is damaged."),
         (LINK[:-9] + "-" + LINK[-8:], "This link is damaged: its checksum is wrong."),
-        (LINK[:20] + "-" + LINK[21:], "This link is damaged: its checksum is wrong."),
         (LINK[:-9] + "!" + LINK[-8:], "This link is damaged."),
-        (LINK[:-9] + "%z" + LINK[-7:], "This link is damaged."),
         (f"{CODE}~1.2.AA", "This link is damaged."),
-        (f"{CODE}~1.1.A", "This link is damaged."),
         (f"{CODE}~1.0.", "This link is damaged."),
         (
             LINK.replace("brl1", "brl2"),
@@ -306,7 +271,6 @@ LINK = fragment_of("walls")
             "has version 31, but this page supports versions 1 and 2.",
         ),
         (play_sealed(b""), "This link is damaged: it cannot be decompressed."),
-        (play_sealed(b"\xff\xff"), "This link is damaged: it cannot be decompressed."),
         (play_sealed(zlib.compress(b"{}")[2:-4] + b"more"), "damaged: it cannot be decompressed."),
     ],
 )
@@ -444,41 +408,26 @@ BILLION = 10**9
 
 HOSTILE: dict[str, Callable[[Any], None]] = {
     "colours that are addresses": field("url(javascript:alert(1))", "picture", "palette", 0),
-    "colours that are more": field("#123456' onload='x", "picture", "palette", 0),
     "colours of two lines": field("#123456\n", "picture", "palette", 0),
     "robots in no colour": field(["javascript:alert(1)", "#123456"], "robot"),
-    "robots in three": field(["#123456"] * 3, "robot"),
     "foreign objects": shape("foreignObject", 0, 0, 0, 9, 9),
-    "kinds that are none": shape(6, 0, 0, 0, 9, 9),
     "kinds of the language": shape("constructor", 0, 0, 0, 9, 9),
-    "places that are texts": shape(0, 0, "0", 0, 9, 9),
-    "places that are none": shape(0, 0, None, 0, 9, 9),
     "places that are parts": shape(0, 0, 0.5, 0, 9, 9),
     "places far away": shape(0, 0, 10**12, 0, 9, 9),
-    "widths below nothing": shape(0, 0, 0, 0, -9, 9),
     "missing numbers": shape(0, 0, 0),
     "too many numbers": shape(0, 0, 0, 0, 9, 9, 100, 0, 0, 0),
     "colours of no palette": shape(0, 99, 0, 0, 9, 9),
     "colours of no scale": shape(0, -67, 0, 0, 9, 9),
     "scales of no colours": field(["red", "blue"], "picture", "scale"),
     "bars of no scale": shape(5, -1, 0, 0, 9, 9, 0, 80),
-    "bars without an end": shape(5, -1, 0, 0, 9, 9, 0),
     "legends higher than the picture": field(10_000, "picture", "legend"),
     "texts that are none": shape(3, 0, 0, 0, {"a": 1}, 9),
     "opacities above all": shape(0, 0, 0, 0, 9, 9, 101),
     "again without a first": shape(4, 0, 1000, 0, 0),
     "paths that are none": path("alert(1)"),
-    "paths without numbers": path("m0 0l1"),
-    "paths without a begin": path("l9 9"),
     "paths that lead far": path("m0 0l99999999999 0"),
-    "paths of nothing": path(""),
     "outlines of two points": path("s0 0 1 1"),
-    "layers that are none": field({}, "picture", "layers"),
-    "groups that are none": field([5], "picture", "layers", "base"),
-    "no picture": field(None, "picture"),
     "pictures of no size": field(0, "picture", "width"),
-    "pictures of a size that is none": field("100%", "picture", "width"),
-    "pictures of no height": field(0, "picture", "height"),
     "outlines again and again": field(
         [[0, 0, [[2, 0, "s" + "1 1 " * 5000], *[[4, 0, 999, 0, 0]] * 9000]]],
         "picture",
@@ -491,22 +440,16 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "a billion cells": lambda data: data.update(width=BILLION, height=1),
     "many cells both ways": lambda data: data.update(width=16_384, height=16_384),
     "no cells": field(0, "width"),
-    "cells in parts": field(2.5, "width"),
     "cells of another size": field(4, "width"),
     "no starts": field([], "starts"),
     "starts outside": field([9], "starts"),
     "starts where it is over": field([8], "starts"),
     "exits outside": field([-1], "exits"),
-    "no speed": field(0, "speed"),
     "too much speed": field(101, "speed"),
     "time below nothing": field(-1, "max_steps"),
-    "a margin of a text": field("3px", "margin"),
     "a margin of a mile": field(10**6, "margin"),
-    "a margin below nothing": field(-1, "margin"),
     "chances that make none": field([0.2, 0, -1, 0, 0, 0], "rows", 0),
     "chances above one": field([2, 0, -1, 0, 0, 0, -1, 0, -1, 0, 0, 0], "rows", 0),
-    "chances that are texts": field(["1", 0, -1, 0, 0, 0], "rows", 0),
-    "chances that are none": field([None, 0, -1, 0, 0, 0], "rows", 0),
     "half an outcome": field([1, 0, -1], "rows", 0),
     "rewards without end": field([1, 0, None, 0, 0, 0], "rows", 0),
     "ways out of the level": field([1, -1, -1, 0, 0, 0], "rows", 0),
@@ -538,24 +481,17 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     ),
     "nothing that can be done": field(0, "possible", 0),
     "a discount that grows": field(1.1, "discount"),
-    "no discount": field(None, "discount"),
     "good ends in no cell": field([BILLION], "good_ends"),
-    "good ends that are none": field(0, "good_ends"),
     "a goal that is none": field(["x"], "goal"),
-    "returns that are none": field(None, "returns"),
     "averages that are texts": field("<b>", "returns", "best"),
     "more quantiles than there is room for": field([0] * 102, "returns", "quantiles"),
     "quantiles that go down": field([1, 0], "returns", "quantiles"),
     "a policy too short": field([1], "policy"),
-    "a policy of others": field("2222", "policy"),
     "a policy of a sixth action": field(5, "policy", 0),
-    "a walker without a policy": field(None, "policy"),
     "a walker of others": field("javascript", "walker"),
     "a seed that is none": field("-1", "seed"),
-    "a seed as long as a book": field("9" * 41, "seed"),
     "a title that is none": field(["x"], "title"),
     "facts that are none": field([["a"]], "facts"),
-    "facts without end": field([["a", "b"]] * 21, "facts"),
     "layers of others": field(["stage"], "shown"),
 }
 
@@ -572,7 +508,7 @@ def test_what_is_no_level_is_not_shown(name: str, ground: Playground) -> None:
     assert (ground.state, ground.number("steps")) == (1, 1)
 
 
-@pytest.mark.parametrize("text", ["", "null", "[]", "5", "{", '{"width": NaN}', "\ufeff{}"])
+@pytest.mark.parametrize("text", ["", "null", "[]", "{"])
 def test_what_is_no_data_is_not_shown(text: str, ground: Playground) -> None:
     ground.follow(play_sealed(zlib.compress(text.encode(), 9)[2:-4]))
     assert notice(ground) == f"{NO_LEVEL} The page shows its own level instead."

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 from support.playground import Playground, guide
 
 from babyrobot_levels.library.catalogue import load
@@ -22,13 +21,6 @@ def level(**fields: Any) -> Any:
 
 
 WORLD = level(size=[4, 3], title="Two walls", walls=[{"at": [1, 0], "side": "E"}])
-
-
-@pytest.fixture
-def ground(page: Page, tmp_path: Path) -> Iterator[Playground]:
-    playground = Playground(page, tmp_path)
-    yield playground
-    assert playground.faults == []
 
 
 def spoken(ground: Playground) -> str:
