@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from functools import cache
 from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
-from oracles.random_things import MOST_OUTCOMES, random_level
+from oracles.random_things import random_level
 from oracles.things_reference import (
     EAST,
     FORWARD,
     LEFT,
     NORTH,
     RIGHT,
-    SOUTH,
     STAY,
     WEST,
     Cell,
@@ -113,21 +110,6 @@ def test_an_item_gives_its_reward_once() -> None:
     assert rows(level, (1,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, False)]
 
 
-def test_an_item_without_a_reward_gives_that_of_the_cell() -> None:
-    items = [{"name": "coin", "at": [1, 0]}]
-    level = reference(size=[3, 1], items=items, puddles=[{"at": [1, 0]}])
-    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), -2, False)]
-
-
-def test_an_item_lies_in_one_of_its_places() -> None:
-    level = reference(size=[4, 1], items=[{"name": "gem", "one_of": [[2, 0], [1, 0]]}])
-    assert level.radices == [3]
-    assert beginnings(level) == {((0,), (0, 0)): 0.5, ((1,), (0, 0)): 0.5}
-    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (1, 0), -1, False)]
-    assert rows(level, (0,), (1, 0), EAST) == [(1, (2,), (2, 0), -1, False)]
-    assert rows(level, (1,), (0, 0), EAST) == [(1, (2,), (1, 0), -1, False)]
-
-
 def test_an_item_that_lies_under_the_start_is_held_from_the_beginning() -> None:
     level = reference(
         size=[4, 1],
@@ -160,12 +142,6 @@ def test_a_switch_that_flips_once_stays_flipped(on: bool) -> None:
     assert rows(level, after, (0, 0), EAST) == [(1, after, (1, 0), -1, False)]
 
 
-def test_a_switch_under_the_start_flips_when_the_robot_comes_back() -> None:
-    level = reference(size=[3, 1], switches=[{"name": "lever", "at": [0, 0], "on": True}])
-    assert beginnings(level) == {((1,), (0, 0)): 1}
-    assert rows(level, (1,), (1, 0), WEST) == [(1, (0,), (0, 0), -1, False)]
-
-
 def test_a_door_with_unless_is_closed_while_the_switch_is_on() -> None:
     level = reference(
         size=[3, 1],
@@ -176,17 +152,6 @@ def test_a_door_with_unless_is_closed_while_the_switch_is_on() -> None:
     assert rows(level, (0,), (1, 0), EAST) == [(1, (0,), (2, 0), 0, True)]
     assert rows(level, (0,), (1, 0), WEST) == [(1, (1,), (0, 0), -1, False)]
     assert rows(level, (1,), (1, 0), EAST) == [(1, (1,), (1, 0), -1, False)]
-
-
-def test_a_door_needs_all_that_it_names() -> None:
-    level = reference(
-        size=[4, 1],
-        start=[1, 0],
-        items=[{"name": "key", "at": [0, 0]}, {"name": "gem", "at": [2, 0]}],
-        doors=[{"at": [2, 0], "side": "E", "needs": ["key", "gem"]}],
-    )
-    assert rows(level, (0, 1), (2, 0), EAST) == [(1, (0, 1), (2, 0), -1, False)]
-    assert rows(level, (1, 1), (2, 0), EAST) == [(1, (1, 1), (3, 0), 0, True)]
 
 
 NEEDY_EXIT: dict[str, Any] = {
@@ -277,13 +242,6 @@ def test_a_robot_that_changes_places_with_a_mover_is_hit() -> None:
     assert rows(level, (1,), (2, 0), EAST) == [(1, (1,), (2, 0), 0, True)]
 
 
-def test_nothing_is_hit_at_the_beginning() -> None:
-    level = reference(size=[3, 1], movers=[{"path": [[0, 0], [1, 0]]}])
-    assert beginnings(level) == {((0,), (0, 0)): 1}
-    assert rows(level, (0,), (0, 0), STAY) == [(1, (1,), (0, 0), -1, False)]
-    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, True)]
-
-
 def test_a_hit_that_does_not_end_the_episode_gives_its_reward() -> None:
     level = reference(size=[3, 1], movers=[{"path": [[1, 0]]}], hit={"reward": -10, "ends": False})
     assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (1, 0), -10, False)]
@@ -317,14 +275,6 @@ def test_a_path_there_and_back_does_not_repeat_its_ends() -> None:
     assert cells(row[:2], back=True) == [(0, 0), (1, 0)]
     assert cells(row[:1], back=True) == [(0, 0)]
     assert cells([[0, 0], [1, 0], [1, 0]], back=False) == [(0, 0), (1, 0), (1, 0)]
-
-
-def test_a_path_begins_again_after_its_last_phase() -> None:
-    level = reference(
-        size=[3, 2], start=[0, 1], movers=[{"path": [[0, 0], [1, 0], [2, 0]], "back": True}]
-    )
-    assert level.configurations == [(0,), (1,), (2,), (3,)]
-    assert rows(level, (3,), (0, 1), STAY) == [(1, (0,), (0, 1), -1, False)]
 
 
 def test_a_random_mover_stays_or_takes_an_open_side_of_its_region() -> None:
@@ -512,58 +462,10 @@ def test_nothing_turns_when_the_episode_is_over() -> None:
 # Random levels.
 
 
-def test_random_levels_have_all_that_the_language_has() -> None:
-    seen: Counter[str] = Counter()
-    count = 400
-    for seed in range(count):
-        fields = random_level(Random(seed))
-        seen.update(list(fields))
-        for kind in ("items", "doors", "switches", "movers", "warps", "areas", "walls"):
-            seen.update({f"{kind} {key}" for entry in fields.get(kind, []) for key in entry})
-        seen.update(f"hit {key}" for key in fields.get("hit", {}))
-        seen.update(f"rewards {key}" for key in fields.get("rewards", {}))
-    often = """
-        size start exit exit_one_of exit_needs walls blocked puddles puddle_types areas warps wind
-        skid rewards items doors switches movers hit heading
-    """
-    for name in often.split():
-        assert seen[name] >= count // 20, name
-    details = """
-        items:at items:one_of items:reward doors:needs doors:unless doors:length switches:once
-        switches:on movers:path movers:back movers:within movers:start hit:reward hit:ends
-        warps:when warps:reward areas:reward areas:skid areas:ends walls:pass walls:length
-        rewards:bump rewards:bounce rewards:stay rewards:closer rewards:farther
-    """
-    for name in details.split():
-        assert seen[name.replace(":", " ")] >= count // 40, name
-
-
-@cache
-def random_reference(seed: int) -> Reference:
-    return Reference(random_level(Random(seed)))
-
-
 def test_most_random_levels_have_several_configurations() -> None:
-    levels = [random_reference(seed) for seed in range(100)]
+    levels = [Reference(random_level(Random(seed))) for seed in range(100)]
     assert sum(len(level.configurations) > 1 for level in levels) >= 80
     assert sum(len(level.configurations) > 8 for level in levels) >= 25
-
-
-@for_each("seed", range(100))
-def test_random_levels_are_within_the_bound_of_outcomes(seed: int) -> None:
-    level = random_reference(seed)
-    for results in level.results.values():
-        assert all(len(each) <= MOST_OUTCOMES for each in results)
-
-
-@for_each("seed", range(100))
-def test_probabilities_of_random_levels_sum_to_one(seed: int) -> None:
-    level = random_reference(seed)
-    assert sum(level.start.values()) == pytest.approx(1)
-    for state in range(level.num_states):
-        for action in (STAY, NORTH, EAST, SOUTH, WEST):
-            outcomes = level.outcomes(state, action)
-            assert sum(probability for probability, *_ in outcomes) == pytest.approx(1)
 
 
 # The compiled tables.
