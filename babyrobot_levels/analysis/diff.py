@@ -50,7 +50,7 @@ class Difference(Shown):
             None where it is undefined.
         random_return: the same for going in a random direction that is open.
         beside: what differs but is not part of the MDP: texts, looks, limits.
-        things: the items, switches, movers and doors that differ, are new, or are gone.
+        things: the things with a state that differ, are new, or are gone.
         levels: the levels, before and after; None in what earlier versions pickled.
 
     Cells, walls and transitions are those that both levels have, counted from the top-left corner;

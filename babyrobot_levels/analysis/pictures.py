@@ -68,8 +68,8 @@ def to_svg(
         visits: counts of visits, as `show_info` takes them.
         coordinates: whether cells show their coordinates; by default, what the level says.
         theme: another theme: a name, or a mapping as in a level file.
-        held: the names of the items that are held and the switches that are on, in a list or
-            separated by commas; `"nothing"` or an empty list for none. By default, the level is
+        held: the names of the things that are held or on, in a list or separated by commas;
+            `"nothing"` or an empty list for none. By default, the level is
             shown as a whole, with values and actions where episodes begin.
         rules: whether the rules of the level are shown: in its panel, or below the picture.
         scale: the size; 1, the default, is 64 pixels per cell.
@@ -165,7 +165,7 @@ def dressed(level: World, *, theme: Any = None, coordinates: bool | None = None)
 
 
 def configuration_of(level: GridWorld, held: str | Iterable[str]) -> int:
-    """Return the configuration in which exactly some items are held and switches are on.
+    """Return the configuration in which exactly some things are held or on.
 
     Args:
         level: the level.
@@ -173,7 +173,7 @@ def configuration_of(level: GridWorld, held: str | Iterable[str]) -> int:
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: a name is not that of an item or switch, or no episode comes to this.
+        ValueError: a name is not that of such a thing, or no episode comes to this.
     """
     from babyrobot_levels.mdp.states import configuration_with
 

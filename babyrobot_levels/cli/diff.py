@@ -386,11 +386,10 @@ def thing_lines(change: Change) -> list[str]:
     subject = f"the {name}"
     if kind == "doors" and change.cell is not None:
         subject = f"the door {_SIDES[name]} of {show_cell(change.cell)}"
-    before, after = (dict(_said(kind, each)) for each in (change.before, change.after))
+    before, after = (dict(_said(each)) for each in (change.before, change.after))
     if not before or not after:
         state, said = ("removed", before) if before else ("new", after)
-        usual = _USUAL.get(kind, {})
-        told = [f"{verb} {text}" for verb, text in said.items() if usual.get(verb) != text]
+        told = [f"{verb} {text}" for verb, text in said.items() if _USUAL.get(verb) != text]
         return [one_line(f"{state}: {subject}, which {' and '.join(told)}")]
     stays = "lies" in after and after["lies"] == before["lies"]
     where = f" {after['lies']}" if stays else ""
@@ -402,26 +401,27 @@ def thing_lines(change: Change) -> list[str]:
 
 
 _USUAL = {
-    "items": {"pays": "what the cell pays"},
-    "switches": {"flips": "every time", "begins": "off"},
-    "doors": {"is closed by": "nothing"},
+    "pays": "what the cell pays",
+    "flips": "every time",
+    "begins": "off",
+    "is closed by": "nothing",
 }
 """What goes without saying of a new thing."""
 
 
-def _said(kind: str, fields: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
+def _said(fields: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
     """Yield what a thing does, as verb and object; nothing of one that does not exist."""
     if fields is None:
         return
-    if kind == "items":
+    if "in" in fields:
         yield "lies", f"at {'one of ' if len(fields['in']) > 1 else ''}{cells(fields['in'])}"
         pays = fields["reward"]
         yield "pays", "what the cell pays" if pays is None else f"{pays:g}"
-    elif kind == "switches":
+    elif "once" in fields:
         yield "lies", f"at {show_cell(fields['at'])}"
         yield "flips", "only the first time" if fields["once"] else "every time"
         yield "begins", "on" if fields["on"] else "off"
-    elif kind == "movers":
+    elif "needs" not in fields:
         yield "walks", _way(fields)
     else:
         yield "needs", listed(fields["needs"]) or "nothing"

@@ -78,7 +78,7 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
 
 
 def configuration_of(level: Level, held: str) -> int:
-    """Return the configuration that `--held` names: just these items held, and switches on."""
+    """Return the configuration that `--held` names: just these things held, or on."""
     from babyrobot_levels.analysis import pictures
 
     try:

@@ -256,9 +256,10 @@ class _Game:
 
         level, now = self._level, self._now
         yield from (f"Took the {name}." for name in now.held if name not in then.held)
-        for switch, before, after in zip(level.switches, then.on, now.on, strict=True):
+        things = level.things()
+        for column, before, after in zip(things.fixed, then.on, now.on, strict=True):
             if before != after:
-                yield f"The {switch.name} is {'on' if after else 'off'}."
+                yield f"The {things.names[column]} is {'on' if after else 'off'}."
         for door, before, after in zip(level.doors, then.doors, now.doors, strict=True):
             if before != after:
                 yield f"The {door_name(door)} {'closes' if after else 'opens'}."
@@ -300,12 +301,10 @@ class _Game:
         return self._now.exit_is_open and self._mdp.cell(self._state) in self._now.exits
 
     def _status(self) -> str:
-        """Return what is held, and which switches are on; nothing for a level without such."""
-        level = self._level
-        on = [switch.name for switch, on in zip(level.switches, self._now.on, strict=True) if on]
-        kinds = [("held", level.items, self._now.held), ("on", level.switches, on)]
+        """Return what is held and on; nothing for a level without such things."""
+        told = self._level.things().told(self._now.values)
         return "   ".join(
-            f"{kind}: {', '.join(names) or 'nothing'}" for kind, things, names in kinds if things
+            f"{state}: {', '.join(names) or 'nothing'}" for state, names in told.items()
         )
 
     def close(self) -> None:

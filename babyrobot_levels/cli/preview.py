@@ -133,7 +133,7 @@ def preview(
         str | None,
         typer.Option(
             metavar="NAMES",
-            help="Show the level while exactly these items are held and switches on, separated by "
+            help="Show the level while exactly these things are held or on, separated by "
             "commas; `nothing` for none.  [default: the level as a whole; values and policy where "
             "episodes begin]",
             show_default=False,

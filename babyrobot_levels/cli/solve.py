@@ -88,7 +88,7 @@ def solve(
         str | None,
         typer.Option(
             metavar="NAMES",
-            help="Show policy and values while exactly these items are held and switches on, "
+            help="Show policy and values while exactly these things are held or on, "
             "separated by commas; `nothing` for none.  [default: where episodes begin]",
             show_default=False,
         ),
@@ -109,7 +109,7 @@ def solve(
     episodes without a time limit; where `max_steps` makes a difference, a note says so. Within a
     limit, the policy that is shown is that of the first step; JSON has that of each step. For a
     robot that turns, policy and values are those of the heading at the start: L left, R right, F
-    forward. JSON has all headings, and all configurations of items, switches and movers.
+    forward. JSON has all headings, and all configurations of things.
 
     Several levels, folders, packs and suites give a row for each level, without policies and
     values; with --format json, a line of JSON. Rows do not depend on --jobs. The exit
@@ -293,11 +293,10 @@ def _data(level: Level, solution: Solution) -> dict[str, Any]:
 def _configuration(things: Things, values: list[int]) -> dict[str, Any]:
     """Return for JSON what is where in a configuration."""
     found = things.at(values)
-    switches = things.names[things.switches]
     return {
         "values": values,
         "held": list(found.held),
-        "on": [name for name, is_on in zip(switches, found.on, strict=True) if is_on],
+        "on": things.told(values).get("on", []),
         "movers": [list(cell) for cell in found.movers],
         "exits": [list(cell) for cell in found.exits],
         "exit_is_open": found.exit_is_open,

@@ -262,7 +262,7 @@ def start_states(start: Any, level: GridWorld, mdp: Mdp) -> tuple[int, ...]:
     """Return the states in which an episode can start in a cell `[x, y]`.
 
     In a level with things there is one for each way in which these can lie at the beginning. The
-    robot holds the item that lies in the cell; a switch there is not flipped.
+    robot holds the item that lies in the cell; nothing else there changes.
 
     Args:
         start: the cell.

@@ -70,7 +70,7 @@ class Pictures:
         return {**kept, "_frames": None, "_texts": {}}
 
     def _enter(self, level: Level) -> None:
-        """Switch to a level."""
+        """Go over to a level."""
         self._level = level
         self._num_cells = level.size[0] * level.size[1]
         self._good_ends = GoodEnds(level)

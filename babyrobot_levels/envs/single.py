@@ -172,7 +172,7 @@ class LevelEnv(RenderedEnv):
         show_wrapped_environments()
 
     def _enter(self, level: Level) -> None:
-        """Switch to a level."""
+        """Go over to a level."""
         # A level whose tables would be too large changes nothing.
         mdp: Mdp = self._actions.tables(level)
         self.level, self._mdp = level, mdp

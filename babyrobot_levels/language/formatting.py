@@ -76,7 +76,7 @@ def canonical_key(node: Node) -> str:
     if not raw or raw[0] in "&!*|>" or _LINE_END.search(raw):
         raise KeptAsIs("a field's name is written in an unusual way")
     if node.data == "on":
-        # The field of a switch, which levels write without quotes: YAML 1.2 reads it as a text.
+        # Levels write this field without quotes: YAML 1.2 reads it as a text.
         return "on"
     return _text(raw, str(node.data), in_flow=True) if raw[0] in "'\"" else raw
 

@@ -44,10 +44,10 @@ class Need:
         unmet: what it is before: "not held".
     """
 
-    get: str
-    getting: str
-    met: str
-    unmet: str
+    get: str = ""
+    getting: str = ""
+    met: str = ""
+    unmet: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class Kind:
         marks: the characters of drawings that show it, each with the fields of the entry.
         by_lot: the field of a level that gives several, of which one is drawn at each reset.
         state: what of it changes during an episode, in words; empty if nothing does.
-        need: its words, if doors and exits can need it.
+        need: its words, if doors and exits can need it; else they are empty.
         label: what an entry is called; by its name, or as the kind, by default.
         other_names: what other programs call it, to find what an unknown field is meant to be.
     """
@@ -76,7 +76,7 @@ class Kind:
     marks: Mapping[str, Mapping[str, Any]] = dataclass_field(default_factory=dict)
     by_lot: str = ""
     state: str = ""
-    need: Need | None = None
+    need: Need = Need()
     label: Callable[[Any], str] | None = None
     other_names: tuple[str, ...] = ()
 
@@ -250,5 +250,13 @@ THINGS = tuple(kind for kind in KINDS if kind.state)
 NAMED = tuple(kind for kind in KINDS if kind.has_name)
 """The kinds whose entries have names."""
 
-NEEDED = tuple(kind for kind in KINDS if kind.need is not None)
+NEEDED = tuple(kind for kind in KINDS if kind.need.met)
 """The kinds that doors and exits can need, by the names of their entries."""
+
+FIXED_STATES = tuple(
+    f"{kind.name}-{state}"
+    for kind in NEEDED
+    if kind.need.met == "on"
+    for state in (kind.need.unmet, kind.need.met)
+)
+"""What shows the kinds that stay in their cells, off or on: the names of their states."""

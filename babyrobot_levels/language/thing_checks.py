@@ -85,7 +85,7 @@ def _place(level: LevelFields, field: str, index: int, *more: str | int) -> Loca
 
 def _check_needs(level: LevelFields) -> Iterator[Issue]:
     known = [thing.name for kind in NEEDED for thing in kind.of(level)]
-    others = {thing.name: kind for kind in NAMED if kind.need is None for thing in kind.of(level)}
+    others = {thing.name: kind for kind in NAMED if not kind.need.met for thing in kind.of(level)}
     told: list[tuple[str | tuple[str, ...], Route]] = [(level.exit_needs, ("exit_needs",))]
     for index, door in enumerate(level.doors):
         told += [(door.needs, ("doors", index, "needs")), (door.unless, ("doors", index, "unless"))]

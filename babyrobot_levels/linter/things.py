@@ -47,7 +47,7 @@ class ThingEffects:
 
     @cached_property
     def met(self) -> dict[str, Flags]:
-        """For each item whether it is held, for each switch whether it is on, when played."""
+        """For each thing that can be needed whether it is held, or on, when played."""
         values, things = self.mdp.configurations[self.is_played], self._things
         return {name: values[:, column] == met for name, (column, met) in things.needed.items()}
 
@@ -81,7 +81,7 @@ class ThingEffects:
         return self._things.names[self._things.static + number]
 
     def is_item(self, name: str) -> bool:
-        """Return whether a name is that of an item, not of a switch."""
+        """Return whether a name is that of an item."""
         return any(item.name == name for item in self.level.items)
 
     # -- by transition -----------------------------------------------------------------------
@@ -171,10 +171,10 @@ class ThingEffects:
 
     def _value(self, column: int, value: int) -> str:
         thing, name = self._things[column], f"`{self._things.names[column]}`"
-        state, need = thing.states[value], KIND[thing.kind].need
+        state = thing.states[value]
         if not isinstance(state, str):
             return f"{'the exit' if thing.kind == 'exit' else name} on {show_cell(state)}"
-        assert need is not None
+        need = KIND[thing.kind].need
         return f"{name} {need.met if value == thing.is_met else need.unmet}"
 
 

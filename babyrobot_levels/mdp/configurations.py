@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import prod
+from typing import Any
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 from babyrobot_levels.text.words import listed
@@ -29,6 +29,7 @@ class Thing:
 
     Attributes:
         kind: its kind, as in `language.kinds`.
+        entry: the entry of the level that gives it; None for the drawn exit.
         name: its name; empty for one to which the program gives a name, by `usual_name`.
         cells: for each value, the cell in which it is, None where it is in none.
         states: for each value, the state in words, or the cell, where that is what changes.
@@ -43,6 +44,7 @@ class Thing:
     """
 
     kind: str
+    entry: Any
     name: str
     cells: tuple[Cell | None, ...]
     states: tuple[str | Cell, ...]
@@ -59,11 +61,16 @@ class Thing:
         """How many values it has."""
         return len(self.states)
 
+    @property
+    def met(self) -> str:
+        """Its state when doors and exits that need it have it, in words; empty if none can."""
+        return "" if self.is_met is None else str(self.states[self.is_met])
+
 
 def _drawn_exit(level: LevelFields) -> Iterator[Thing]:
     cells = level.exit_one_of
     if cells is not None:
-        yield Thing("exit", "", cells, cells, range(len(cells)), usual_name="exit")
+        yield Thing("exit", None, "", cells, cells, range(len(cells)), usual_name="exit")
 
 
 def _items(level: LevelFields) -> Iterator[Thing]:
@@ -71,6 +78,7 @@ def _items(level: LevelFields) -> Iterator[Thing]:
         held = len(item.places)
         yield Thing(
             "item",
+            item,
             item.name,
             cells=(*item.places, None),
             states=(*(item.places if held > 1 else ["lies"]), "held"),
@@ -89,6 +97,7 @@ def _switches(level: LevelFields) -> Iterator[Thing]:
             flipped = (1, 1) if not switch.on else (0, 0)
         yield Thing(
             "switch",
+            switch,
             switch.name,
             cells=(switch.at, switch.at),
             states=("off", "on"),
@@ -106,7 +115,9 @@ def _movers(level: LevelFields) -> Iterator[Thing]:
             # Levels with faults are drawn, too: there, it may begin outside of its rectangle.
             begins = (cells.index(mover.start),) if mover.start in cells else range(len(cells))
         name = f"mover-{number}"
-        yield Thing("mover", mover.name or "", cells, cells, begins, moves=True, usual_name=name)
+        yield Thing(
+            "mover", mover, mover.name or "", cells, cells, begins, moves=True, usual_name=name
+        )
 
 
 _MAKERS: tuple[Callable[[LevelFields], Iterator[Thing]], ...] = (
@@ -128,7 +139,7 @@ class Configuration:
         exit_is_open: whether an exit ends the episode: what it needs is held, or on.
         items: for each item, the cell in which it lies, None while it is held.
         held: the names of the items that are held.
-        on: for each switch, whether it is on.
+        on: for each thing of `Things.fixed`, whether it is on.
         movers: for each mover, the cell in which it stands.
         doors: for each door, whether it is closed.
     """
@@ -151,8 +162,9 @@ class Things:
     Attributes:
         names: the name of each thing, each another: `exit` for a drawn exit; movers without a name
             are `mover-1`, `mover-2`, …. Where a thing has this name, they begin with `the-`.
-        kinds: `"exit"`, `"item"`, `"switch"` or `"mover"`, for each thing.
+        kinds: the kind of each thing, as in a drawing's legend: `"exit"`, `"item"`, `"mover"`, ….
         radices: how many values each thing has.
+        fixed: the numbers of the things that stay in their cells, off or on.
     """
 
     __module__ = "babyrobot_levels"
@@ -168,6 +180,7 @@ class Things:
         self.names = tuple(thing.name or free(thing.usual_name) for thing in self._each)
         self.kinds = tuple(thing.kind for thing in self._each)
         self.radices = tuple(thing.values for thing in self._each)
+        self.fixed = tuple(n for n, thing in enumerate(self._each) if thing.met == "on")
         self.static = sum(not thing.moves for thing in self._each)
         self.needed = {
             name: (column, thing.is_met)
@@ -185,11 +198,6 @@ class Things:
         return self._each[column]
 
     @property
-    def switches(self) -> slice:
-        """Where the values of switches are."""
-        return self.of_kind("switch")
-
-    @property
     def items(self) -> slice:
         """Where the values of items are."""
         return self.of_kind("item")
@@ -201,7 +209,7 @@ class Things:
         return slice(first, first + count)
 
     def met(self, values: Sequence[int]) -> frozenset[str]:
-        """Return the names of the items that are held and of the switches that are on."""
+        """Return the names of the things that are held or on."""
         return frozenset(
             name for name, (column, value) in self.needed.items() if values[column] == value
         )
@@ -236,7 +244,7 @@ class Things:
             exit_is_open=self.exit_is_open(values),
             items=self._cells("item", values),
             held=tuple(name for name in self.names[self.items] if name in met),
-            on=tuple(value == 1 for value in values[self.switches]),
+            on=tuple(values[column] == self._each[column].is_met for column in self.fixed),
             movers=tuple(cell for cell in self._cells("mover", values) if cell is not None),
             doors=self.closed(met),
         )
@@ -254,11 +262,7 @@ class Things:
 
         It is empty where there is nothing that could be held or on.
         """
-        met: dict[str, list[str]] = {}
-        for name, (column, value) in self.needed.items():
-            need = KIND[self.kinds[column]].need
-            names = met.setdefault(need.met if need else "", [])
-            names += [name] if values[column] == value else []
+        met = self.told(values)
         if not met:
             return ""
         told = [
@@ -267,6 +271,17 @@ class Things:
             if names
         ]
         return "while " + (" and ".join(told) or f"nothing is {' or '.join(met)}")
+
+    def told(self, values: Sequence[int]) -> dict[str, list[str]]:
+        """Return the names of what is held and on: `{"held": ["key"], "on": []}`.
+
+        Only what the level has something for is there.
+        """
+        met: dict[str, list[str]] = {}
+        for name, (column, value) in self.needed.items():
+            names = met.setdefault(self._each[column].met, [])
+            names += [name] if values[column] == value else []
+        return met
 
     def begins(self) -> list[Sequence[int]]:
         """Return for each thing its values at reset, before the robot takes anything."""
@@ -348,5 +363,5 @@ def too_large(level: LevelFields, states: int, width: int) -> UnplayableError:
 
 
 def field_of(level: LevelFields, field: str) -> str:
-    """Return the field that gives items or switches: `legend` where they are drawn."""
+    """Return the field that gives things: `legend` where they are drawn."""
     return "legend" if level._drawn.get(field) else field

@@ -33,26 +33,28 @@ def initial_configuration(level: GridWorld) -> int:
 
 
 def configuration_with(level: GridWorld, names: Iterable[str]) -> int:
-    """Return the first configuration in which exactly some items are held and switches are on.
+    """Return the first configuration in which exactly some things are held or on.
 
     If there is one in which all movers stand as at reset, it is the first of those. Configurations
     in which an episode can go on come before those in which it is over.
 
     Args:
         level: the level.
-        names: the names of the items and switches; none for "nothing is held or on".
+        names: the names of the things; none for "nothing is held or on".
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: a name is not that of an item or switch, or no episode comes to this.
+        ValueError: a name is not that of such a thing, or no episode comes to this.
     """
     wanted, things, mdp = frozenset(names), level.things(), level.compile()
     known = (*things.needed,)
     for name in sorted(wanted.difference(known)):
         if not known:
-            raise ValueError(f"the level has no {name!r}: it has no items and no switches")
+            none = listed([f"no {kind.plural}" for kind in NEEDED])
+            raise ValueError(f"the level has no {name!r}: it has {none}")
         hint = did_you_mean(name, known) or f"; it has {listed(known)}"
-        raise ValueError(f"the level has no item or switch {name!r}{hint}")
+        one = listed([kind.noun for kind in NEEDED], "or")
+        raise ValueError(f"the level has no {one} {name!r}{hint}")
     over = np.all(mdp.is_terminal.reshape(mdp.num_configurations, -1), axis=1)
     begins = things.begins()[things.static :]
     met_with = cache(lambda *static: things.met(static))
@@ -207,7 +209,7 @@ def situation(level: GridWorld, number: int) -> dict[str, Any]:
     """Return what each thing of a level is in a configuration, by name.
 
     Items are `"held"`, `"lies"` in their only place, or the cell of those in which they may lie;
-    switches are `"on"` or `"off"`; movers and a drawn exit are the cells in which they are.
+    movers and a drawn exit are the cells in which they are; others are `"on"` or `"off"`.
     """
     things, values = level.things(), level.compile().configurations[number].tolist()
     states = [thing.states[value] for thing, value in zip(things, values, strict=True)]
@@ -217,7 +219,7 @@ def situation(level: GridWorld, number: int) -> dict[str, Any]:
 
 def situation_words(things: Mapping[str, Any]) -> str:
     """Return a situation in words, without what goes without saying: "key held, bat at [2, 4]"."""
-    met = [kind.need.met for kind in NEEDED if kind.need is not None]
+    met = [kind.need.met for kind in NEEDED]
     states = [f"{name} {value}" for name, value in things.items() if value in met]
     return ", ".join([*states, *_places(things)])
 

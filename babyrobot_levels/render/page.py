@@ -25,6 +25,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
@@ -107,7 +108,7 @@ def to_html(
         seed: the random seed of the first episode.
         values: whether the values of cells are shown at first.
         arrows: whether the optimal actions are shown at first.
-        turns: whether the robot turns at first. The page can switch between turning and moving
+        turns: whether the robot turns at first. The page can change between turning and moving
             if it does, or if the level sets a `heading`.
 
     Raises:
@@ -378,6 +379,7 @@ def common_data() -> dict[str, Any]:
         "steps": STEPS,
         "bar": BAR_STEPS,
         "headings": HEADING_POSES,
+        "needed": {kind.name: kind.need.met for kind in NEEDED},
         "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
         "robot": names,
         "palette": palette.colors,

@@ -166,10 +166,10 @@ def things_data(
     has depends on its kind:
 
     - `looks`: the looks of each value; that of a mover is its figure around (0, 0). The last value
-      is that of an item that is held, a switch that is on, and a door that is closed.
-    - `cells` of items, switches and movers: where they are, a list for each value.
-    - `icon` of items and switches: the look that tells that it is held, or on, with the left and
-      upper edges and the side of the square around it.
+      is that of a thing that is held or on, and of a door that is closed.
+    - `cells` of things in cells: where they are, a list for each value.
+    - `icon` of what can be held or on: the look that tells that it is, with the left and upper
+      edges and the side of the square around it.
     - `sides` of doors: pairs of a cell and of the move that the closed door refuses there.
     - `exits` and `needs` of the exit: the cells at which the episode ends, and what opens them.
     - `label` of movers: the look of the label in the cell whose corner is (0, 0), -1 for none.
@@ -231,7 +231,7 @@ class _Things:
         return [number, length(left), length(top), length(right - left)]
 
     def data(self) -> tuple[list[Thing], list[list[Group]]]:
-        things = [*self.exit(), *self.switches(), *self.items(), *self.doors(), *self.movers()]
+        things = [*self.exit(), *self.fixed(), *self.items(), *self.doors(), *self.movers()]
         return things, self.looks
 
     def exit(self) -> Iterator[Thing]:
@@ -257,16 +257,16 @@ class _Things:
             ],
         }
 
-    def switches(self) -> Iterator[Thing]:
-        columns = self.configurations[:, self.things.switches].T.tolist()
-        for number, (switch, values) in enumerate(zip(self.level.switches, columns, strict=True)):
+    def fixed(self) -> Iterator[Thing]:
+        for number, column in enumerate(self.things.fixed):
+            thing = self.things[column]
             yield {
-                "kind": "switch",
-                "name": switch.name,
-                "values": values,
-                "looks": [self.find(("switch", number, is_on)) for is_on in (False, True)],
-                "cells": [[self.number_of(switch.at)]] * 2,
-                "icon": self.icon(("switch", number, True)),
+                "kind": thing.kind,
+                "name": thing.name,
+                "values": self.configurations[:, column].tolist(),
+                "looks": [self.find((thing.kind, number, is_on)) for is_on in (False, True)],
+                "cells": [[self.number_of(thing.entry.at)]] * 2,
+                "icon": self.icon((thing.kind, number, True)),
             }
 
     def items(self) -> Iterator[Thing]:

@@ -217,7 +217,7 @@ class Situation:
         exits: the cells that are exits, or of which one is.
         is_locked: whether the exits need something that is not held, or not on.
         items: for each item, the cells in which it lies, or in one of which; none while held.
-        on: for each switch, whether it is on.
+        on: for each thing of `Things.fixed`, whether it is on.
         movers: for each mover, the cell in which it stands.
         looks: for each mover, the way to the next cell of its path, `(dx, dy)`; `(0, 0)` for one
             that stays, or walks at random.
@@ -275,15 +275,19 @@ def situation_of(level: GridWorld, configuration: int | None) -> Situation:
 
 
 def _overview(level: GridWorld) -> Situation:
-    met = frozenset(switch.name for switch in level.switches if switch.on)
+    things = level.things()
+    on = tuple(things[column].begins[0] == things[column].is_met for column in things.fixed)
+    met = frozenset(
+        things.names[column] for column, is_on in zip(things.fixed, on, strict=True) if is_on
+    )
     return Situation(
         exits=level.exits,
         is_locked=not met.issuperset(level.exit_keys),
         items=tuple(item.places for item in level.items),
-        on=tuple(switch.on for switch in level.switches),
+        on=on,
         movers=tuple(_first_cell(mover) for mover in level.movers),
         looks=_looks(level, [0] * len(level.movers)),
-        doors=level.things().closed(met),
+        doors=things.closed(met),
         is_overview=True,
     )
 

@@ -77,7 +77,7 @@ def marks_of(
 ) -> dict[Position, TextMark]:
     """Return what of a picture shows the things of a level.
 
-    The symbol of a cell is one of them: a mover before an item or a switch. The next one is
+    The symbol of a cell is one of them: a mover before what lies there. The next one is
     beside it.
 
     Args:
@@ -105,8 +105,10 @@ def _in_cells(
     for item, cells in zip(level.items, situation.items, strict=True):
         for x, y in cells:
             yield x, y, TextMark(ITEMS[item.picture][kind], thing_color(item, colors))
-    for switch, is_on in zip(level.switches, situation.on, strict=True):
-        yield *switch.at, TextMark(ON if is_on else OFF, thing_color(switch, colors))
+    things = level.things()
+    for column, is_on in zip(things.fixed, situation.on, strict=True):
+        entry = things[column].entry
+        yield *entry.at, TextMark(ON if is_on else OFF, thing_color(entry, colors))
     if situation.is_locked or level.exit_one_of is not None:
         for x, y in situation.exits:
             yield x, y, TextMark(LOCKED if situation.is_locked else d.EXIT)
@@ -148,7 +150,7 @@ def with_marks(lines: list[str], marks: dict[Position, TextMark]) -> list[str]:
 
 
 def without_things(level: GridWorld, drawing: d.Drawing) -> d.Drawing:
-    """Return a drawing without the doors, items and switches that the language's drawing shows."""
+    """Return a drawing without the doors and things that the language's drawing shows."""
     if not level.has_things:
         return drawing
     named = {ord(letter): d.PLAIN for letter, entry in level.legend.items() if entry.kind != "area"}

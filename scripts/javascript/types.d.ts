@@ -22,6 +22,8 @@ interface Common {
   steps: number;
   bar: number;
   headings: number[][];
+  /** The kinds that doors and exits can need, and what they are then: held, or on. */
+  needed: Record<string, string>;
   spots: number[][];
   robot: string[];
   palette: string[];
@@ -34,7 +36,10 @@ interface Common {
   play_versions: number[];
   max_unpacked: number;
   dictionary: string;
-  /** Of the editor. */
+  /** Of the editor: the kinds, what lies on top first, and those at sides. */
+  on_top: string[];
+  at_sides: string[];
+  none_needed: string;
   themes: Record<string, Theme>;
 }
 

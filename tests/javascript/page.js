@@ -12,6 +12,7 @@ const COMMON = {
     [1, 2, 3, 4],
     [5, 6, 7, 8],
   ],
+  needed: { item: "held", switch: "on" },
   spots: [],
   robot: ["#000000", "#ffffff", "#888888"],
   palette: [],

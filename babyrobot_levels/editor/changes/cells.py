@@ -18,6 +18,7 @@ from babyrobot_levels.editor.gestures import Fill, Paint
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.geometry import Cell, blocked_cells, is_inside, show_cell
+from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, grid_with_doors
 
@@ -132,7 +133,7 @@ def _paint_exits(draft: Draft, cells: list[Cell], *, add: bool) -> None:
     _unblock(draft, cells)
     exits = _with(level.exits, cells, add=add)
     put_exits(draft, exits, is_drawn_by_lot=add and level.exit_one_of is not None)
-    erase(draft, cells, ["items", "switches"])
+    erase(draft, cells, [kind.field for kind in NEEDED])
     erase(draft, cells, ["warps"], lambda entry: as_cell(entry["at"]) in cells)
 
 

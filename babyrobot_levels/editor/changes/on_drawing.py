@@ -14,6 +14,7 @@ from babyrobot_levels.editor.changes.sides import Entry, Run
 from babyrobot_levels.editor.entries.drawn_places import Place, drawn_places
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.language.walls import GLASS_PASS
 
 _PUDDLES = {"small": d.SMALL, "large": d.LARGE}
@@ -29,7 +30,7 @@ def set_drawn(draft: Draft, route: Route, value: Any) -> Route | None:
     place, canvas, field = _place_of(draft, route)
     x, y = place["fields"]["at"]
     match place["kind"], field:
-        case "area" | "item" | "switch" as kind, [name, *more] if name != "at":
+        case kind, [name, *more] if KIND[kind].legend and name != "at":
             return ["legend", canvas.at((x, y)), kind if name == "name" else name, *more]
         case "puddle", ["size"] if isinstance(value, str) and value in _PUDDLES:
             canvas.put((x, y), _PUDDLES[value])

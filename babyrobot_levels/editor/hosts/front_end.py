@@ -6,8 +6,10 @@ import json
 from functools import cache
 
 from babyrobot_levels.editor.shown.contrast import themes
+from babyrobot_levels.language.kinds import KINDS, NEEDED, Where
 from babyrobot_levels.render.page import common_data, common_module
 from babyrobot_levels.render.templates import put_together
+from babyrobot_levels.text.words import listed
 
 
 @cache
@@ -30,4 +32,9 @@ def style() -> str:
 
 
 def _common() -> dict[str, str]:
-    return common_module({**common_data(), "themes": themes()})
+    kinds = {
+        "on_top": [kind.name for kind in KINDS],
+        "at_sides": [kind.name for kind in KINDS if kind.where is Where.SIDE],
+        "none_needed": listed([kind.plural for kind in NEEDED], "or"),
+    }
+    return common_module({**common_data(), **kinds, "themes": themes()})

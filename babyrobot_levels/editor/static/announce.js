@@ -1,5 +1,6 @@
 // What is told to people who do not see the picture: what changed, and what is in a cell.
 
+import { capital } from "../../render/static/game.js";
 import { listed } from "../../render/static/speech.js";
 import { isSameCell, sidesOfRun } from "./spots.js";
 import { thingsAt, toolNamed, wallAt } from "./tools.js";
@@ -51,10 +52,6 @@ function wallsInWords(editor, run) {
 function windInWords({ side, index, strength }) {
   const line = `${"NS".includes(side) ? "column" : "row"} ${index}`;
   return strength === 0 ? `No wind in ${line}` : `Wind of ${strength} to the ${SIDE_NAMES[side]} in ${line}`;
-}
-
-function capital(words) {
-  return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
 /** What messages to Python did, in words; without any for what is typed, which is its own. */

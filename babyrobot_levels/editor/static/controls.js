@@ -1,5 +1,6 @@
 // Controls for the fields of a level, by the types of `editor/entries/forms.py`.
 
+import { COMMON } from "../../render/static/common.js";
 import { button, html } from "./html.js";
 
 const HOLD_PAUSE = 350; // Milliseconds that a stepper is held before it repeats,
@@ -218,7 +219,7 @@ function namesControl({ label, choices }, change) {
     };
     for (const box of boxes) box.addEventListener("change", collect);
     const labels = boxes.map((box) => html("label", { class: "check" }, box, box.value));
-    element.replaceChildren(...(labels.length === 0 ? ["There are no items or switches yet."] : labels));
+    element.replaceChildren(...(labels.length === 0 ? [`There are no ${COMMON.none_needed} yet.`] : labels));
   };
   return { element, show };
 }

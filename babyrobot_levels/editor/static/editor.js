@@ -68,7 +68,7 @@ export class Editor {
     this.set("tool", { tool, options: Object.keys(own).length > 0 ? { ...this.options, [tool]: own } : this.options });
   }
 
-  /** Switch what changes brushes on, which switches the others off, or off. */
+  /** Switch what changes brushes on, of which one is on at a time. */
   toggle(name) {
     const others = Object.fromEntries(Object.keys(this.modifiers).map((each) => [each, false]));
     this.set("tool", { modifiers: { ...others, [name]: !this.modifiers[name] } });

@@ -1,5 +1,6 @@
 // One field of the level or of an entry: its name, its control, and what is wrong with its value.
 
+import { COMMON } from "../../render/static/common.js";
 import { CONTROLS } from "./controls.js";
 import { button, html, prose } from "./html.js";
 
@@ -30,7 +31,7 @@ export class FieldRow {
     this.element.dataset.name = field.name;
   }
 
-  /** Show the value that the fields of the entry have; `names` are the items and switches. */
+  /** Show the value that the fields of the entry have; `names` are those that can be needed. */
   show(fields, names) {
     if (this.isSending) return;
     const { field } = this;
@@ -62,8 +63,8 @@ export class FieldRow {
   }
 }
 
-/** Return the names of the items and switches of a level. */
+/** Return the names of the things of a level that doors and exits can need. */
 export function thingNames({ places = [] }) {
-  const things = places.filter(({ kind }) => kind === "item" || kind === "switch");
+  const things = places.filter(({ kind }) => kind in COMMON.needed);
   return [...new Set(things.map(({ label }) => label))];
 }

@@ -1,6 +1,6 @@
 // Playing the level at hand: with the same luck each time, and a trail that stays while one edits.
 
-import { formatted } from "../../render/static/game.js";
+import { capital, formatted } from "../../render/static/game.js";
 import { element } from "../../render/static/paint.js";
 import { Trail } from "../../render/static/trail.js";
 import { html } from "./html.js";
@@ -177,13 +177,8 @@ export class Playing {
       ["Return", formatted(game.total)],
       ["Seed", this.seed],
     ];
-    for (const [name, kind, found] of [
-      ["Held", "item", "held"],
-      ["On", "switch", "on"],
-    ]) {
-      if (game.things.of(kind).length === 0) continue;
-      const names = game.things[found](game.configuration).map((thing) => thing.name);
-      facts.push([name, names.join(", ") || "nothing"]);
+    for (const [state, found] of game.things.met(game.configuration)) {
+      facts.push([capital(state), found.map((thing) => thing.name).join(", ") || "nothing"]);
     }
     this.facts.replaceChildren(
       ...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))),

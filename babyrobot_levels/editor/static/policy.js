@@ -84,10 +84,10 @@ export class PolicyDrawing {
     this.words = Array.from(
       { length: data.possible.length / cells },
       (_, configuration) =>
-        [
-          ...things.held(configuration).map(({ name }) => name),
-          ...things.on(configuration).map(({ name }) => `${name} on`),
-        ].join(", ") || "Nothing",
+        things
+          .met(configuration)
+          .flatMap(([state, found]) => found.map(({ name }) => (state === "held" ? name : `${name} ${state}`)))
+          .join(", ") || "Nothing",
     );
     /** @type {Map<string, number>} */
     this.situations = new Map(this.words.map((words, at) => /** @type {[string, number]} */ ([words, at])).reverse());

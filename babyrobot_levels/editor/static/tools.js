@@ -2,6 +2,7 @@
 // same: `gestureOf(editor, spots)` returns the message, or null if there is nothing to do. While one
 // still draws, it is the preview of what will be sent.
 
+import { COMMON } from "../../render/static/common.js";
 import { beyond, cellsAlong, isSameCell, runAlong, sidesOfRun, spotOf, usualSide } from "./spots.js";
 
 /**
@@ -264,18 +265,14 @@ function cornersOf(editor, spots) {
   );
 }
 
-/** The kinds of what stands in cells: what lies on top comes first. */
-const ON_TOP = ["item", "switch", "mover", "start", "exit", "warp", "puddle", "blocked", "area"];
-const AT_SIDES = ["door", "wall", "opening"];
-
 /** Return the entries of `state.places` at a spot, the topmost first: those of the side, if one is meant. */
 export function thingsAt(editor, { cell, side }) {
   const places = editor.state.places ?? [];
-  const found =
-    side === null ? [] : places.filter((place) => AT_SIDES.includes(place.kind) && isAtSide(place, cell, side));
+  const isOfSide = ({ kind }) => COMMON.at_sides.includes(kind);
+  const found = side === null ? [] : places.filter((place) => isOfSide(place) && isAtSide(place, cell, side));
   const inside = places
-    .filter((place) => !AT_SIDES.includes(place.kind) && place.cells.some((each) => isSameCell(each, cell)))
-    .sort((one, other) => ON_TOP.indexOf(one.kind) - ON_TOP.indexOf(other.kind));
+    .filter((place) => !isOfSide(place) && place.cells.some((each) => isSameCell(each, cell)))
+    .sort((one, other) => COMMON.on_top.indexOf(one.kind) - COMMON.on_top.indexOf(other.kind));
   return [...found, ...inside];
 }
 

@@ -56,18 +56,20 @@ def closed_doors(level: Level, closed: Sequence[bool]) -> Flags:
 
 
 def placed(level: Level, now: Configuration) -> Iterator[tuple[str, Cell]]:
-    """Yield the names and cells of exits, items, switches and movers.
+    """Yield the names and cells of exits, things that stay or lie in cells, and movers.
 
     Exits are `exit`, or `exit-locked` while their needs are not met; items are named by their
-    pictures; switches are `switch-off` or `switch-on`.
+    pictures; others by their kinds, with `-off` or `-on`.
     """
     exits = "exit" if now.exit_is_open else "exit-locked"
     yield from ((exits, cell) for cell in now.exits)
     for item, place in zip(level.items, now.items, strict=True):
         if place is not None:
             yield item.picture, place
-    for switch, on in zip(level.switches, now.on, strict=True):
-        yield "switch-on" if on else "switch-off", switch.at
+    for thing, value in zip(level.things(), now.values, strict=True):
+        cell = thing.cells[value]
+        if thing.met == "on" and cell is not None:
+            yield f"{thing.kind}-{thing.states[value]}", cell
     yield from (("mover", cell) for cell in now.movers)
 
 

@@ -22,6 +22,7 @@ from babyrobot_levels.envs.observations.cells import (
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.language.base import SIDE_NAMES, SIDES
 from babyrobot_levels.language.cells import shifts
+from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.grid import grid_with_doors
@@ -79,7 +80,7 @@ def plane_names(extent: Extent) -> tuple[str, ...]:
     if extent.has_wind:
         names += _sided("wind")
     if extent.has_things:
-        names += ["exit-locked", *SHAPES, "switch-off", "switch-on", *_sided("door"), "mover"]
+        names += ["exit-locked", *SHAPES, *FIXED_STATES, *_sided("door"), "mover"]
         names += [f"held-{shape}" for shape in SHAPES]
     return tuple(names)
 

@@ -19,6 +19,7 @@ from babyrobot_levels.envs.observations.cells import (
 )
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.observations.sight import barriers, visible
+from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.grid import grid_with_doors
@@ -50,8 +51,7 @@ VIEW_PLANES = (
     "ground",
     "warp",
     *SHAPES,
-    "switch-off",
-    "switch-on",
+    *FIXED_STATES,
     *(f"door-{side}" for side in _SIDES),
     "mover",
     *(f"held-{shape}" for shape in SHAPES),

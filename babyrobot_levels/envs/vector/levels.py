@@ -468,7 +468,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         return family
 
     def _use(self, tables: Tables) -> None:
-        """Switch to tables."""
+        """Go over to tables."""
         self._tables = tables
         most = self.num_envs * (tables.most_draws + int(self._slots is not None))
         self._reserve_draws(most)

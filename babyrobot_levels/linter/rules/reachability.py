@@ -195,9 +195,9 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
     probability of reaching an exit is 0 under every policy. The check uses the exact transition
     tables, so walls, warps, wind and skidding are all taken into account.
 
-    In a level with things, a cell may be a trap in some configurations only: a switch that closes
-    the way back, a door that taking a key shuts for good. The finding then says what is held or on,
-    and names no more than it takes to tell the trap from other states of that cell.
+    In a level with things, a cell may be a trap in some configurations only: the way back is
+    closed by then, or taking a key shuts a door for good. The finding then says what is held or
+    on, and names no more than it takes to tell the trap from other states of that cell.
 
     ## Why is this bad?
 
@@ -269,7 +269,7 @@ def _trap_among_things(context: LintContext, steps: list[int], traps: list[int])
     )
     help_text = "keep a path to an exit open, or end the episode there with `ends: true`"
     kind, number = context.things.changed(before, first)
-    if kind is None or kind.need is None:
+    if kind is None or not kind.need.met:
         return Finding(context.place(first), message, help_text)
     name = kind.of(context.level)[number].name
     help_text = f"the robot gets there by {kind.need.getting} `{name}`: {help_text}"

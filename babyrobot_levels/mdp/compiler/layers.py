@@ -1,7 +1,7 @@
 """Which configurations occur: a search over cells, layers and movers together.
 
 A layer is a choice of the values of all things but the movers. Within a layer the robot walks among
-the cells; by taking an item or flipping a switch it comes to another layer.
+the cells; by changing one it comes to another layer.
 """
 
 from __future__ import annotations
@@ -216,7 +216,7 @@ class Layers:
     def _check_first_items(self, terrain: Terrain) -> None:
         """Refuse, before all branches are built, a level with too many things within reach.
 
-        Each item and each switch to which moves lead, without glass and warps, gives a
+        Each thing that changes by arrivals, to which moves lead, without glass and warps, gives a
         configuration of its own.
         """
         x, y = self.level.starts[0]

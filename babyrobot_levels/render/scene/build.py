@@ -124,7 +124,7 @@ def build_layers(
     - `base`: the ground, panels, the compass and the rules;
     - `heat`: values as colours, and their legend;
     - `grid`: puddles and walls, and the arrows and texts of the level itself;
-    - `things`: items, switches, doors, drawn and locked exits, and what is held;
+    - `things`: what has a state and does not move, locked exits, and what is held;
     - `underlay`: the part of an overlay that is below the robot;
     - `robot`: the robot;
     - `movers`: guards and wanderers;

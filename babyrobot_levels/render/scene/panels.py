@@ -7,6 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from babyrobot_levels.language.cells import Puddle, Rectangle, Wind
+from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.language.looks import Colors, Display, Panel
 from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.mdp.actions import DELTAS
@@ -234,10 +235,11 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
         item = next(item for item in level.items if item.name == what)
         color = thing_color(item, level.resolved_theme.colors)
         yield from item_shapes(item.picture, color, _SPOT)
-    elif kind == "switch":
-        switch = next(switch for switch in level.switches if switch.name == what)
-        plate = switch.model_copy(update={"at": _HERE, "label": None})
-        small = _small(level, switches=(plate,))
+    elif kind in KIND and KIND[kind].need.met == "on":
+        entry = next(entry for entry in KIND[kind].of(level) if entry.name == what)
+        alone = entry.model_copy(update={"at": _HERE, "label": None})
+        fields: dict[str, Any] = {KIND[kind].field: (alone,)}
+        small = _small(level, **fields)
         for piece in pieces(small, _layout(), situation_of(small, None), _slots(small)):
             yield from piece.shapes
     elif kind == "mover":

@@ -135,9 +135,8 @@ def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
     """Return the cells in which texts may lie on puddles, arrows of warps, things or tracks."""
     cells = crossed_cells(level, layout, slots)
     cells |= {puddle.at for puddle in level.puddles} | {warp.at for warp in level.warps}
-    cells |= {switch.at for switch in level.switches}
-    cells |= {cell for item in level.items for cell in item.places}
-    cells |= {*(level.exit_one_of or ())}
+    still = (thing.cells for thing in level.things() if not thing.moves)
+    cells |= {cell for places in still for cell in places if cell is not None}
     for door in level.doors:
         dx, dy = DELTAS[next(action for action in DELTAS if action.name[0] == door.side)]
         cells |= {cell for x, y in sides_of(door) for cell in ((x, y), (x + dx, y + dy))}

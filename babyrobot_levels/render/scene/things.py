@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.things import Door
+from babyrobot_levels.language.things import Door, Switch
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed, plate_for, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes
@@ -87,10 +87,11 @@ def pieces(
         whole = Box(0.0, 0.0, layout.width, layout.height)
         yield Piece(("tracks",), whole, partial(_tracks, level, layout, slots))
     yield from _exits(level, layout, situation)
-    for number, is_on in enumerate(situation.on):
-        cell = level.switches[number].at
-        draw = partial(_switch, level, layout, number, is_on)
-        yield Piece(("switch", number, is_on), _cell_box(layout, cell), draw)
+    things = level.things()
+    for number, (column, is_on) in enumerate(zip(things.fixed, situation.on, strict=True)):
+        thing = things[column]
+        draw = partial(_fixed, level, layout, thing.entry, is_on)
+        yield Piece((thing.kind, number, is_on), _cell_box(layout, thing.entry.at), draw)
     for number, cells in enumerate(situation.items):
         for cell in cells:
             faint = len(cells) > 1
@@ -165,17 +166,16 @@ def thing_label(level: GridWorld, layout: Layout, cell: Cell, label: str | None)
     yield Text(centre, foot - 2 - 0.32 * size, text, size, colors.text_fg)
 
 
-# -- switches ------------------------------------------------------------------------------------
+# -- what is off or on -----------------------------------------------------------------------------
 
 
-def _switch(level: GridWorld, layout: Layout, number: int, is_on: bool) -> Iterator[Shape]:
+def _fixed(level: GridWorld, layout: Layout, entry: Switch, is_on: bool) -> Iterator[Shape]:
     """Yield a plate in the floor: an empty frame with a ring while off, filled while on.
 
     It is larger than the robot, which may stand on it.
     """
-    switch = level.switches[number]
-    spot = Spot(*_centre(layout, switch.at))
-    color = thing_color(switch, level.resolved_theme.colors)
+    spot = Spot(*_centre(layout, entry.at))
+    color = thing_color(entry, level.resolved_theme.colors)
     plate = rounded(-22.5, -22.5, 45, 45, 9)
     if is_on:
         yield from spot.body(plate, color)
@@ -185,7 +185,7 @@ def _switch(level: GridWorld, layout: Layout, number: int, is_on: bool) -> Itera
         yield from spot.wire(plate, color, 3.0)
         for ink, width in ((INK, 5.6), (color, 3.0)):
             yield spot.line(circle(0, 0, 7.5), ink, width)
-    yield from thing_label(level, layout, switch.at, switch.label)
+    yield from thing_label(level, layout, entry.at, entry.label)
 
 
 # -- doors ---------------------------------------------------------------------------------------
@@ -342,7 +342,8 @@ def mover_spots(
         crowded: whether cells show something else, beside which all movers are.
     """
     places = situation.movers
-    lying = situation.lying | {switch.at for switch in level.switches}
+    things = level.things()
+    lying = situation.lying | {things[column].entry.at for column in things.fixed}
     spots = []
     for number, cell in enumerate(places):
         centre = _centre(layout, cell)

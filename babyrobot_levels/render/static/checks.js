@@ -133,7 +133,7 @@ function checkThings({ things = [], picture }, cells) {
       for (const found of looks) list(found, 1, 1);
       whole(thing.label, -1, last);
     } else {
-      need(kind === "item" || kind === "switch");
+      need(Object.keys(COMMON.needed).includes(kind));
       checkCells(thing.cells);
       list(icon, 4, 4).forEach((length) => whole(length));
     }

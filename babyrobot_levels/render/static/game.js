@@ -295,3 +295,8 @@ export function rounded(number) {
 export function formatted(number) {
   return String(rounded(number)).replace("-", "\u2212");
 }
+
+/** @param {string} words */
+export function capital(words) {
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}

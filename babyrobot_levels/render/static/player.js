@@ -1,7 +1,7 @@
 // The player: a level in the elements of `player.html`, and how it is controlled.
 
 import { byId } from "./dom.js";
-import { formatted, Game, SIDES } from "./game.js";
+import { capital, formatted, Game, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
 import { Legend } from "./legend.js";
 import { element, pixels } from "./paint.js";
@@ -132,21 +132,15 @@ function showHint(action) {
   }
 }
 
-/** Show or hide the trail, as its switch says. */
+/** Show or hide the trail, as one chose. */
 function showTrail() {
   trail.group.classList.toggle("hidden", !byId("trail").checked);
 }
 
-/** Show what is held, and which switches are on. */
+/** Show what is held, and what is on. */
 function showHeld() {
-  const { things, configuration } = game;
-  const groups = [
-    ["Held", "item", things.held(configuration)],
-    ["On", "switch", things.on(configuration)],
-  ];
-  byId("held").replaceChildren(
-    ...groups.flatMap(([title, kind, found]) => (things.of(kind).length === 0 ? [] : [heldElement(title, found)])),
-  );
+  const groups = game.things.met(game.configuration);
+  byId("held").replaceChildren(...groups.map(([state, found]) => heldElement(capital(state), found)));
   byId("held").hidden = !byId("held").hasChildNodes();
 }
 

@@ -23,21 +23,17 @@ export class Things {
   }
 
   /**
-   * Return the items that are held.
+   * Return the things that are held, and those that are on: each state that one can have, with them.
    *
    * @param {number} configuration
+   * @returns {[string, Thing[]][]}
    */
-  held(configuration) {
-    return this.of("item").filter((item) => isLast(item, configuration));
-  }
-
-  /**
-   * Return the switches that are on.
-   *
-   * @param {number} configuration
-   */
-  on(configuration) {
-    return this.of("switch").filter((item) => isLast(item, configuration));
+  met(configuration) {
+    const states = new Set(Object.values(COMMON.needed));
+    return [...states].flatMap((state) => {
+      const things = this.all.filter(({ kind }) => COMMON.needed[kind] === state);
+      return things.length === 0 ? [] : [[state, things.filter((thing) => isLast(thing, configuration))]];
+    });
   }
 
   /**
@@ -52,17 +48,18 @@ export class Things {
   }
 
   /**
-   * Return the cells in which items lie, and those of switches.
+   * Return the cells in which things lie that can be held, or on.
    *
    * @param {number} configuration
    * @returns {number[]}
    */
   lying(configuration) {
-    return [...this.of("item"), ...this.of("switch")].flatMap(({ cells, values }) => cells[values[configuration]]);
+    const needed = this.all.filter(({ kind }) => kind in COMMON.needed);
+    return needed.flatMap(({ cells, values }) => cells[values[configuration]]);
   }
 
   /**
-   * Return the items, switches and movers in a cell.
+   * Return the things in a cell.
    *
    * @param {number} configuration
    * @param {number} cell
@@ -106,21 +103,20 @@ export class Things {
    */
   changes(before, after) {
     const words = {
-      item: ({ name }) => `Took the ${name}`,
-      switch: (thing) => `The ${thing.name} is ${isLast(thing, after) ? "on" : "off"}`,
+      held: ({ name }) => `Took the ${name}`,
+      on: (thing) => `The ${thing.name} is ${isLast(thing, after) ? "on" : "off"}`,
       door: (thing) => `The ${thing.name} ${isLast(thing, after) ? "closes" : "opens"}`,
       exit: () => `The exit is ${this.exitsOf(after).length > 0 ? "open" : "closed"}`,
     };
-    return Object.entries(words).flatMap(([kind, told]) =>
-      this.of(kind)
-        .filter(({ values }) => values[before] !== values[after])
-        .map(told),
+    const changed = this.all.filter(({ values }) => values[before] !== values[after]);
+    return Object.entries(words).flatMap(([what, told]) =>
+      changed.filter(({ kind }) => (COMMON.needed[kind] ?? kind) === what).map(told),
     );
   }
 }
 
 /**
- * Return whether a thing has its last value: an item is held, a switch on, a door closed.
+ * Return whether a thing has its last value: it is held, or on; a door is closed.
  *
  * @param {Thing} thing
  * @param {number} configuration

@@ -234,7 +234,7 @@ def _errands(level: GridWorld) -> str:
     errands: dict[str, list[str]] = {}
     for kind in NEEDED:
         names = [thing.name for thing in kind.of(level) if thing.name in needed]
-        if names and kind.need is not None:
+        if names:
             errands[kind.need.get] = names
     if sum(map(len, errands.values())) > _MOST_NAMES:
         return f"{listed([*errands])} what is needed".capitalize()
