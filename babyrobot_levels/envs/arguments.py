@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import inspect
 import operator
-from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 from gymnasium import error
@@ -13,9 +13,11 @@ from gymnasium.vector import AutoresetMode
 from numpy import ndarray
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations import OBSERVATIONS, Observation
-from babyrobot_levels.envs.observations.planes import DTYPES, PlaneForm
-from babyrobot_levels.envs.observations.views import DEFAULT_RADIUS, MAX_RADIUS
+from babyrobot_levels.analysis.picture_options import takes
+from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.observations.base import DEFAULT_RADIUS, Observation
+from babyrobot_levels.envs.observations.planes import DTYPES
+from babyrobot_levels.envs.observations.views import MAX_RADIUS
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.gridworld import GridWorld
@@ -35,7 +37,7 @@ _INT = np.dtype(np.intp)
 
 def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
     """Raise a ValueError if an argument is not one of its choices."""
-    if value not in choices:
+    if value not in [*choices]:  # A mapping would have to hash it.
         known = ", ".join(map(repr, choices))
         guess = did_you_mean(value, choices) if isinstance(value, str) else ""
         raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
@@ -100,37 +102,59 @@ _MISSING = {
 }
 
 
-def checked_observation(
-    name: Any,
-    image_size: Any = None,
-    grayscale: Any = False,
-    view_radius: Any = None,
-    see_through: Any = False,
-    channels_last: Any = False,
-    planes_dtype: Any = "float32",
-) -> Observation:
+class ObservationOptions(TypedDict, total=False):
+    """What is observed, and how: all environments take these; see `LevelEnv`."""
+
+    observation: str | Sequence[str]
+    image_size: tuple[int, int] | None
+    grayscale: bool
+    view_radius: int | None
+    see_through: bool
+    channels_last: bool
+    planes_dtype: str
+
+
+_DEFAULTS: dict[str, Any] = {
+    "observation": "position",
+    "grayscale": False,
+    "see_through": False,
+    "channels_last": False,
+    "planes_dtype": DTYPES[0],
+}
+
+takes_observation = takes(ObservationOptions, **_DEFAULTS)
+"""Lets a function take `ObservationOptions` by name."""
+
+
+@takes_observation
+def checked_observation(**options: Unpack[ObservationOptions]) -> Observation:
     """Return the observation that the arguments of an environment choose.
 
     Raises:
+        TypeError: there is no such option.
         ValueError: there is no such observation, or it does not have such an option.
     """
-    names = checked_names(name)
-    check_choice("planes_dtype", planes_dtype, DTYPES)
-    for kind, first, second, is_given in (
-        ("image", "image_size", "grayscale", image_size is not None or grayscale),
-        ("view", "view_radius", "see_through", view_radius is not None or see_through),
-        ("planes", "channels_last", "planes_dtype", channels_last or planes_dtype != DTYPES[0]),
-    ):
-        if is_given and kind not in names:
-            raise ValueError(f"{first} and {second} need observation={kind!r}")
+    given: dict[str, Any] = {**options}
+    observation = given.pop("observation")
+    names = checked_names(observation)
+    check_choice("planes_dtype", given["planes_dtype"], DTYPES)
+    for kind, observer in OBSERVATIONS.items():
+        if kind not in names and any(_is_given(given, name) for name in observer.options):
+            raise ValueError(f"{' and '.join(observer.options)} need observation={kind!r}")
     return Observation(
-        name if isinstance(name, str) else names,
-        checked_image_size(image_size),
-        bool(grayscale),
-        checked_view_radius(view_radius),
-        bool(see_through),
-        PlaneForm(bool(channels_last), planes_dtype),
+        observation if isinstance(observation, str) else names,
+        checked_image_size(given.get("image_size")),
+        bool(given["grayscale"]),
+        checked_view_radius(given.get("view_radius")),
+        bool(given["see_through"]),
+        bool(given["channels_last"]),
+        given["planes_dtype"],
     )
+
+
+def _is_given(options: Mapping[str, Any], name: str) -> bool:
+    value, default = options.get(name), _DEFAULTS.get(name)
+    return value is not None if default is None else bool(value != default)
 
 
 def checked_names(observation: Any) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from gymnasium import error
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
+    ObservationOptions,
     check_choice,
     check_names,
     checked_action,
@@ -20,11 +21,12 @@ from babyrobot_levels.envs.arguments import (
     checked_observation,
     checked_options,
     start_states,
+    takes_observation,
 )
 from babyrobot_levels.envs.observations import make_observer
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import Extent
+from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
-from babyrobot_levels.envs.observations.vectors import vector_names
 from babyrobot_levels.envs.observations.views import VIEW_PLANES
 from babyrobot_levels.envs.rendering import (
     RENDER_MODES,
@@ -103,53 +105,43 @@ class LevelEnv(RenderedEnv):
 
     view_planes = VIEW_PLANES
 
+    @takes_observation
     def __init__(
         self,
         level: LevelLike,
         *,
-        observation: str | Sequence[str] = "position",
         actions: str = "valid",
         render_mode: str | None = None,
-        image_size: tuple[int, int] | None = None,
-        grayscale: bool = False,
-        view_radius: int | None = None,
-        see_through: bool = False,
-        channels_last: bool = False,
-        planes_dtype: str = "float32",
-    ):
+        **options: Unpack[ObservationOptions],
+    ) -> None:
         """Make the environment of a level.
 
         Args:
             level: a name, a path, a mapping or a `Level`.
-            observation: `"position"`, `"index"`, `"walls"`, `"vector"`, `"planes"`, `"image"` or
-                `"view"`; or a tuple of several of them, for a dict of observations.
             actions: `"all"`: five actions; `"moves"`: four, without stay; `"valid"` and
                 `"valid_moves"`: the same, but `action_space.sample()` gives only those that the
                 action mask allows; `"turns"`: left, right, and forward.
             render_mode: None, `"human"`, `"rgb_array"`, `"ansi"`, `"svg"` or `"canvas"`; see
                 `render`.
-            image_size: `(height, width)` in pixels of image observations.
-            grayscale: whether image observations are grey.
-            view_radius: how many cells views show in each direction, 1 to 15; by default 3.
-            see_through: whether views show what walls, doors and blocked cells hide.
-            channels_last: whether planes have the shape `[height, width, planes]` and not
-                `[planes, height, width]`.
-            planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
+            options: the observation, and its options:
+
+                - `observation`: one of those above, or a tuple of several; by default
+                  `"position"`;
+                - `image_size`: `(height, width)` in pixels of image observations;
+                - `grayscale`: whether image observations are grey;
+                - `view_radius`: how many cells views show in each direction, 1 to 15; by default
+                  3;
+                - `see_through`: whether views show what walls, doors and blocked cells hide;
+                - `channels_last`: whether planes have the shape `[height, width, planes]` and not
+                  `[planes, height, width]`;
+                - `planes_dtype`: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: the level is not valid.
             ValueError: another argument is invalid.
         """
-        self._observation = checked_observation(
-            observation,
-            image_size,
-            grayscale,
-            view_radius,
-            see_through,
-            channels_last,
-            planes_dtype,
-        )
+        self._observation = checked_observation(**options)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, RENDER_MODES)

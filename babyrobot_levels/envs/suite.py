@@ -16,7 +16,7 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import Extent
 from babyrobot_levels.envs.samplers import Sampler, checked_sampler, sampled
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.mdp.actions import HEADINGS

@@ -12,8 +12,9 @@ from gymnax.environments import environment, spaces
 from jax import Array
 from jax.tree_util import register_dataclass
 
+from babyrobot_levels.envs.observations import space_of
 from babyrobot_levels.jax.loading import Loader
-from babyrobot_levels.jax.observations import look_up, space_of
+from babyrobot_levels.jax.observations import gymnax_space, look_up
 from babyrobot_levels.jax.params import HIT, REACHED, SKIDDED, TERMINAL, EnvParams
 from babyrobot_levels.jax.room import Room
 from babyrobot_levels.jax.words import below, chosen, draw_words
@@ -57,7 +58,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
         """
         super().__init__()
         self._params, self._loader, self._room, self._name = params, loader, room, name
-        self._observation_space = space_of(loader.observation, loader.extent)
+        self._observation_space = gymnax_space(space_of(loader.extent, loader.observation))
 
     # -- gymnax ------------------------------------------------------------------------------
 

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.action_sets import ActionSet
 from babyrobot_levels.envs.engine.factory import limits_of
 from babyrobot_levels.envs.engine.tables import Part, part_of
-from babyrobot_levels.envs.observations import Observation
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.vector.levels import misfit
 from babyrobot_levels.jax.building import LevelArrays, arrays_of, build
 from babyrobot_levels.jax.observations import bytes_of, tables_of

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Unpack
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
-from babyrobot_levels.envs.arguments import check_choice, checked_observation
+from babyrobot_levels.envs.arguments import (
+    ObservationOptions,
+    check_choice,
+    checked_observation,
+    takes_observation,
+)
 from babyrobot_levels.envs.engine.factory import checked_count, limits_of
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.jax.env import LevelEnvironment
@@ -16,21 +21,16 @@ from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Suite
 
 
+@takes_observation
 def make(
     levels: Levels,
     *,
-    observation: str | Sequence[str] = "position",
     actions: str = "valid",
     draw_levels: bool = True,
     room_for: Levels | None = None,
     max_episode_steps: int | None = None,
-    image_size: tuple[int, int] | None = None,
-    grayscale: bool = False,
-    view_radius: int | None = None,
-    see_through: bool = False,
-    channels_last: bool = False,
-    planes_dtype: str = "float32",
     max_bytes: int = MAX_BYTES,
+    **options: Unpack[ObservationOptions],
 ) -> tuple[LevelEnvironment, EnvParams]:
     """Return levels as an environment of gymnax, and as its parameters.
 
@@ -40,8 +40,6 @@ def make(
     Args:
         levels: a level, a folder, a pack or a suite: a name, a path, a mapping, a `Level` or a
             `Suite`; or several levels.
-        observation: `"position"`, `"index"`, `"walls"`, `"vector"`, `"planes"`, `"image"` or
-            `"view"`; or a tuple of several of them, for a dict of observations.
         actions: `"valid"`, `"all"`, `"moves"`, `"valid_moves"` or `"turns"`. There is no difference
             between `"valid"` and `"all"`, or `"valid_moves"` and `"moves"`: `sample_action` gives
             valid actions, and the action space all.
@@ -52,18 +50,12 @@ def make(
             altogether.
         max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
             `max_steps`.
-        image_size: `(height, width)` in pixels of image observations.
-        grayscale: whether image observations are grey.
-        view_radius: how many cells views show in each direction, 1 to 15; by default 3.
-        see_through: whether views show what walls, doors and blocked cells hide.
-        channels_last: whether planes have the shape `[height, width, planes]` and not
-            `[planes, height, width]`.
-        planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
         max_bytes: how much memory the arrays may take; while they are made, it is about three
             times as much. Transitions take 9 bytes for each state and action, and 17 for each
             outcome where there are several. Observations take 4 bytes for each number of each
             state, views an eighth of a byte, images one; planes are kept once for each
             configuration.
+        options: the observation, and its options, as `LevelEnv` has them.
 
     Returns:
         The environment, and the parameters that its methods take.
@@ -75,9 +67,7 @@ def make(
         ValueError: the arrays would take too much memory, there are no levels, one has
             `maze: {seed: random}`, or another argument is invalid.
     """
-    chosen = checked_observation(
-        observation, image_size, grayscale, view_radius, see_through, channels_last, planes_dtype
-    )
+    chosen = checked_observation(**options)
     check_choice("actions", actions, ACTION_SETS)
     limits_of((), max_episode_steps)
     given = levels_in(levels)

@@ -21,14 +21,9 @@ from jax import Array
 from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations import Observation
-from babyrobot_levels.envs.observations.extent import Extent
-from babyrobot_levels.envs.observations.images import ImageObserver
-from babyrobot_levels.envs.observations.numbers import NumericObserver
-from babyrobot_levels.envs.observations.planes import PlanePainter
-from babyrobot_levels.envs.observations.vectors import VectorObserver
-from babyrobot_levels.envs.observations.views import ViewPainter
-from babyrobot_levels.envs.vector.observations import make_batch_observer
+from babyrobot_levels.envs.observations import OBSERVATIONS, DictObserver, make_observer, space_of
+from babyrobot_levels.envs.observations.base import Extent, Observation
+from babyrobot_levels.envs.observations.planes import PlaneObserver
 from babyrobot_levels.jax.room import Room
 from babyrobot_levels.library.level import Level
 
@@ -187,27 +182,25 @@ def tables_of(
         observation: which observation.
         extent: the extent of all levels.
     """
-    match observation.name:
-        case tuple():
-            parts = observation.parts().items()
-            made = {name: tables_of(level, count, part, extent) for name, part in parts}
-            return DictTables(made)
-        case "planes":
-            return _planes(level, count, observation, extent)
-        case "view":
-            radius = observation.view_radius
-            painter = ViewPainter(level, extent.headings, radius, observation.see_through)
-            shape = painter.view(0).shape
-            return RowTable(np.stack([_packed(painter.view(s)) for s in range(count)]), shape)
-        case "vector":
-            return RowTable(VectorObserver(level, extent).table())
-        case "image":
-            image = observation.image_size, observation.grayscale
-            images = ImageObserver(level, extent, *image)
-            return RowTable(np.stack([images.at(state)() for state in range(count)]))
-        case name:
-            numbers = NumericObserver(level, name, extent).table().astype(np.int32)
-            return RowTable(numbers[:, 0] if name == "index" else numbers)
+    observer, states = make_observer(level, observation, extent), np.arange(count)
+    if isinstance(observer, DictObserver):
+        parts = observation.parts().items()
+        return DictTables({name: tables_of(level, count, part, extent) for name, part in parts})
+    if isinstance(observer, PlaneObserver):
+        return _planes(observer, states)
+    if _is_bits(observer.space):
+        # Not all at once, because they are packed into an eighth.
+        rows = [_packed(observer.at(state)()) for state in range(count)]
+        return RowTable(np.stack(rows), observer.space.shape)
+    found = observer.rows(states)
+    return RowTable(found.astype(np.int32) if found.dtype == np.int64 else found)
+
+
+def _is_bits(space: gymnasium_spaces.Space[Any]) -> bool:
+    """Return whether observations are zeros and ones, which are kept as bits."""
+    if not isinstance(space, gymnasium_spaces.Box):
+        return False
+    return space.dtype == np.uint8 and bool((space.high == 1).all())
 
 
 def _packed(view: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -218,15 +211,15 @@ def _packed(view: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return packed
 
 
-def _planes(level: Level, count: int, observation: Observation, extent: Extent) -> PlaneTables:
-    painter = PlanePainter(level, extent, observation.plane_form)
-    states, configurations = np.arange(count), count // painter.states
+def _planes(observer: PlaneObserver, states: NDArray[np.int64]) -> PlaneTables:
+    ground = states // observer.block
+    configurations = int(ground[-1]) + 1
     return PlaneTables(
-        ground=states // painter.states,
-        robot=painter.robot(states),
-        grounds=np.stack([painter.ground(number) for number in range(configurations)]),
+        ground=ground,
+        robot=observer.robot(states),
+        grounds=np.stack([observer.ground(number) for number in range(configurations)]),
         first_ground=np.array([0, configurations]),
-        one=observation.plane_form.one,
+        one=observer.one,
         most=configurations,
     )
 
@@ -242,25 +235,17 @@ def bytes_of(observation: Observation, extent: Extent) -> tuple[int, int]:
     if isinstance(observation.name, tuple):
         each = [bytes_of(part, extent) for part in observation.parts().values()]
         return sum(state for state, _ in each), sum(configuration for _, configuration in each)
-    space = make_batch_observer(observation, extent, 1).space
+    space = space_of(extent, observation)
     size, itemsize = prod(space.shape or ()), np.dtype(space.dtype).itemsize
-    match observation.name:
-        case "planes":
-            places = 1 + (extent.headings > 1)
-            return 4 * (1 + places), size * itemsize
-        case "view":
-            return -(-size // 8), 0
-        case "vector" | "image":
-            return size * itemsize, 0
-    return size * 4, 0
+    if OBSERVATIONS[observation.name] is PlaneObserver:
+        places = 1 + (extent.headings > 1)
+        return 4 * (1 + places), size * itemsize
+    # Whole numbers of 64 bits are kept in 32.
+    return (-(-size // 8) if _is_bits(space) else size * min(4, itemsize)), 0
 
 
-def space_of(observation: Observation, extent: Extent) -> spaces.Space:
-    """Return the space of gymnax of an observation."""
-    return _gymnax_space(make_batch_observer(observation, extent, 1).space)
-
-
-def _gymnax_space(space: gymnasium_spaces.Space[Any]) -> spaces.Space:
+def gymnax_space(space: gymnasium_spaces.Space[Any]) -> spaces.Space:
+    """Return a space of Gymnasium as one of gymnax."""
     match space:
         case gymnasium_spaces.Discrete():
             return spaces.Discrete(int(space.n))
@@ -270,7 +255,7 @@ def _gymnax_space(space: gymnasium_spaces.Space[Any]) -> spaces.Space:
         case gymnasium_spaces.Box():
             return spaces.Box(space.low.flat[0], space.high.flat[0], space.shape, space.dtype)
         case gymnasium_spaces.Dict():
-            return spaces.Dict({name: _gymnax_space(each) for name, each in space.items()})
+            return spaces.Dict({name: gymnax_space(each) for name, each in space.items()})
     raise NotImplementedError(f"gymnax has no space like {space}")
 
 

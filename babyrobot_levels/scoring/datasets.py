@@ -13,14 +13,13 @@ from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, Undefi
 from babyrobot_levels.envs.arguments import checked_observation
 from babyrobot_levels.envs.engine.rollout import Rollout
 from babyrobot_levels.envs.observations import make_observer
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import Extent
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.scoring.plays.files import Play
 from babyrobot_levels.scoring.plays.verify import verify_play
 from babyrobot_levels.scoring.score import score
-from babyrobot_levels.scoring.tables import stacked
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,13 +85,13 @@ def to_minari(
     names = observation if isinstance(observation, str) else tuple(observation)
     env = world.make(observation=names, actions=actions, max_episode_steps=limit)
     extent = Extent.of([world], turns=actions == "turns")
-    observer = make_observer(world, checked_observation(names), extent)
+    observer = make_observer(world, checked_observation(observation=names), extent)
     buffers = [
         EpisodeBuffer(
             id=number,
             seed=each.seed,
             options=each.options,
-            observations=stacked(observer.space, [observer.at(state)() for state in each.states]),
+            observations=observer.rows(np.asarray(each.states)),
             actions=np.asarray(each.actions, np.int64),
             rewards=np.asarray(each.rewards, np.float64),
             terminations=_only_last(len(each.actions), each.is_terminated),

@@ -19,8 +19,8 @@ from babyrobot_levels.analysis.solver.results import check_discount, check_withi
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
-from babyrobot_levels.envs.observations import Observation, make_observer
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations import make_observer
+from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.library.catalogue import load
@@ -102,7 +102,7 @@ def score(
     if isinstance(agent, str):
         check_choice("agent", agent, (BEST, *NAMED))
     check_choice("actions", actions, ACTION_SETS)
-    chosen = checked_observation(observation, **options)
+    chosen = checked_observation(observation=observation, **options)
     own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
     members, extent = _levels(levels, split, turns=ACTION_SETS[actions].turns)
     problems = [_problem(level, within, discount, own) for level in members]

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from gymnasium import spaces
 
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
-from babyrobot_levels.envs.observations import Observer
+from babyrobot_levels.envs.observations.base import Observer
 from babyrobot_levels.scoring.agents import Chooser, Table
 
 BATCH = 4096
@@ -41,16 +38,6 @@ def policy_of(
     table[:, 0] = 1.0
     for begin in range(0, states.size, BATCH):
         part = states[begin : begin + BATCH]
-        seen = stacked(observer.space, [observer.at(state)() for state in part.tolist()])
+        seen = observer.rows(part)
         table[part] = agent(seen, mdp.action_mask[part, first:].astype(np.int8))
     return weights_by_step(table, space, limit)
-
-
-def stacked(space: spaces.Space[Any], observations: list[Any]) -> Any:
-    """Return observations along a new first axis; of a `Dict` space, a dict of such arrays."""
-    if isinstance(space, spaces.Dict):
-        return {
-            name: stacked(part, [each[name] for each in observations])
-            for name, part in space.items()
-        }
-    return np.stack(observations)

@@ -305,7 +305,7 @@ def mask_of(env: Env) -> list[int]:
     return masks
 
 
-@each_level_and(("observation", OBSERVATIONS), ("actions", [*ACTION_SETS]))
+@each_level_and(("observation", [*OBSERVATIONS]), ("actions", [*ACTION_SETS]))
 class TestLevels(EnvContract):
     """Levels by their mappings and files."""
 

@@ -98,8 +98,8 @@ def test_where_no_move_is_allowed_the_space_gives_its_first(actions: str) -> Non
 
 
 ACCEPTED = (
-    "accepted arguments: observation, actions, render_mode, image_size, grayscale, view_radius, "
-    "see_through, channels_last, planes_dtype"
+    "accepted arguments: observation, image_size, grayscale, view_radius, see_through, "
+    "channels_last, planes_dtype, actions, render_mode"
 )
 
 

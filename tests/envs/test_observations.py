@@ -13,9 +13,8 @@ from support.playing import level_named
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.action_sets import ACTION_SETS
-from babyrobot_levels.envs.observations import OBSERVATIONS, Observation, make_observer
-from babyrobot_levels.envs.observations.extent import Extent
-from babyrobot_levels.envs.observations.numbers import NUMERIC, NumericObserver
+from babyrobot_levels.envs.observations import OBSERVATIONS, make_batch_observer, make_observer
+from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation
 from babyrobot_levels.library.level import Level
 
 PAGE = (DOCS / "environments.md").read_text(encoding="utf-8")
@@ -35,27 +34,43 @@ def observed(level: Level, name: str, extent: Extent, state: int) -> Any:
 
 
 @pytest.mark.parametrize("turns", [False, True])
-@pytest.mark.parametrize("other", ["final-maze", "four-corners", "things of all kinds"])
 @pytest.mark.parametrize("name", ["final-maze", "things of all kinds"])
-@pytest.mark.parametrize("observation", NUMERIC)
-def test_tables_and_observers_show_the_same_in_their_space(
-    observation: str, name: str, other: str, turns: bool
+@pytest.mark.parametrize("observation", [*OBSERVATIONS, tuple(OBSERVATIONS)])
+def test_one_many_and_all_states_show_the_same_in_their_space(
+    observation: Any, name: str, turns: bool
 ) -> None:
-    level = level_named(name)
-    extent = Extent.of([level, level_named(other)], turns=turns)
-    table = NumericObserver(level, observation, extent).table()
+    level, other = level_named(name), level_named("four-corners")
+    extent = Extent.of([level, other], turns=turns)
     observer = make_observer(level, Observation(observation), extent)
-    assert table.dtype == np.int64
-    assert len(table) == level.compile().num_states * extent.headings
-    for state in range(0, len(table), 1 + len(table) // 200):
-        one, other_one = observer.at(state)(), observer.at(state)()
-        assert one in observer.space
-        if isinstance(observer.space, spaces.Discrete):
-            assert [one] == table[state].tolist()
-        else:
-            assert one.tolist() == table[state].tolist()
-            assert not np.shares_memory(one, other_one)
-    assert len(np.unique(table, axis=0)) == len(table)
+    count = level.compile().num_states * extent.headings
+    assert observer.states().tolist() == [*range(count)]
+    states = np.arange(0, count, 1 + count // 50)
+    before = other.compile().num_states * extent.headings
+    batch = make_batch_observer(Observation(observation), extent, 1)
+    plain = BatchObserver(type(observer), extent, Observation(observation), 1)
+    for many in (batch, plain):
+        many.write_all(np.array([0, before, before + count]), [other, level])
+    rows, gathered = observer.rows(states), batch.gather(before + states)
+    each = [observer.at(state)() for state in states.tolist()]
+    assert all(one in observer.space for one in each)
+    if isinstance(observation, str):
+        assert np.array_equal(plain.gather(before + states), gathered)
+        assert np.array_equal(rows, each)
+        assert np.array_equal(gathered, each)
+        assert rows.dtype == gathered.dtype == observer.space.dtype
+        assert not np.shares_memory(each[0], observer.at(0)())
+        return
+    for part in observation:
+        assert np.array_equal(rows[part], [one[part] for one in each])
+        assert np.array_equal(gathered[part], rows[part])
+
+
+@pytest.mark.parametrize("observation", ["position", "index", "walls", "vector"])
+def test_rows_tell_states_apart(observation: str) -> None:
+    level = level_named("things of all kinds")
+    observer = make_observer(level, Observation(observation), Extent.of([level], turns=True))
+    rows = observer.rows(observer.states())
+    assert len(np.unique(rows, axis=0)) == len(rows)
 
 
 def test_numbers_end_with_the_configuration_and_the_heading() -> None:
@@ -113,10 +128,6 @@ def test_pictures_of_a_level_without_items_have_no_row_for_them() -> None:
     assert np.array_equal(own.at(0)(), picture[:16])
 
 
-def test_there_are_no_observations_without_a_name() -> None:
-    assert set(OBSERVATIONS) == {*NUMERIC, "vector", "planes", "image", "view"}
-
-
 @pytest.mark.parametrize(
     ("heading", "names"), [("Observation Space", OBSERVATIONS), ("Action Space", ACTION_SETS)]
 )
@@ -125,6 +136,8 @@ def test_the_page_lists_all(heading: str, names: list[str]) -> None:
     assert set(re.findall(r'^\| `"(\w+)"` \|', section, re.MULTILINE)) == set(names)
     arguments = PAGE.partition("\n## Arguments\n")[2].partition("\n## ")[0]
     assert all(f'`"{name}"`' in arguments for name in names)
+    told = f"{brl.LevelEnv.__doc__}{brl.LevelEnv.__init__.__doc__}"
+    assert all(f'"{name}"' in told for name in names)
 
 
 def test_the_page_has_gymnasiums_headings_in_their_order() -> None:

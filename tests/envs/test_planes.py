@@ -14,8 +14,8 @@ from support.fleets import levels
 from support.playing import FEATURES, GALLERY, level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.observations.extent import Extent
-from babyrobot_levels.envs.observations.planes import PlaneForm, PlaneTable
+from babyrobot_levels.envs.observations import make_batch_observer
+from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.language.cells import as_skid
@@ -315,21 +315,20 @@ def test_a_table_that_is_full_paints_anew(monkeypatch: pytest.MonkeyPatch) -> No
     extent = Extent.of([level])
     count = level.compile().num_states
     offset = np.array([0, count])
-    free, full = (PlaneTable(extent, PlaneForm()) for _ in range(2))
-    shape = PlaneForm().space(extent).shape
+    free, full = (make_batch_observer(Observation("planes"), extent, 1) for _ in range(2))
     for table in (free, full):
         table.grow(offset)
         table.write(0, level)
     rng = np.random.default_rng(1)
     for _ in range(40):
         states = rng.integers(0, count, 6)
-        wanted, found = (np.empty((6, *shape), np.float32) for _ in range(2))
-        free.observe(states, wanted)
+        wanted = free.gather(states)
         with monkeypatch.context() as patch:
             patch.setattr("babyrobot_levels.envs.observations.planes.MAX_GROUND_BYTES", 100_000)
-            full.observe(states, found)
+            found = full.gather(states)
         assert np.array_equal(wanted, found)
-    assert full._grounds.nbytes < free._grounds.nbytes
+    painted = [table._grounds.nbytes for table in (free, full)]  # type: ignore[attr-defined]
+    assert painted[1] < painted[0]
 
 
 @pytest.mark.sweep

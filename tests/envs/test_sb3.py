@@ -37,7 +37,7 @@ def make(name: str, **kwargs: Any) -> gymnasium.Env[Any, Any]:
     return gymnasium.make("babyrobot/Level-v0", level=level_named(name), **kwargs)
 
 
-@each_level_and(("observation", OBSERVATIONS), ("actions", [*ACTION_SETS]))
+@each_level_and(("observation", [*OBSERVATIONS]), ("actions", [*ACTION_SETS]))
 def test_its_checker_is_content(name: str, observation: str, actions: str) -> None:
     from stable_baselines3.common.env_checker import check_env
 

@@ -15,14 +15,9 @@ from support.each import for_each
 from support.playing import FEATURES, level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.observations import Observation, make_observer
-from babyrobot_levels.envs.observations.extent import Extent
-from babyrobot_levels.envs.observations.views import (
-    VIEW_PLANES,
-    ViewObserver,
-    ViewPainter,
-    ViewTable,
-)
+from babyrobot_levels.envs.observations import make_batch_observer, make_observer
+from babyrobot_levels.envs.observations.base import Extent, Observation, Observer
+from babyrobot_levels.envs.observations.views import VIEW_PLANES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT
 
@@ -36,6 +31,12 @@ def level_of(drawing: str, **fields: Any) -> Level:
     return brl.load({"version": 1, "map": drawing, "exit_needs": [], **fields})
 
 
+def observer_of(level: Level, headings: int = 1, **options: Any) -> Observer:
+    return make_observer(
+        level, Observation("view", **options), Extent(level.size, headings=headings)
+    )
+
+
 def view_of(
     level: Level, configuration: int = 0, radius: int = 3, heading: int | None = None, **kwargs: Any
 ) -> View:
@@ -43,7 +44,8 @@ def view_of(
     (x, y), (width, height) = level.starts[0], level.size
     headings = 1 if heading is None else 4
     state = (configuration * headings + (heading or 0)) * width * height + y * width + x
-    return ViewPainter(level, headings, radius, kwargs.get("see_through", False)).view(state)
+    view: View = observer_of(level, headings, view_radius=radius, **kwargs).at(state)()
+    return view
 
 
 def shown(view: View, *planes: str) -> list[str]:
@@ -197,7 +199,7 @@ def test_what_is_held_is_known_everywhere_and_lies_nowhere() -> None:
     mdp = level.compile()
     state = int(mdp.next_state[int(mdp.start.argmax()), brl.Action.NORTH, 0])
     assert level.configuration(mdp.configuration(state)).held == ("gem",)
-    view = ViewPainter(level, 1, 7, False).view(state)
+    view = observer_of(level, view_radius=7).at(state)()
     held = {
         name for name in VIEW_PLANES if name.startswith("held-") and view[..., PLANE[name]].any()
     }
@@ -328,13 +330,13 @@ def test_lines_are_those_of_the_reference_and_the_same_from_both_ends(seed: int)
     random = Random(seed)
     level = brl.Level.from_fields(random_level(random))
     (width, height), mdp, radius = level.size, level.compile(), 5
-    painter = ViewPainter(level, 1, radius, False)
+    observer = observer_of(level, view_radius=radius)
     configuration = random.randrange(mdp.num_configurations)
     cells = [(x, y) for y in range(height) for x in range(width)]
     free = [cell for cell in cells if not level.grid().blocked[cell[1], cell[0]]]
     seen: dict[tuple[Any, Any], bool] = {}
     for x, y in free:
-        view = painter.view(configuration * mdp.cells + y * width + x)
+        view = observer.at(configuration * mdp.cells + y * width + x)()
         outside = np.ones(view.shape[:2], bool)
         for to_x, to_y in cells:
             row, column = to_y - y + radius, to_x - x + radius
@@ -395,37 +397,28 @@ def test_options_of_views_need_views(given: dict[str, Any]) -> None:
         brl.LevelEnv("maze", **given)
 
 
-def test_tables_show_what_single_environments_show() -> None:
-    levels = [level_named("things of all kinds"), brl.load("final-maze"), brl.load(DOOR)]
-    extent = Extent.of(levels, turns=True)
-    table = ViewTable(4, 2, False)
-    counts = [4 * level.compile().num_states for level in levels]
-    offset = np.cumsum([0, *counts])
+def test_a_level_that_is_added_leaves_the_views_of_others() -> None:
+    levels = [level_named("things of all kinds"), brl.load("final-maze")]
+    table = make_batch_observer(Observation("view", view_radius=2), Extent.of(levels), 1)
+    offset = np.cumsum([0, *(level.compile().num_states for level in levels)])
     table.grow(offset[:2])
     table.write(0, levels[0])
-    first = table.at(np.array([5]))
+    first = table.gather(np.array([5]))
     table.grow(offset)
-    for number in (1, 2):
-        table.write(number, levels[number])
-    assert np.array_equal(table.at(np.array([5])), first)
-    random = Random(3)
-    states = [(number, random.randrange(counts[number])) for number in (0, 1, 2) for _ in range(9)]
-    views = table.at(np.array([offset[number] + state for number, state in states]))
-    for view, (number, state) in zip(views, states, strict=True):
-        observer = ViewObserver(levels[number], extent, 2, False)
-        assert np.array_equal(view, observer.at(state)())
+    table.write(1, levels[1])
+    assert np.array_equal(table.gather(np.array([5])), first)
 
 
 def test_a_table_forgets_the_views_of_a_level_that_is_replaced() -> None:
-    table = ViewTable(1, 1, False)
+    table = make_batch_observer(Observation("view", view_radius=1), Extent((2, 2)), 1)
     table.grow(np.array([0, 4]))
     for side in ("E", "S"):
         level = brl.load({"version": 1, "size": [2, 2], "walls": [{"at": [0, 0], "side": side}]})
         table.write(0, level)
-        assert np.array_equal(table.at(np.array([0]))[0], view_of(level, radius=1))
+        assert np.array_equal(table.gather(np.array([0]))[0], view_of(level, radius=1))
 
 
 def test_a_table_that_is_too_large_is_refused() -> None:
-    table = ViewTable(4, 15, False)
+    table = make_batch_observer(Observation("view", view_radius=15), Extent((2, 2)), 1)
     with pytest.raises(ValueError, match=r"8,000,000 states with view_radius=15 take 26\.9 GiB"):
         table.grow(np.array([0, 8_000_000]))

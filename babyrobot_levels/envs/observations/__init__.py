@@ -1,98 +1,130 @@
-"""Observations: each kind is defined once, as a space and as what every state of a level shows.
+"""Observations: each kind is a class, which all environments use.
 
-All environments use these definitions: single and vector ones, both stepping engines, and the
-adapter for Stable-Baselines3. Levels that share a space share the one of their `Extent`.
+Single and vector environments, both stepping engines, JAX and the adapter for Stable-Baselines3
+take their observations from here. Levels that share a space share the one of their `Extent`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
+import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
 from babyrobot_levels.envs.observations.images import ImageObserver
-from babyrobot_levels.envs.observations.numbers import NUMERIC, NumericObserver
-from babyrobot_levels.envs.observations.planes import PlaneForm, PlaneObserver
-from babyrobot_levels.envs.observations.vectors import VectorObserver
-from babyrobot_levels.envs.observations.views import DEFAULT_RADIUS, ViewObserver
+from babyrobot_levels.envs.observations.numbers import NumericObserver, VectorObserver
+from babyrobot_levels.envs.observations.planes import PlaneObserver
+from babyrobot_levels.envs.observations.views import ViewObserver
 from babyrobot_levels.library.level import Level
 
-OBSERVATIONS = (*NUMERIC, "vector", "planes", "image", "view")
-"""The names of all observations."""
+OBSERVATIONS: dict[str, type[Observer]] = {
+    "position": NumericObserver,
+    "index": NumericObserver,
+    "walls": NumericObserver,
+    "vector": VectorObserver,
+    "planes": PlaneObserver,
+    "image": ImageObserver,
+    "view": ViewObserver,
+}
+"""What makes each observation, by its name."""
 
 
-@dataclass(frozen=True, slots=True)
-class Observation:
-    """An observation that was chosen, with its options.
-
-    Attributes:
-        name: one of `OBSERVATIONS`, or a tuple of several: a dict with each of them.
-        image_size: `(height, width)` in pixels of images, None for the default.
-        grayscale: whether images are grey.
-        view_radius: how many cells a view shows in each direction.
-        see_through: whether a view shows what walls, doors and blocked cells hide.
-        plane_form: the form of planes.
-    """
-
-    name: str | tuple[str, ...] = "position"
-    image_size: tuple[int, int] | None = None
-    grayscale: bool = False
-    view_radius: int = DEFAULT_RADIUS
-    see_through: bool = False
-    plane_form: PlaneForm = field(default_factory=PlaneForm)
-
-    def parts(self) -> dict[str, Observation]:
-        """Return each of several observations by its name."""
-        return {name: replace(self, name=name) for name in self.name}
-
-
-class Observer(Protocol):
-    """Makes the observations of one level."""
-
-    @property
-    def space(self) -> spaces.Space[Any]:
-        """The space of the observations."""
-
-    def at(self, state: int) -> Callable[[], Any]:
-        """Return a function that makes a new observation of the state at each call.
-
-        With turning, the state is one of `Mdp.turning`, which has a heading.
-        """
-
-
-class DictObserver:
+class DictObserver(Observer):
     """Makes dicts of several observations of one level, in the order of their names."""
 
-    def __init__(self, observers: dict[str, Observer]) -> None:
-        self.space = spaces.Dict({name: each.space for name, each in observers.items()})
-        self._observers = {name: observers[name] for name in self.space}
+    space: spaces.Dict
+
+    def __init__(self, level: Level, extent: Extent, observation: Observation) -> None:
+        super().__init__(level, extent, observation)
+        parts = observation.parts()
+        self._observers = {name: make_observer(level, parts[name], extent) for name in self.space}
+
+    @classmethod
+    def space_of(cls, extent: Extent, observation: Observation) -> spaces.Dict:
+        """Return a space with that of each observation."""
+        return spaces.Dict({k: space_of(extent, each) for k, each in observation.parts().items()})
 
     def at(self, state: int) -> Callable[[], Any]:
         """Return a function that makes a new dict of new observations."""
         return partial(_made, {name: each.at(state) for name, each in self._observers.items()})
+
+    def rows(self, states: NDArray[np.int64]) -> dict[str, Any]:
+        """Return a dict of the observations of states."""
+        return {name: each.rows(states) for name, each in self._observers.items()}
 
 
 def _made(makers: dict[str, Callable[[], Any]]) -> dict[str, Any]:
     return {name: make() for name, make in makers.items()}
 
 
+class BatchDictObserver(BatchObserver):
+    """Dicts of several observations, each of which has an array of its own."""
+
+    space: spaces.Dict
+
+    def __init__(
+        self, kind: type[Observer], extent: Extent, observation: Observation, most: int
+    ) -> None:
+        super().__init__(kind, extent, observation, most)
+        parts = observation.parts()
+        self._parts = {name: make_batch_observer(parts[name], extent, most) for name in self.space}
+
+    def grow(self, offset: NDArray[np.intp]) -> None:
+        """Make room for levels, whose states begin at `offset`."""
+        super().grow(offset)
+        for observer in self._parts.values():
+            observer.grow(offset)
+
+    def write(self, number: int, level: Level) -> None:
+        """Set the level with a number."""
+        for observer in self._parts.values():
+            observer.write(number, level)
+
+    def observe(self, states: NDArray[np.intp], out: Any) -> None:
+        """Write the observations of states into a dict of arrays."""
+        for name, observer in self._parts.items():
+            observer.observe(states, out[name])
+
+    def gather(self, states: NDArray[np.intp], copy: bool = True) -> dict[str, Any]:
+        """Return the observations of states; see `BatchObserver.gather`."""
+        return {name: each.gather(states, copy) for name, each in self._parts.items()}
+
+    def each(self, states: NDArray[np.intp]) -> list[Any]:
+        """Return the observation of each state, as a single environment gives it."""
+        columns = (observer.each(states) for observer in self._parts.values())
+        rows = zip(*columns, strict=True)
+        return [dict(zip(self._parts, row, strict=True)) for row in rows]
+
+
+DictObserver.many = BatchDictObserver
+
+
+def _kind(observation: Observation) -> type[Observer]:
+    name = observation.name
+    return OBSERVATIONS[name] if isinstance(name, str) else DictObserver
+
+
+def space_of(extent: Extent, observation: Observation) -> spaces.Space[Any]:
+    """Return the space of an observation that the levels of an extent share."""
+    return _kind(observation).space_of(extent, observation)
+
+
 def make_observer(level: Level, observation: Observation, extent: Extent) -> Observer:
     """Return the observer of a level, in the space that the levels of an extent share."""
-    match observation.name:
-        case tuple():
-            parts = observation.parts().items()
-            return DictObserver({name: make_observer(level, part, extent) for name, part in parts})
-        case "image":
-            return ImageObserver(level, extent, observation.image_size, observation.grayscale)
-        case "view":
-            return ViewObserver(level, extent, observation.view_radius, observation.see_through)
-        case "planes":
-            return PlaneObserver(level, extent, observation.plane_form)
-        case "vector":
-            return VectorObserver(level, extent)
-        case name:
-            return NumericObserver(level, name, extent)
+    return _kind(observation)(level, extent, observation)
+
+
+def make_batch_observer(observation: Observation, extent: Extent, most: int) -> BatchObserver:
+    """Return an observer without levels.
+
+    Args:
+        observation: the observation.
+        extent: that of all levels.
+        most: of how many levels the observers are kept, where they are slow to make.
+    """
+    kind = _kind(observation)
+    return kind.many(kind, extent, observation, most)

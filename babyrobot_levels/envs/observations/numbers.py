@@ -1,64 +1,112 @@
-"""Observations that are whole numbers: the position, the state, or the open sides as well."""
+"""Observations that are rows of numbers: the position, the state, the open sides, vectors."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from math import prod
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
+from babyrobot_levels.envs.observations.planes import squashed
+from babyrobot_levels.language.base import SIDE_NAMES, SIDES
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.actions import HEADINGS, Action
+
+if TYPE_CHECKING:
+    from babyrobot_levels.envs.engine.state import Results
 
 Ints = NDArray[np.int64]
 
-NUMERIC = ("position", "index", "walls")
-"""The names of the observations that are numbers."""
+_OPEN = slice(2, 2 + len(SIDES))
+"""The columns of the open sides in `"walls"`, and in vectors."""
 
 
-class NumericObserver:
-    """Makes the observations of one level that are whole numbers.
+class BatchRowObserver(BatchObserver):
+    """Keeps the rows of all states; engines write those that are whole numbers."""
 
-    In a `Discrete` space, an observation is an int; in a `MultiDiscrete` one, an int64 array.
+    def grow(self, offset: NDArray[np.intp]) -> None:
+        """Make room for levels, whose states begin at `offset`."""
+        super().grow(offset)
+        self._rows = np.zeros((offset[-1], prod(self.space.shape or ())), self.space.dtype)
+        self._is_written = self._rows.dtype == np.int64
+        if self._is_written:
+            self.table = self._rows
 
-    Attributes:
-        space: the space, that of the extent.
-    """
+    def write(self, number: int, level: Level) -> None:
+        """Set the level with a number."""
+        observer = self._make(level)
+        states = observer.states()
+        base = self._offset[number]
+        self._rows[base : base + states.size] = observer.rows(states).reshape(states.size, -1)
 
-    def __init__(self, level: Level, observation: str, extent: Extent) -> None:
-        """Prepare the observations; `observation` is one of `NUMERIC`."""
-        self.space = numeric_space(observation, extent)
-        self._level, self._name, self._extent = level, observation, extent
-        self._block = level.size[0] * level.size[1] * extent.headings
-        self._rows: dict[int, Ints] = {}
+    def observe(self, states: NDArray[np.intp], out: NDArray[Any]) -> None:
+        """Write the observations of states into an array `[states, …]`."""
+        self._rows.take(states, axis=0, out=out.reshape(states.size, -1), mode="clip")
+
+    def batch(self, results: Results, states: NDArray[np.intp], copy: bool) -> Any:
+        """Return the observations, those that an engine wrote if it did."""
+        if not self._is_written:
+            return self.gather(states, copy)
+        return results.observations if self.space.shape else results.observations[:, 0]
+
+
+class RowObserver(Observer):
+    """Makes rows of numbers; those with one configuration are made at once."""
+
+    many = BatchRowObserver
+
+    def __init__(self, level: Level, extent: Extent, observation: Observation) -> None:
+        super().__init__(level, extent, observation)
+        self._rows: dict[int, NDArray[Any]] = {}
+
+    @abstractmethod
+    def rows(self, states: Ints) -> NDArray[Any]:
+        """Return the rows of states, `[states, numbers]`."""
 
     def at(self, state: int) -> Callable[[], Any]:
         """Return a function that makes a new array, or gives the int of a `Discrete` space."""
-        configuration, place = divmod(state, self._block)
+        configuration, place = divmod(state, self.block)
         if configuration not in self._rows:
-            first = configuration * self._block
-            self._rows[configuration] = self.rows(np.arange(first, first + self._block))
+            first = configuration * self.block
+            self._rows[configuration] = self.rows(np.arange(first, first + self.block))
         row = self._rows[configuration][place]
-        return partial(int, row[0].item()) if self._name == "index" else row.copy
+        return row.copy if self.space.shape else partial(int, row.item())
 
-    def table(self) -> Ints:
-        """Return what each state shows, int64 `[states, numbers]`."""
-        configurations = self._level.compile().num_configurations
-        return self.rows(np.arange(configurations * self._block))
+
+class NumericObserver(RowObserver):
+    """Makes the observations of one level that are whole numbers.
+
+    In a `Discrete` space, an observation is an int; in a `MultiDiscrete` one, an int64 array.
+    """
+
+    def __init__(self, level: Level, extent: Extent, observation: Observation) -> None:
+        super().__init__(level, extent, observation)
+        self._name = observation.name
+
+    @classmethod
+    def space_of(cls, extent: Extent, observation: Observation) -> spaces.Space[Any]:
+        """Return the space of the observation."""
+        if observation.name == "index":
+            return spaces.Discrete(extent.configurations * extent.headings * extent.cells)
+        sides = [2] * 4 if observation.name == "walls" else []
+        headings = [HEADINGS] if extent.headings > 1 else []
+        return spaces.MultiDiscrete([*extent.size, *sides, *extent.radices, *headings])
 
     def rows(self, states: Ints) -> Ints:
-        """Return what some states show, int64 `[states, numbers]`."""
+        """Return what some states show, int64 `[states, numbers]`, or `[states]`."""
         (width, height), extent = self._level.size, self._extent
         rest, cell = np.divmod(states, width * height)
         configuration, heading = np.divmod(rest, extent.headings)
         y, x = np.divmod(cell, width)
         if self._name == "index":
-            index = (rest * extent.size[1] + y) * extent.size[0] + x
-            return index[:, None]
+            index: Ints = (rest * extent.size[1] + y) * extent.size[0] + x
+            return index
         columns = [x, y]
         if self._name == "walls":
             columns += [*self._open_sides(configuration, cell)]
@@ -88,10 +136,56 @@ class NumericObserver:
         return np.stack([open_bits >> side & 1 for side in range(4)])
 
 
-def numeric_space(observation: str, extent: Extent) -> spaces.Space[Any]:
-    """Return the space of one of the `NUMERIC` observations."""
-    if observation == "index":
-        return spaces.Discrete(extent.configurations * extent.headings * extent.cells)
-    sides = [2] * 4 if observation == "walls" else []
-    headings = [HEADINGS] if extent.headings > 1 else []
-    return spaces.MultiDiscrete([*extent.size, *sides, *extent.radices, *headings])
+def vector_names(extent: Extent) -> tuple[str, ...]:
+    """Return the names of the entries of vectors.
+
+    - `x`, `y`: the column and the row, divided by their largest values.
+    - `open-north`, …: the chance to get through that side: 1 if it is open, 0 at a wall or a closed
+      door, between them at glass.
+    - `reward-north`, …: the expected reward of a move that way, squashed.
+    - `thing-1`, …: the value of each thing, divided by its largest value.
+    - `heading-north`, …: with `actions="turns"`, 1 where the robot looks.
+    """
+    return (
+        "x",
+        "y",
+        *(f"open-{side}" for side in SIDE_NAMES),
+        *(f"reward-{side}" for side in SIDE_NAMES),
+        *(f"thing-{number}" for number in range(1, len(extent.radices) + 1)),
+        *(f"heading-{side}" for side in SIDE_NAMES if extent.headings > 1),
+    )
+
+
+class VectorObserver(RowObserver):
+    """Makes vectors: what an agent needs to know, float32 `[entries]`, from 0 to 1."""
+
+    def __init__(self, level: Level, extent: Extent, observation: Observation) -> None:
+        super().__init__(level, extent, observation)
+        self._walls = NumericObserver(level, extent, Observation("walls"))
+        largest = np.asarray(self._walls.space.nvec) - 1  # type: ignore[attr-defined]
+        self._largest = np.maximum(largest, 1)
+        grid, mdp = level.grid(), level.compile()
+        self._glass = np.where(grid.open, 0, grid.pass_probability).reshape(-1, len(SIDES))
+        # Of the level's own tables, in which a state has no heading.
+        expected = np.einsum("sao,sao->sa", mdp.probability, mdp.reward)
+        self._rewards = squashed(expected[:, Action.NORTH :])
+
+    @classmethod
+    def space_of(cls, extent: Extent, observation: Observation) -> spaces.Box:
+        """Return the space of vectors."""
+        return spaces.Box(0, 1, (len(vector_names(extent)),), np.float32)
+
+    def rows(self, states: Ints) -> NDArray[np.float32]:
+        """Return the vectors of some states, float32 `[states, entries]`."""
+        cells, headings = prod(self._level.size), self._extent.headings
+        rest, cell = np.divmod(states, cells)
+        configuration, heading = np.divmod(rest, headings)
+        columns = self._walls.rows(states) / self._largest
+        columns[:, _OPEN] += self._glass[cell]
+        rewards = self._rewards[configuration * cells + cell]
+        parts = [columns[:, : _OPEN.stop], rewards]
+        if headings > 1:
+            parts += [columns[:, _OPEN.stop : -1], np.eye(headings)[heading]]
+        else:
+            parts.append(columns[:, _OPEN.stop :])
+        return np.hstack(parts).astype(np.float32)

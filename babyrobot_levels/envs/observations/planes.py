@@ -1,34 +1,31 @@
-"""Planes: the whole maze as arrays over its cells, for convolutional networks."""
+"""Planes: the whole maze as arrays over its cells, for convolutional networks.
+
+What cells show, by the names that planes and views share, is at the end.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache, partial
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, lru_cache, partial
 from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from babyrobot_levels.envs.observations.cells import (
-    closed_doors,
-    ground_of,
-    held_pictures,
-    placed,
-    squashed,
-)
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
 from babyrobot_levels.language.base import SIDE_NAMES, SIDES
 from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
-from babyrobot_levels.mdp.compiler.terrain import build_terrain
-from babyrobot_levels.mdp.grid import grid_with_doors
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
+from babyrobot_levels.mdp.grid import door_sides, grid_with_doors
+from babyrobot_levels.mdp.tables import Flags
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.language.geometry import Cell
     from babyrobot_levels.mdp.configurations import Configuration
 
 Floats = NDArray[np.float64]
@@ -90,63 +87,46 @@ def _sided(name: str) -> list[str]:
     return [f"{name}-{side}" for side in SIDE_NAMES]
 
 
-@dataclass(frozen=True, slots=True)
-class PlaneForm:
-    """The form of planes.
-
-    Attributes:
-        channels_last: whether the shape is `[height, width, planes]` and not
-            `[planes, height, width]`.
-        dtype: one of `DTYPES`.
-    """
-
-    channels_last: bool = False
-    dtype: str = "float32"
-
-    @property
-    def one(self) -> int:
-        """What stands for 1."""
-        return 255 if self.dtype == "uint8" else 1
-
-    def space(self, extent: Extent) -> spaces.Box:
-        """Return the space of planes."""
-        (width, height), count = extent.size, len(plane_names(extent))
-        shape = (height, width, count) if self.channels_last else (count, height, width)
-        return spaces.Box(0, self.one, shape, np.dtype(self.dtype).type)
-
-    def of(self, planes: Floats) -> NDArray[Any]:
-        """Return planes from 0 to 1, `[planes, height, width]`, in this form, as a new array."""
-        if self.dtype == "uint8":
-            planes = np.rint(255 * planes)
-        ordered = np.moveaxis(planes, 0, -1) if self.channels_last else planes
-        return np.array(ordered, self.dtype, order="C")
-
-
-class PlanePainter:
+class PlaneObserver(Observer):
     """Makes the planes of one level in two parts: all but the robot, and the robot.
 
-    Args:
-        level: the level; a maze needs a seed.
-        extent: that of all levels.
-        form: the form of the planes.
+    Attributes:
+        one: what stands for 1.
     """
 
-    def __init__(self, level: Level, extent: Extent, form: PlaneForm) -> None:
-        self._level, self._extent, self._form = level, extent, form
+    options = ("channels_last", "planes_dtype")
+    space: spaces.Box
+
+    def __init__(self, level: Level, extent: Extent, observation: Observation) -> None:
+        super().__init__(level, extent, observation)
+        self._channels_last, self._dtype = observation.channels_last, observation.planes_dtype
+        self.one = int(self.space.high.flat[0])
         self._things = level.things()
-        names = plane_names(extent)
-        self._plane = {name: number for number, name in enumerate(names)}
+        self._plane = {name: number for number, name in enumerate(plane_names(extent))}
         # By the doors that are closed: the planes that other things do not change.
         self._grounds: dict[tuple[bool, ...], Floats] = {}
 
-    def configuration(self, state: int) -> int:
-        """Return the number of a state's configuration."""
-        return state // self.states
+    @classmethod
+    def space_of(cls, extent: Extent, observation: Observation) -> spaces.Box:
+        """Return the space of planes."""
+        (width, height), count = extent.size, len(plane_names(extent))
+        shape = (height, width, count) if observation.channels_last else (count, height, width)
+        dtype = np.dtype(observation.planes_dtype).type
+        return spaces.Box(0, 255 if dtype is np.uint8 else 1, shape, dtype)
 
-    @property
-    def states(self) -> int:
-        """The number of states with one configuration."""
-        return self._level.size[0] * self._level.size[1] * self._extent.headings
+    def at(self, state: int) -> Callable[[], Any]:
+        """Return a function that makes a new array."""
+        places = self.robot(np.array([state]))[0]
+        return partial(self._planes, state // self.block, places)
+
+    def _planes(self, configuration: int, places: Ints) -> NDArray[Any]:
+        planes = self._kept(configuration).copy()
+        planes.ravel()[places] = self.one
+        return planes
+
+    @cached_property
+    def _kept(self) -> Callable[[int], NDArray[Any]]:
+        return lru_cache(_KEPT_GROUNDS)(self.ground)
 
     def ground(self, configuration: int) -> NDArray[Any]:
         """Return the planes of a configuration without the robot, as a new array."""
@@ -160,7 +140,10 @@ class PlanePainter:
         self._paint_rewards(planes[self._plane["reward"]], now)
         for picture in held_pictures(level, now):
             planes[self._plane[f"held-{picture}"]] = 1
-        return self._form.of(planes)
+        if self._dtype == "uint8":
+            planes = np.rint(255 * planes)
+        ordered = np.moveaxis(planes, 0, -1) if self._channels_last else planes
+        return np.array(ordered, self._dtype, order="C")
 
     def robot(self, states: Ints) -> Ints:
         """Return where planes show the robot, as indices of flat arrays, `[states, places]`."""
@@ -171,7 +154,7 @@ class PlanePainter:
         planes = [np.zeros_like(x)]
         if self._extent.headings > 1:
             planes.append(self._plane["robot-north"] + rest % self._extent.headings)
-        if self._form.channels_last:
+        if self._channels_last:
             return np.stack([(y * columns + x) * count + plane for plane in planes], axis=1)
         return np.stack([(plane * rows + y) * columns + x for plane in planes], axis=1)
 
@@ -220,58 +203,30 @@ class PlanePainter:
                 rewards[cell[1], cell[0]] = squashed(reward)
 
 
-class PlaneObserver:
-    """Makes the planes of one level, in the form that was chosen.
-
-    Attributes:
-        space: the space, that of the extent.
-    """
-
-    def __init__(self, level: Level, extent: Extent, form: PlaneForm) -> None:
-        self.space = form.space(extent)
-        self._painter, self._one = PlanePainter(level, extent, form), form.one
-        self._ground = lru_cache(_KEPT_GROUNDS)(self._painter.ground)
-
-    def at(self, state: int) -> Callable[[], Any]:
-        """Return a function that makes a new array."""
-        places = self._painter.robot(np.array([state]))[0]
-        return partial(self._planes, self._painter.configuration(state), places)
-
-    def _planes(self, configuration: int, places: Ints) -> NDArray[Any]:
-        planes = self._ground(configuration).copy()
-        planes.ravel()[places] = self._one
-        return planes
-
-
-class PlaneTable:
+class PlaneTable(BatchObserver):
     """The planes of the states of several levels, in two parts.
 
     Grounds, the planes of a configuration without the robot, are painted when they are first
     needed, and kept as long as there is room; the robot is added to a copy of them.
-
-    Args:
-        extent: that of all levels.
-        form: the form of the planes.
     """
 
-    def __init__(self, extent: Extent, form: PlaneForm) -> None:
-        self._extent, self._form = extent, form
-        shape = form.space(extent).shape
-        self._grounds = np.empty((0, prod(shape)), form.dtype)
+    space: spaces.Box
+
+    def __init__(
+        self, kind: type[Observer], extent: Extent, observation: Observation, most: int
+    ) -> None:
+        super().__init__(kind, extent, observation, most)
+        self._grounds = np.empty((0, prod(self.space.shape)), observation.planes_dtype)
+        self._one = self.space.high.flat[0]
         self._free: list[int] = []
         # By state: the row of its ground, -1 if it is not painted, and where the robot is.
         self._row: Ints = np.empty(0, np.intp)
         self._robot: Ints = np.empty((0, 1 + (extent.headings > 1)), np.intp)
-        self._offset: Ints = np.zeros(1, np.intp)
-        self._painters: dict[int, PlanePainter] = {}
+        self._painters: dict[int, PlaneObserver] = {}
 
     def grow(self, offset: Ints) -> None:
-        """Make room for levels. Those that were set before have to be set again.
-
-        Args:
-            offset: intp `[levels + 1]`: where each level's states begin.
-        """
-        self._offset = offset
+        """Make room for levels. Those that were set before have to be set again."""
+        super().grow(offset)
         self._row = np.full(offset[-1], -1, np.intp)
         self._robot = np.zeros((offset[-1], self._robot.shape[1]), np.intp)
         self._free = list(range(len(self._grounds)))
@@ -282,9 +237,9 @@ class PlaneTable:
         rows = np.unique(self._row[states])
         self._free += rows[rows >= 0].tolist()
         self._row[states] = -1
-        self._painters[number] = painter = PlanePainter(level, self._extent, self._form)
-        count = level.compile().num_configurations * painter.states
-        self._robot[states.start : states.start + count] = painter.robot(np.arange(count))
+        self._painters[number] = painter = self._make(level)
+        own = painter.states()
+        self._robot[states.start : states.start + own.size] = painter.robot(own)
 
     def observe(self, states: Ints, out: NDArray[Any]) -> None:
         """Write the planes of states into an array `[states, …]`."""
@@ -294,7 +249,7 @@ class PlaneTable:
             rows = self._row.take(states)
         flat = out.reshape(states.size, -1)
         self._grounds.take(rows, axis=0, out=flat, mode="clip")
-        flat[np.arange(states.size)[:, None], self._robot.take(states, axis=0)] = self._form.one
+        flat[np.arange(states.size)[:, None], self._robot.take(states, axis=0)] = self._one
 
     def _paint(self, states: Ints) -> None:
         """Paint the grounds of states that have none."""
@@ -304,15 +259,13 @@ class PlaneTable:
             self._free = list(range(len(self._grounds)))
             self._row.fill(-1)
             new = np.unique(states)
-        levels = np.searchsorted(self._offset, new, side="right") - 1
-        for state, number in zip(new.tolist(), levels.tolist(), strict=True):
+        for state, (number, own) in zip(new.tolist(), self._own(new), strict=True):
             if self._row[state] < 0:
-                painter, base = self._painters[number], int(self._offset[number])
-                configuration = painter.configuration(state - base)
+                painter = self._painters[number]
                 row = self._free_row()
-                self._grounds[row] = painter.ground(configuration).reshape(-1)
-                first = base + configuration * painter.states
-                self._row[first : first + painter.states] = row
+                self._grounds[row] = painter.ground(own // painter.block).reshape(-1)
+                first = state - own % painter.block
+                self._row[first : first + painter.block] = row
 
     def _free_row(self) -> int:
         if not self._free:
@@ -325,3 +278,74 @@ class PlaneTable:
     def __getstate__(self) -> dict[str, Any]:
         # Grounds may be large, and are painted again where they are needed.
         return {**vars(self), "_grounds": self._grounds[:0], "_free": [], "_row": self._row * 0 - 1}
+
+
+PlaneObserver.many = PlaneTable
+
+
+# -- cells -----------------------------------------------------------------------------------
+
+
+def ground_of(level: Level, terrain: Terrain) -> dict[str, Flags]:
+    """Return where the ground is what a name says, bool `[height, width]` each.
+
+    The names are `blocked`, `ends` (an area that ends the episode), `puddle-small`, `puddle-large`
+    and `warp`.
+
+    Args:
+        level: the level; a maze needs a seed.
+        terrain: what its cells do.
+    """
+    blocked = level.grid().blocked
+    found = {"blocked": blocked, "ends": terrain.ends.reshape(blocked.shape) & ~blocked}
+    for name in ("puddle-small", "puddle-large", "warp"):
+        found[name] = np.zeros(blocked.shape, np.bool_)
+    for puddle in level.puddles:
+        found[f"puddle-{puddle.size}"][puddle.at[1], puddle.at[0]] = True
+    for warp in level.warps:
+        found["warp"][warp.at[1], warp.at[0]] = True
+    return found
+
+
+def closed_doors(level: Level, closed: Sequence[bool]) -> Flags:
+    """Return on which sides of cells a closed door is, bool `[height, width, 4]`.
+
+    Args:
+        level: the level.
+        closed: for each door, whether it is closed.
+    """
+    width, height = level.size
+    found = np.zeros((height, width, len(SIDES)), np.bool_)
+    for cell, side, index in door_sides(level, level.grid()):
+        if closed[index]:
+            found[cell // width, cell % width, SIDES.index(side)] = True
+    return found
+
+
+def placed(level: Level, now: Configuration) -> Iterator[tuple[str, Cell]]:
+    """Yield the names and cells of exits, things that stay or lie in cells, and movers.
+
+    Exits are `exit`, or `exit-locked` while their needs are not met; items are named by their
+    pictures; others by their kinds, with `-off` or `-on`.
+    """
+    exits = "exit" if now.exit_is_open else "exit-locked"
+    yield from ((exits, cell) for cell in now.exits)
+    for item, place in zip(level.items, now.items, strict=True):
+        if place is not None:
+            yield item.picture, place
+    for thing, value in zip(level.things(), now.values, strict=True):
+        cell = thing.cells[value]
+        if thing.met == "on" and cell is not None:
+            yield f"{thing.kind}-{thing.states[value]}", cell
+    yield from (("mover", cell) for cell in now.movers)
+
+
+def held_pictures(level: Level, now: Configuration) -> set[str]:
+    """Return the pictures of the items that are held."""
+    return {item.picture for item in level.items if item.name in now.held}
+
+
+def squashed(values: ArrayLike) -> NDArray[np.float64]:
+    """Return rewards as values from 0 to 1, the same in all levels: `0.5 + 0.5 * r / (1 + |r|)`."""
+    rewards = np.asarray(values, np.float64)
+    return np.asarray(0.5 + 0.5 * rewards / (1 + np.abs(rewards)))

@@ -11,27 +11,26 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations.cells import (
+from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
+from babyrobot_levels.envs.observations.planes import (
     closed_doors,
     ground_of,
     held_pictures,
     placed,
 )
-from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.grid import grid_with_doors
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Configuration
 
 Bits = NDArray[np.uint8]
 """Zeros and ones."""
 
-DEFAULT_RADIUS = 3
 MAX_RADIUS = 15
 
 MAX_TABLE_BYTES = 2**30
@@ -79,24 +78,31 @@ _OPEN = [_PLANE[f"open-{side}"] for side in _SIDES]
 _DOOR = [_PLANE[f"door-{side}"] for side in _SIDES]
 
 
-class ViewPainter:
-    """Makes the views of one level, one at a time.
+class ViewObserver(Observer):
+    """Makes the views of one level, uint8 `[2 * radius + 1, 2 * radius + 1, planes]`."""
 
-    Args:
-        level: the level; a maze needs a seed.
-        headings: 4 if states have a heading, else 1.
-        radius: how many cells are shown in each direction, 1 to `MAX_RADIUS`.
-        see_through: whether nothing hides anything.
-    """
+    options = ("view_radius", "see_through")
+    space: spaces.Box
 
-    def __init__(self, level: Level, headings: int, radius: int, see_through: bool) -> None:
-        self._level, self._headings = level, headings
-        self._radius, self._see_through = radius, see_through
+    def __init__(self, level: Level, extent: Extent, observation: Observation) -> None:
+        super().__init__(level, extent, observation)
+        self._radius, self._see_through = observation.view_radius, observation.see_through
         self._width, self._cells = level.size[0], prod(level.size)
         self._things = level.things()
         self._last: tuple[int, Configuration] | None = None
         # By the doors that are closed: the planes that things do not change, and what hides.
         self._grounds: dict[tuple[bool, ...], tuple[Bits, NDArray[np.bool_] | None]] = {}
+
+    @classmethod
+    def space_of(cls, extent: Extent, observation: Observation) -> spaces.Box:
+        """Return the space of views."""
+        side = 2 * observation.view_radius + 1
+        return spaces.Box(0, 1, (side, side, len(VIEW_PLANES)), np.uint8)
+
+    def at(self, state: int) -> Callable[[], Any]:
+        """Return a function that makes a new array."""
+        # Kept as bits, of which there are many.
+        return partial(_unpacked, np.packbits(self.view(state)), self.space.shape)
 
     def view(self, state: int) -> Bits:
         """Return the view of a state, uint8 `[2 * radius + 1, 2 * radius + 1, planes]`.
@@ -104,7 +110,7 @@ class ViewPainter:
         It is a new array. With headings, the state is one of `Mdp.turning`.
         """
         rest, cell = divmod(state, self._cells)
-        number, heading = divmod(rest, self._headings)
+        number, heading = divmod(rest, self._extent.headings)
         y, x = divmod(cell, self._width)
         now = self._configuration(number)
         ground, passable = self._ground(now)
@@ -161,50 +167,27 @@ class ViewPainter:
         return planes
 
 
-class ViewObserver:
-    """Makes the views of one level, uint8 `[2 * radius + 1, 2 * radius + 1, planes]`."""
-
-    def __init__(self, level: Level, extent: Extent, radius: int, see_through: bool) -> None:
-        self.space = view_space(radius)
-        self._painter = ViewPainter(level, extent.headings, radius, see_through)
-
-    def at(self, state: int) -> Callable[[], Any]:
-        """Return a function that makes a new array."""
-        # Kept as bits, of which there are many.
-        bits = np.packbits(self._painter.view(state))
-        return partial(self._unpacked, bits)
-
-    def _unpacked(self, bits: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        shape = self.space.shape
-        return np.unpackbits(bits, count=prod(shape)).reshape(shape)
+def _unpacked(bits: Bits, shape: tuple[int, ...]) -> Bits:
+    return np.unpackbits(bits, count=prod(shape)).reshape(shape)
 
 
-def view_space(radius: int) -> spaces.Box:
-    """Return the space of views."""
-    side = 2 * radius + 1
-    return spaces.Box(0, 1, (side, side, len(VIEW_PLANES)), np.uint8)
-
-
-class ViewTable:
+class ViewTable(BatchObserver):
     """The views of the states of several levels, as bits; each is made when it is first needed.
 
     A view takes `(2 * radius + 1) ** 2 * planes / 8` bytes: 184 for a radius of 3, and 3604 for the
     largest.
-
-    Args:
-        headings: 4 if states have a heading, else 1.
-        radius: how many cells are shown in each direction.
-        see_through: whether nothing hides anything.
     """
 
-    def __init__(self, headings: int, radius: int, see_through: bool) -> None:
-        self._options = headings, radius, see_through
-        side = 2 * radius + 1
-        self._shape = side, side, len(VIEW_PLANES)
-        self._bits = np.zeros((0, -(-prod(self._shape) // 8)), np.uint8)
+    space: spaces.Box
+
+    def __init__(
+        self, kind: type[Observer], extent: Extent, observation: Observation, most: int
+    ) -> None:
+        super().__init__(kind, extent, observation, most)
+        self._radius = observation.view_radius
+        self._bits = np.zeros((0, -(-prod(self.space.shape) // 8)), np.uint8)
         self._is_known = np.zeros(0, np.bool_)
-        self._offset: NDArray[np.intp] = np.zeros(1, np.intp)
-        self._painters: dict[int, ViewPainter] = {}
+        self._painters: dict[int, ViewObserver] = {}
 
     def grow(self, offset: NDArray[np.intp]) -> None:
         """Make room for more levels.
@@ -219,7 +202,7 @@ class ViewTable:
         states, width = int(offset[-1]), self._bits.shape[1]
         if states * width > MAX_TABLE_BYTES:
             raise ValueError(
-                f"the views of {states:,} states with view_radius={self._options[1]} take "
+                f"the views of {states:,} states with view_radius={self._radius} take "
                 f"{states * width / 2**30:.1f} GiB, more than {MAX_TABLE_BYTES / 2**30:.0f}; "
                 "use a smaller view_radius, or single environments, which need no table"
             )
@@ -228,20 +211,29 @@ class ViewTable:
         bits, is_known = np.zeros((states, width), np.uint8), np.zeros(states, np.bool_)
         which = self._is_known.nonzero()[0]
         bits[which], is_known[:known] = self._bits[which], self._is_known
-        self._bits, self._is_known, self._offset = bits, is_known, offset
+        self._bits, self._is_known = bits, is_known
+        super().grow(offset)
 
     def write(self, number: int, level: Level) -> None:
         """Set the level with a number."""
-        self._painters[number] = ViewPainter(level, *self._options)
+        self._painters[number] = self._make(level)
         self._is_known[self._offset[number] : self._offset[number + 1]] = False
 
-    def at(self, states: NDArray[np.intp]) -> Bits:
-        """Return the views of states, uint8 `[states, side, side, planes]`, as a new array."""
+    def observe(self, states: NDArray[np.intp], out: NDArray[Any]) -> None:
+        """Write the views of states into an array `[states, side, side, planes]`."""
+        out[...] = self._views(states)
+
+    def gather(self, states: NDArray[np.intp], copy: bool = True) -> Any:
+        """Return the views of states; see `BatchObserver.gather`."""
+        return self._views(states) if copy else super().gather(states, copy)
+
+    def _views(self, states: NDArray[np.intp]) -> Bits:
         new = np.unique(states[~self._is_known[states]])
-        levels = np.searchsorted(self._offset, new, side="right") - 1
-        for state, number in zip(new.tolist(), levels.tolist(), strict=True):
-            view = self._painters[number].view(state - int(self._offset[number]))
-            self._bits[state] = np.packbits(view)
+        for state, (number, own) in zip(new.tolist(), self._own(new), strict=True):
+            self._bits[state] = np.packbits(self._painters[number].view(own))
         self._is_known[new] = True
-        bits = np.unpackbits(self._bits[states], axis=1, count=prod(self._shape))
-        return bits.reshape(-1, *self._shape)
+        bits = np.unpackbits(self._bits[states], axis=1, count=prod(self.space.shape))
+        return bits.reshape(-1, *self.space.shape)
+
+
+ViewObserver.many = ViewTable

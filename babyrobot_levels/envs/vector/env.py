@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from gymnasium import error
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
+    ObservationOptions,
     check_choice,
     check_names,
     checked_actions,
@@ -23,13 +24,15 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     checked_reset_mask,
     start_states,
+    takes_observation,
 )
 from babyrobot_levels.envs.engine.factory import checked_count
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
 from babyrobot_levels.envs.engine.tables import masks_at
+from babyrobot_levels.envs.observations import make_batch_observer
+from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
-from babyrobot_levels.envs.observations.vectors import vector_names
 from babyrobot_levels.envs.rendering import RENDER_FPS
 from babyrobot_levels.envs.spaces import BatchActions, make_action_space
 from babyrobot_levels.envs.vector.levels import (
@@ -37,7 +40,6 @@ from babyrobot_levels.envs.vector.levels import (
     checked_levels,
     checked_numbers,
 )
-from babyrobot_levels.envs.vector.observations import make_batch_observer
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
@@ -67,27 +69,22 @@ class LevelVectorEnv(ChangingVectorEnv):
 
     __module__ = "babyrobot_levels"
 
+    @takes_observation
     def __init__(
         self,
         level: LevelLike | None = None,
         *,
         levels: Sequence[LevelLike] | None = None,
         num_envs: int | None = None,
-        observation: str | Sequence[str] = "position",
         actions: str = "valid",
         render_mode: str | None = None,
-        image_size: tuple[int, int] | None = None,
-        grayscale: bool = False,
-        view_radius: int | None = None,
-        see_through: bool = False,
-        channels_last: bool = False,
-        planes_dtype: str = "float32",
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         draw_levels: bool = False,
         sampler: Sampler | None = None,
         copy: bool = True,
         engine: str | None = None,
+        **options: Unpack[ObservationOptions],
     ) -> None:
         """Make the environment.
 
@@ -98,17 +95,8 @@ class LevelVectorEnv(ChangingVectorEnv):
                 level `i % len(levels)`.
             num_envs: how many environments there are; by default, as many as levels, or 1 if
                 levels are made at resets.
-            observation: `"position"`, `"index"`, `"walls"`, `"vector"`, `"planes"`, `"image"` or
-                `"view"`; or a tuple of several of them, for a dict of observations.
             actions: `"valid"`, `"all"`, `"moves"`, `"valid_moves"` or `"turns"`.
             render_mode: None or `"rgb_array"`.
-            image_size: `(height, width)` in pixels of image observations.
-            grayscale: whether image observations are grey.
-            view_radius: how many cells views show in each direction, 1 to 15; by default 3.
-            see_through: whether views show what walls, doors and blocked cells hide.
-            channels_last: whether planes have the shape `[height, width, planes]` and not
-                `[planes, height, width]`.
-            planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
             max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
                 `max_steps`.
             autoreset_mode: when an environment whose episode is over is reset: by the next step,
@@ -123,6 +111,7 @@ class LevelVectorEnv(ChangingVectorEnv):
                 same arrays, and the next step overwrites them.
             engine: `"numpy"`, `"compiled"`, or None for `"compiled"` where Numba is
                 installed, else `"numpy"`. All give the same results.
+            options: the observation, and its options, as `LevelEnv` has them.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -131,15 +120,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             ImportError: an engine is required whose library is not installed.
             ValueError: another argument is invalid.
         """
-        chosen = checked_observation(
-            observation,
-            image_size,
-            grayscale,
-            view_radius,
-            see_through,
-            channels_last,
-            planes_dtype,
-        )
+        chosen = checked_observation(**options)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))

@@ -26,7 +26,7 @@ from babyrobot_levels.envs.engine.tables import (
     part_of,
     write_part,
 )
-from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.base import Extent
 from babyrobot_levels.envs.samplers import checked_sampler
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.envs.vector.next_levels import (
@@ -47,8 +47,8 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.envs.engine.state import Engine
     from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
+    from babyrobot_levels.envs.observations.base import BatchObserver
     from babyrobot_levels.envs.spaces import BatchActions
-    from babyrobot_levels.envs.vector.observations import BatchObserver
 
 KEPT_STATES = 2**19
 """Levels of a suite are kept as long as they have no more states than this together."""

@@ -13,8 +13,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.observations.base import LevelCache
 from babyrobot_levels.envs.specs import LevelSpec, as_spec
-from babyrobot_levels.envs.vector.observations import LevelCache
 from babyrobot_levels.library.level import Level
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.envs.engine.state import EnvStates
     from babyrobot_levels.envs.engine.tables import Tables
-    from babyrobot_levels.envs.observations.extent import Extent
+    from babyrobot_levels.envs.observations.base import Extent
     from babyrobot_levels.render.frames import FramePainter
 
 SETTABLE = ("np_random", "render_mode")

@@ -86,7 +86,7 @@ def test_the_name_in_the_package_makes_one() -> None:
     assert brl.LevelVectorEnv(levels=["final-maze", "default"]).num_envs == 2
 
 
-@each_level_and(("observation", OBSERVATIONS), ("actions", [*ACTION_SETS]))
+@each_level_and(("observation", [*OBSERVATIONS]), ("actions", [*ACTION_SETS]))
 def test_spaces_are_those_of_single_environments(name: str, observation: str, actions: str) -> None:
     given = {"observation": observation, "actions": actions}
     envs = make(name, **given)
@@ -358,7 +358,7 @@ def test_numbers_of_all_sorts_are_actions(engine: str, count: int) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("observation", OBSERVATIONS)
+@pytest.mark.parametrize("observation", [*OBSERVATIONS])
 def test_what_is_returned_belongs_to_the_user(
     observation: str, mode: AutoresetMode, engine: str
 ) -> None:
@@ -387,7 +387,7 @@ def _overwrite(value: Any) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("observation", OBSERVATIONS)
+@pytest.mark.parametrize("observation", [*OBSERVATIONS])
 def test_without_copies_it_is_always_the_same_arrays(observation: str, engine: str) -> None:
     envs = make(observation=observation, copy=False, engine=engine)
     copies = make(observation=observation, engine=engine)
@@ -465,7 +465,7 @@ def test_global_generators_are_left_alone() -> None:
 # -- several levels --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("observation", OBSERVATIONS)
+@pytest.mark.parametrize("observation", [*OBSERVATIONS])
 def test_levels_of_all_sizes_share_their_spaces(observation: str) -> None:
     levels = [level_named(name) for name in ("frozen-lake", "cliff-walking", "final-maze")]
     envs = LevelVectorEnv(levels=levels, num_envs=7, observation=observation)
@@ -735,7 +735,7 @@ def test_attributes_that_can_be_set() -> None:
             envs.set_attr(name, value)
 
 
-@pytest.mark.parametrize("observation", OBSERVATIONS)
+@pytest.mark.parametrize("observation", [*OBSERVATIONS])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_nothing_that_is_returned_is_shared_between_steps(engine: str, observation: str) -> None:
     envs = make("final-maze", engine=engine, observation=observation)
