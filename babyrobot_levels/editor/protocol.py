@@ -16,13 +16,14 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 - `downloaded`: the browser has saved the text that is at hand.
 
 These have `revision`, that of the state that they were made from. If the text has changed since,
-by another page, they are refused. Their replies have `state`, see `editor/state.py`. Questions
-change nothing:
+by another page, they are refused. Their replies have `state`, see `editor/state.py`. If the
+message `has` the number of the state that was shown last, they may have `changes` of that one
+instead, and `from`, its number. Questions change nothing:
 
 - `state`: the state, for one who begins; it also has `forms`, see `editor/entries/forms.py`, and
   `themes`, those in files beside the level's, by their names;
-- `answers`, with `revision`: the state again, with the optimum and all findings, however long that
-  takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
+- `answers`, with `revision`: the state again, or its changes, with the optimum and all findings,
+  however long that takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
   `policy.worth_of`. The reply has `policy`;
 - `filled`, with `revision` and the fields of the gesture `fill`: the `cells` that it paints;
@@ -87,11 +88,12 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     reply: dict[str, Any] = {"id": None}
     is_current = fields.pop("revision", None) == session.revision
     is_question = fields.get("do") in QUESTIONS
+    has = fields.pop("has", None)
     try:
         _check(message)
         reply["id"] = number
         if is_question:
-            return reply | _asked(session, fields, is_current=is_current)
+            return reply | _asked(session, fields, has, is_current=is_current)
         if not is_current:
             raise RefusedError(STALE)
         reply |= _changed(session, fields)
@@ -99,7 +101,7 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
         reply |= {"error": str(error), "conflict": {"text": error.found}}
     except RefusedError as error:
         reply["error"] = str(error)
-    return reply if is_question else {**reply, "state": state_of(session)}
+    return reply if is_question else reply | session.shown.reply(state_of(session), has)
 
 
 def _check(message: dict[str, Any]) -> None:
@@ -117,17 +119,20 @@ def _check(message: dict[str, Any]) -> None:
             raise RefusedError("a level file has at most 1 MiB")
 
 
-def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dict[str, Any]:
+def _asked(
+    session: Session, fields: dict[str, Any], has: Any, *, is_current: bool
+) -> dict[str, Any]:
     """Answer a question."""
     match fields:
         case {"do": "state"}:
             themes = themes_beside(session.path)
-            return {"state": {**state_of(session), "forms": forms(), "themes": themes}}
+            shown = session.shown.reply(state_of(session), None)["state"]
+            return {"state": {**shown, "forms": forms(), "themes": themes}}
         case {"do": "answers"}:
             if not is_current:
                 return {}
             session.catch_up()
-            return {"state": state_of(session)}
+            return session.shown.reply(state_of(session), has)
         case {"do": "policy"}:
             if not is_current:
                 raise RefusedError(STALE)

@@ -1,7 +1,8 @@
-"""One level being edited: its text, and what gestures make of it."""
+"""One level being edited: its text, what gestures make of it, and the steps to undo."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,9 @@ from babyrobot_levels.editor.changes.dispatch import change
 from babyrobot_levels.editor.changes.draft import Draft, RefusedError
 from babyrobot_levels.editor.changes.fields import fixed
 from babyrobot_levels.editor.changes.regrown import is_regrown
+from babyrobot_levels.editor.differences import LastShown, common_ends
 from babyrobot_levels.editor.edited_file import EditedFile
 from babyrobot_levels.editor.gestures import Fix, Gesture, Resolve
-from babyrobot_levels.editor.history import History
 from babyrobot_levels.editor.shown.answers import Answers
 from babyrobot_levels.editor.shown.linting import Linter, Linting
 from babyrobot_levels.library.level import Level
@@ -39,6 +40,7 @@ class Session:
         document: the text that `level` is from, as it was read.
         linting: the findings in the text.
         answers: the optimum of the level.
+        shown: the state that was shown last.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class Session:
         self.level: Level | None = None
         self.document: Document | None = None
         self.answers = Answers()
+        self.shown = LastShown()
         self.linting: Linting
         self._linter = Linter()
         self._regrown_by: Gesture | None = None
@@ -234,3 +237,75 @@ def _written_anew(document: Document, data: dict[str, Any]) -> Document:
     """Return fields as a text of its own, below the comments of the document."""
     above = "".join(f"{comment.text}\n" for comment in comments(document))
     return read(SourceFile(document.source.name, above + emit(data)))
+
+
+# -- steps ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One change, with its name: from a place on, `old` became `new`."""
+
+    name: str
+    first: int
+    old: str
+    new: str
+
+
+@dataclass(slots=True)
+class History:
+    """A text with the changes that led to it, and those that were undone."""
+
+    text: str
+    _done: list[Step] = field(default_factory=list)
+    _undone: list[Step] = field(default_factory=list)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to undo."""
+        return bool(self._done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change to do again."""
+        return bool(self._undone)
+
+    def change(self, text: str, name: str, *, joined: bool = False) -> None:
+        """Make another text of it.
+
+        Args:
+            text: the text.
+            name: what the step is called.
+            joined: whether this and the change before are one step.
+        """
+        if text == self.text:
+            return
+        before = self.text
+        if joined and self._done:
+            before = _replaced(before, self._done.pop(), undo=True)
+        first, same = common_ends(before, text)
+        old, new = before[first : len(before) - same], text[first : len(text) - same]
+        self._done.append(Step(name, first, old, new))
+        self._undone.clear()
+        self.text = text
+
+    def undo(self) -> str | None:
+        """Undo the last change, and return its name; None if there is none."""
+        if not self._done:
+            return None
+        self._undone.append(self._done.pop())
+        self.text = _replaced(self.text, self._undone[-1], undo=True)
+        return self._undone[-1].name
+
+    def redo(self) -> str | None:
+        """Do again what was undone last, and return its name; None if there is nothing."""
+        if not self._undone:
+            return None
+        self._done.append(self._undone.pop())
+        self.text = _replaced(self.text, self._done[-1], undo=False)
+        return self._done[-1].name
+
+
+def _replaced(text: str, step: Step, *, undo: bool) -> str:
+    old, new = (step.new, step.old) if undo else (step.old, step.new)
+    return text[: step.first] + new + text[step.first + len(old) :]

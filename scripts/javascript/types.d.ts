@@ -123,6 +123,7 @@ interface Thing {
 // -- the editor: `editor/state.py` and `editor/protocol.py` ---------------------------------------
 
 interface EditorState {
+  number: number;
   revision: number;
   text: string;
   name: string | null;
@@ -195,6 +196,9 @@ interface Reply {
   id?: string | number | null;
   error?: string;
   state?: EditorState;
+  /** Or the number of a state, and what changed in it; see `editor/differences.py`. */
+  from?: number;
+  changes?: any;
   [more: string]: any;
 }
 

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { changed } from "../../babyrobot_levels/editor/static/differences.js";
 import {
   cellsAlong,
   runAlong,
@@ -49,3 +50,28 @@ test("marks count characters as the editor of texts does", () => {
   const finding = { line: 1, column: 3, end_line: 1, end_column: 5, severity: "error" };
   assert.deepEqual(markOf(finding, ["\u{1f916}\u{1f916} ab"]), { from: 4, to: 6, kind: "mark error" });
 });
+
+// As `tests/editor/test_differences.py` has them.
+const DIFFERENCES = [
+  [
+    { a: 1, b: [1, 2] },
+    { a: [], c: [2], b: { 1: [3] } },
+    { b: [1, 3], c: 2 },
+  ],
+  [
+    [1, 2, 3, 4],
+    [2, 2, [5]],
+    [1, 2, 5, 3, 4],
+  ],
+  ["size: 3", [6, 6, "2"], "size: 23"],
+  ["an é", ["an è"], "an è"],
+  [{ a: { b: [[1]] } }, { a: { b: [0, 1, [[2], 3]] } }, { a: { b: [[2], 3] } }],
+];
+
+for (const [before, changes, after] of DIFFERENCES) {
+  test(`a value has changed to ${JSON.stringify(after)}`, () => {
+    const kept = structuredClone(before);
+    assert.deepEqual(changed(before, changes), after);
+    assert.deepEqual(before, kept);
+  });
+}

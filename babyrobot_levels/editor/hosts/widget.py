@@ -111,7 +111,7 @@ class Editor(anywidget.AnyWidget):
         """Show all views what was changed in Python."""
         self._take_over()
         self._renew_later()
-        self.send({"state": state_of(self._session)})
+        self.send(self._session.shown.reply(state_of(self._session), None))
 
     def _take_over(self) -> None:
         """Set the traits to what the session has."""

@@ -1,5 +1,6 @@
 // The editor: what is shown, and the messages that change it. Everything else listens to it.
 
+import { changed } from "./differences.js";
 import { isSameCell } from "./spots.js";
 import { DEFAULT_OPTIONS, sameRoute } from "./tools.js";
 
@@ -96,9 +97,10 @@ export class Editor {
   send(message) {
     const sent = this.last.then(async () => {
       this.count += 1;
-      const revision = this.state?.revision;
+      const { number, revision } = this.state ?? {};
       const reply = await this.connection
-        .send({ id: this.count, revision, ...message })
+        .send({ id: this.count, revision, has: number, ...message })
+        .then((received) => this.completed(received))
         .catch((error) => ({ error: error.message }));
       if (reply.error !== undefined) this.say(reply.error, "refused");
       if (reply.state !== undefined) this.show(reply.state, reply.error === undefined ? message : null);
@@ -113,8 +115,23 @@ export class Editor {
   /** Ask what changes nothing, beside all other messages. Returns the reply, empty if none comes. */
   async ask(question) {
     this.count += 1;
-    const message = { id: this.count, revision: this.state.revision, ...question };
-    return this.connection.send(message).catch(() => ({}));
+    const { number, revision } = this.state;
+    return this.connection
+      .send({ id: this.count, revision, has: number, ...question })
+      .then((received) => this.completed(received))
+      .catch(() => ({}));
+  }
+
+  /**
+   * Return a reply with the whole state, if it has changes of the one at hand. Those of another one
+   * are late: a later state is shown already.
+   *
+   * @param {Reply} reply
+   * @returns {Reply}
+   */
+  completed(reply) {
+    if (reply.changes === undefined || reply.from !== this.state?.number) return reply;
+    return { ...reply, state: changed(this.state, reply.changes) };
   }
 
   /**

@@ -50,8 +50,9 @@ function render({ model, el }) {
   const hear = (reply) => {
     const resolve = waiting.get(reply.id);
     waiting.delete(reply.id);
-    if (resolve !== undefined) resolve(reply);
-    else if (reply.state !== undefined) editor.show(reply.state);
+    if (resolve !== undefined) return resolve(reply);
+    const { state } = editor.completed(reply);
+    if (state !== undefined) editor.show(state);
   };
   model.on("msg:custom", hear);
   return () => {
