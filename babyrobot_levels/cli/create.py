@@ -252,7 +252,7 @@ def edit(
     from babyrobot_levels.editor.sources import session_of
 
     try:
-        from babyrobot_levels.editor.hosts.server import EditorServer
+        from babyrobot_levels.editor.server import EditorServer
     except ModuleNotFoundError as error:
         if error.name not in ("starlette", "uvicorn"):
             raise

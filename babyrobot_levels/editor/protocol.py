@@ -20,7 +20,7 @@ by another page, they are refused. Their replies have `state`, see `editor/state
 message `has` the number of the state that was shown last, they may have `changes` of that one
 instead, and `from`, its number. Questions change nothing:
 
-- `state`: the state, for one who begins; it also has `forms`, see `editor/entries/forms.py`, and
+- `state`: the state, for one who begins; it also has `forms`, see `editor/forms.py`, and
   `themes`, those in files beside the level's, by their names;
 - `answers`, with `revision`: the state again, or its changes, with the optimum and all findings,
   however long that takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
@@ -28,7 +28,7 @@ instead, and `from`, its number. Questions change nothing:
   `policy.worth_of`. The reply has `policy`;
 - `filled`, with `revision` and the fields of the gesture `fill`: the `cells` that it paints;
 - `levels`: what can be opened by name, and from texts, see `sources.known`;
-- `copy`: the level in a `form` (`editor/copies.py`). The reply has `copy`;
+- `copy`: the level in a `form` (`editor/sources.py`). The reply has `copy`;
 - `quit`: end the server. The reply has `ended`; with unsaved changes, and without `force`, it is
   refused, and the reply has `unsaved`.
 
@@ -42,17 +42,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from babyrobot_levels.editor.answers import worth_of
 from babyrobot_levels.editor.changes.cells import filled
 from babyrobot_levels.editor.changes.draft import RefusedError
-from babyrobot_levels.editor.copies import FORMS, copied
-from babyrobot_levels.editor.edited_file import ConflictError
-from babyrobot_levels.editor.entries.forms import forms
+from babyrobot_levels.editor.forms import forms
 from babyrobot_levels.editor.gestures import Cell, Fill, Gesture, gesture_of
-from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.shown.contrast import themes_beside
-from babyrobot_levels.editor.shown.policy import worth_of
-from babyrobot_levels.editor.sources import known, opened
-from babyrobot_levels.editor.state import state_of
+from babyrobot_levels.editor.session import ConflictError, Session
+from babyrobot_levels.editor.sources import FORMS, copied, known, opened
+from babyrobot_levels.editor.state import state_of, themes_beside
 from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"

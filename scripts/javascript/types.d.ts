@@ -177,7 +177,7 @@ interface Place {
   fields: Record<string, any>;
 }
 
-/** A field of the level or of an entry; see `editor/entries/forms.py`. */
+/** A field of the level or of an entry; see `editor/forms.py`. */
 interface Field {
   name: string;
   route: (string | number)[];

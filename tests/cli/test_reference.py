@@ -19,7 +19,7 @@ from support.sessions import FILES, environment, run_here
 import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import app
 from babyrobot_levels.cli.reference import reference
-from babyrobot_levels.editor.hosts.server import EditorServer
+from babyrobot_levels.editor.server import EditorServer
 
 TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
 GROUP: Any = typer.main.get_command(app)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from babyrobot_levels.editor import answers, findings
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.shown import answers, linting
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -24,7 +24,7 @@ def put_off() -> Iterator[None]:
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(answers, "BUDGET", 0)
-        patch.setattr(linting, "LONG", -1)
+        patch.setattr(findings, "LONG", -1)
         yield
 
 

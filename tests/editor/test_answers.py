@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from babyrobot_levels.analysis.guides import guide_of
+from babyrobot_levels.editor import answers as module
+from babyrobot_levels.editor.answers import Optimum
 from babyrobot_levels.editor.protocol import answer, prepare
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.shown import answers as module
-from babyrobot_levels.editor.shown.answers import Optimum
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import page_data
 

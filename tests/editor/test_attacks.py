@@ -18,8 +18,8 @@ from playwright.sync_api import Browser, Page
 from support.editors import OpenEditor, is_shown
 from support.jupyter import until
 
-from babyrobot_levels.editor.hosts.server import MAX_BODY
 from babyrobot_levels.editor.protocol import answer
+from babyrobot_levels.editor.server import MAX_BODY
 from babyrobot_levels.editor.session import Session
 
 TEXT = "version: 1\nsize: [3, 2]\nstart: [0, 0]\nexit: [2, 1]\n"

@@ -8,9 +8,8 @@ import pytest
 
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.shown.contrast import contrasts
 from babyrobot_levels.editor.sources import session_of
-from babyrobot_levels.editor.state import state_of
+from babyrobot_levels.editor.state import contrasts, state_of
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 
 

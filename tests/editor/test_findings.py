@@ -6,9 +6,8 @@ from typing import Any
 
 import pytest
 
+from babyrobot_levels.editor.findings import Linting, findings_of
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.shown.findings import findings_of
-from babyrobot_levels.editor.shown.linting import Linting
 from babyrobot_levels.editor.state import state_of
 from babyrobot_levels.linter.runner import Report
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from support.gestures import done, places, send
 
-from babyrobot_levels.editor.entries.forms import expanded, forms
+from babyrobot_levels.editor.forms import expanded, forms
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import KINDS

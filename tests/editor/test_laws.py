@@ -19,9 +19,8 @@ from support.worlds import LEGEND, drawings, worlds
 
 import babyrobot_levels as brl
 from babyrobot_levels.editor.changes.draft import RefusedError
-from babyrobot_levels.editor.entries.drawn_places import side_of
-from babyrobot_levels.editor.entries.places import places_of
 from babyrobot_levels.editor.gestures import gesture_of
+from babyrobot_levels.editor.places import places_of, side_of
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.drawing import compose

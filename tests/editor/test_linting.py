@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from babyrobot_levels import lint
+from babyrobot_levels.editor import findings as linting
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.shown import linting
 
 LEVEL = """\
 version: 1

@@ -10,7 +10,7 @@ from playwright.sync_api import Locator, expect
 from support.editors import EditorPage, OpenEditor
 from support.hands import Finger, Mouse
 
-from babyrobot_levels.editor.shown import answers
+from babyrobot_levels.editor import answers
 
 pytestmark = pytest.mark.slow
 

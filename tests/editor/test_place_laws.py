@@ -13,8 +13,8 @@ from support.things import thing_worlds
 from support.worlds import LEGEND, drawings, worlds
 
 from babyrobot_levels.editor.changes.draft import RefusedError
-from babyrobot_levels.editor.entries.places import places_of
 from babyrobot_levels.editor.gestures import gesture_of
+from babyrobot_levels.editor.places import places_of
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.text.emitter import emit

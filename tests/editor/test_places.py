@@ -11,8 +11,8 @@ import yaml
 from support.gestures import places, send
 
 from babyrobot_levels.editor.changes.draft import RefusedError
-from babyrobot_levels.editor.entries.places import places_of
 from babyrobot_levels.editor.gestures import gesture_of
+from babyrobot_levels.editor.places import places_of
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.walls import Opening, sides_of
 from babyrobot_levels.library.level import Level

@@ -18,10 +18,10 @@ from support.jupyter import OpenNotebook, jupyterlab, until
 from support.subprocesses import python, run
 
 import babyrobot_levels as brl
+from babyrobot_levels.editor import answers
 from babyrobot_levels.editor.changes.draft import RefusedError
-from babyrobot_levels.editor.hosts.notebook import edit
-from babyrobot_levels.editor.hosts.widget import Editor
-from babyrobot_levels.editor.shown import answers
+from babyrobot_levels.editor.notebook import edit
+from babyrobot_levels.editor.widget import Editor
 
 TEXT = "version: 1\nsize: [3, 2]  # small\nstart: [0, 0]\nexit: [2, 1]\n"
 PUDDLE = {"do": "paint", "brush": "small", "cells": [[1, 1]]}

@@ -10,7 +10,7 @@ from threading import Thread
 
 from playwright.sync_api import Page, expect
 
-from babyrobot_levels.editor.hosts.server import EditorServer
+from babyrobot_levels.editor.server import EditorServer
 from babyrobot_levels.editor.session import Session
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from random import Random
 from typing import Any
 
-from babyrobot_levels.editor.entries.places import places_of
 from babyrobot_levels.editor.gestures import GROUND
+from babyrobot_levels.editor.places import places_of
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 

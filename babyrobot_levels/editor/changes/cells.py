@@ -6,13 +6,17 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from babyrobot_levels.editor.changes import rectangles
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError
-from babyrobot_levels.editor.changes.ends import put_exits, put_starts
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError, put_exits, put_starts
 from babyrobot_levels.editor.changes.erasing import GROUND, STANDING, as_cell, erase, forget_missing
-from babyrobot_levels.editor.changes.rectangles import Box, boxes_of
-from babyrobot_levels.editor.changes.sides import Run
-from babyrobot_levels.editor.changes.sides import cut as cut_sides
+from babyrobot_levels.editor.changes.shapes import (
+    Box,
+    Entry,
+    Run,
+    add_box,
+    boxes_of,
+    cut_sides,
+    traits_of,
+)
 from babyrobot_levels.editor.changes.walls import grid_without_random_maze
 from babyrobot_levels.editor.gestures import Fill, Paint
 from babyrobot_levels.language import drawing as d
@@ -21,8 +25,6 @@ from babyrobot_levels.language.geometry import Cell, blocked_cells, is_inside, s
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, grid_with_doors
-
-Entry = dict[str, Any]
 
 MAX_CELLS = 1 << 16
 """The most cells that are painted at once."""
@@ -185,7 +187,7 @@ def _paint_blocked(draft: Draft, cells: list[Cell]) -> None:
         return
     is_blocked = blocked_cells(draft.level)
     for box in boxes_of(cell for cell in cells if not is_blocked(cell)):
-        rectangles.add(draft.entries("blocked"), box, {}, in_order=False)
+        add_box(draft.entries("blocked"), box, {}, in_order=False)
 
 
 def _remove_doors(draft: Draft, cells: list[Cell]) -> None:
@@ -202,7 +204,7 @@ def _remove_doors(draft: Draft, cells: list[Cell]) -> None:
 
 def _paint_area(draft: Draft, cells: list[Cell], fields: Entry) -> None:
     """Add areas; those that lie below them and would have no effect any more go."""
-    traits = rectangles.traits(fields)
+    traits = traits_of(fields)
     if not traits:
         raise RefusedError("an area needs a colour, a reward, or another property")
     areas = draft.entries("areas")
@@ -210,10 +212,9 @@ def _paint_area(draft: Draft, cells: list[Cell], fields: Entry) -> None:
         areas[:] = [
             area
             for area in areas
-            if box.within(Box.of(area)) != Box.of(area)
-            or not {*rectangles.traits(area)} <= {*traits}
+            if box.within(Box.of(area)) != Box.of(area) or not {*traits_of(area)} <= {*traits}
         ]
-        rectangles.add(areas, box, traits, in_order=True)
+        add_box(areas, box, traits, in_order=True)
 
 
 def _unblock(draft: Draft, cells: list[Cell]) -> None:

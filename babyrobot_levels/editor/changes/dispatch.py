@@ -1,4 +1,4 @@
-"""Gestures carried out on the fields of a level."""
+"""Gestures carried out on the fields of a level, and whether one made the maze grow anew."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from babyrobot_levels.editor.gestures import (
     Warp,
     Wind,
 )
+from babyrobot_levels.language.geometry import blocked_cells
 from babyrobot_levels.language.kinds import NEEDED
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.grid import BIT, build_grid
 
 _THINGS = {kind.name for kind in NEEDED}
 """The brushes that add a thing with a name."""
@@ -57,3 +60,46 @@ def change(draft: Draft, gesture: Gesture) -> None:
             frame.resolve(draft)
         case _:
             raise RefusedError(f"`{gesture.do}` is not known yet")
+
+
+# -- mazes -------------------------------------------------------------------------------
+
+
+def is_regrown(before: Level, after: Level, gesture: Gesture) -> bool:
+    """Return whether a gesture that is not about the maze has changed the walls of the maze.
+
+    A maze grows from the first start through all cells that are not blocked. Only walls between
+    cells count that are there before and after, and blocked neither before nor after.
+    """
+    match gesture:
+        case Resolve() | Set(route=["maze", *_]) | Remove(route=["maze", *_]):
+            return False
+    if before.maze is None or after.maze is None:
+        return False
+    if before.has_random_maze or after.has_random_maze:
+        return False
+    if _grown_from(before) == _grown_from(after):
+        return False
+    across, down = gesture.shift if isinstance(gesture, Resize) else (0, 0)
+    old, new = _walls(before), _walls(after)
+    shifted = (((x + across, y + down, side), wall) for (x, y, side), wall in old.items())
+    return any(new.get(place, wall) != wall for place, wall in shifted)
+
+
+def _grown_from(level: Level) -> object:
+    return level.size, level.starts[0], level.blocked
+
+
+def _walls(level: Level) -> dict[tuple[int, int, str], bool]:
+    """Return for each inner side of cells that are not blocked whether the maze has a wall."""
+    grid = build_grid(level.model_copy(update={"walls": (), "openings": ()}))
+    width, height = level.size
+    is_blocked = blocked_cells(level)
+    walls = {}
+    for y in range(height):
+        for x in range(width):
+            for side, other in (("E", (x + 1, y)), ("S", (x, y + 1))):
+                is_inside = other[0] < width and other[1] < height
+                if is_inside and not is_blocked((x, y)) and not is_blocked(other):
+                    walls[x, y, side] = bool(grid.wall_bits[y * width + x] & BIT[side])
+    return walls

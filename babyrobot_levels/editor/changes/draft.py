@@ -1,11 +1,17 @@
-"""A level that a gesture is changing."""
+"""A level that a gesture is changing: its fields, its drawing, its starts and exits, its names."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from itertools import count
 from typing import Any
 
-from babyrobot_levels.editor.changes.canvas import Canvas
+from babyrobot_levels.editor.changes.shapes import Run
+from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.formatting import NOTHING, Fields, fields_of
+from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.kinds import NAMED, NEEDED
+from babyrobot_levels.language.things import DRAWN_NAMES, as_names
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import BabyRobotError
@@ -62,3 +68,177 @@ def _in_order(value: Any, fields: Fields) -> Any:
     if isinstance(value, list) and fields is not NOTHING:
         return [_in_order(each, fields) for each in value]
     return value
+
+
+# -- the drawing -------------------------------------------------------------------------
+
+
+class Canvas:
+    """A drawing whose cells and sides can be changed; see `language.drawing.Drawing`.
+
+    Attributes:
+        cells: the characters of the cells, `cells[y][x]`.
+    """
+
+    def __init__(self, drawing: d.Drawing) -> None:
+        self.cells: list[list[str]] = [[*row] for row in drawing.cells]
+        self._east = [[*row] for row in drawing.east]
+        self._south = [[*row] for row in drawing.south]
+
+    def drawing(self) -> d.Drawing:
+        """Return the drawing as it is now."""
+        rows = (self.cells, self._east, self._south)
+        cells, east, south = (tuple("".join(row) for row in part) for part in rows)
+        return d.Drawing(cells, east, south)
+
+    def text(self) -> str:
+        """Return the drawing as the text of `map`."""
+        return d.compose(self.drawing())
+
+    def at(self, cell: Cell) -> str:
+        """Return the character of a cell."""
+        return self.cells[cell[1]][cell[0]]
+
+    def put(self, cell: Cell, character: str) -> None:
+        """Give a cell another character."""
+        self.cells[cell[1]][cell[0]] = character
+
+    def find(self, character: str) -> list[Cell]:
+        """Return the cells that show a character, in reading order."""
+        return [
+            (x, y)
+            for y, row in enumerate(self.cells)
+            for x, shown in enumerate(row)
+            if shown == character
+        ]
+
+    def mark(self, run: Run, mark: str) -> None:
+        """Give the sides of a run another mark. None of them may be of the outer wall."""
+        rows = self._east if run.axis == "E" else self._south
+        for x, y in run.cells:
+            rows[y][x] = mark
+
+    def marked(self, run: Run) -> list[str]:
+        """Return the marks of the sides of a run. None of them may be of the outer wall."""
+        rows = self._east if run.axis == "E" else self._south
+        return [rows[y][x] for x, y in run.cells]
+
+    def unmark(self, run: Run, mark: str) -> None:
+        """Remove a mark from the sides of a run."""
+        rows = self._east if run.axis == "E" else self._south
+        for x, y in run.cells:
+            if y < len(rows) and x < len(rows[y]) and rows[y][x] == mark:
+                rows[y][x] = d.OPEN
+
+    def resize(self, width: int, height: int, right: int, down: int) -> None:
+        """Move everything to the right and down within another size; what is new is plain."""
+
+        def moved(rows: list[list[str]], blank: str, columns: int, count: int) -> list[list[str]]:
+            return [
+                [
+                    rows[y - down][x - right]
+                    if 0 <= y - down < len(rows) and 0 <= x - right < len(rows[y - down])
+                    else blank
+                    for x in range(columns)
+                ]
+                for y in range(count)
+            ]
+
+        self.cells = moved(self.cells, d.PLAIN, width, height)
+        self._east = moved(self._east, d.OPEN, width - 1, height)
+        self._south = moved(self._south, d.OPEN, width, height - 1)
+
+
+# -- starts and exits --------------------------------------------------------------------
+
+
+def put_starts(draft: Draft, cells: Sequence[Cell]) -> None:
+    """Make some cells the starts. There has to be one."""
+    if [*cells] == [*draft.level.starts]:
+        return
+    if draft.canvas is not None:
+        _draw(draft, d.START, cells)
+    else:
+        draft.data["start"] = _one_or_several(cells)
+
+
+def put_exits(draft: Draft, cells: Sequence[Cell], *, is_drawn_by_lot: bool = False) -> None:
+    """Make some cells the exits; without any, there is none.
+
+    Args:
+        draft: the level.
+        cells: the cells.
+        is_drawn_by_lot: whether one of several is drawn at each reset (`exit_one_of`).
+    """
+    is_drawn_by_lot = is_drawn_by_lot and len(cells) > 1
+    if [*cells] == [*draft.level.exits] and is_drawn_by_lot == ("exit_one_of" in draft.data):
+        return
+    draft.data.pop("exit_one_of", None)
+    if is_drawn_by_lot:
+        draft.data.pop("exit", None)
+        draft.data["exit_one_of"] = [[*cell] for cell in cells]
+    if draft.canvas is not None:
+        _draw(draft, d.EXIT, () if is_drawn_by_lot else cells)
+    elif not is_drawn_by_lot:
+        draft.data["exit"] = _one_or_several(cells) if cells else "none"
+
+
+def _draw(draft: Draft, character: str, cells: Sequence[Cell]) -> None:
+    """Show a character in some cells and nowhere else."""
+    assert draft.canvas is not None
+    for cell in draft.canvas.find(character):
+        if cell not in cells:
+            draft.canvas.put(cell, d.PLAIN)
+    for cell in cells:
+        draft.canvas.put(cell, character)
+
+
+def _one_or_several(cells: Sequence[Cell]) -> list[Any]:
+    return [*cells[0]] if len(cells) == 1 else [[*cell] for cell in cells]
+
+
+# -- names by which doors and exits need things ------------------------------------------
+
+
+def replace_names(draft: Draft, names: Mapping[str, str | None]) -> None:
+    """Replace names in what doors and exits need, or remove those that become None.
+
+    A door that is left without any name would always be open: it is removed, too.
+    """
+    _replace(draft.data, "exit_needs", names)
+    for door in [*draft.data.get("doors", ())]:
+        # Each of them, so no short cut.
+        replaced = [_replace(door, field, names) for field in ("needs", "unless")]
+        if any(replaced) and "needs" not in door and "unless" not in door:
+            draft.data["doors"].remove(door)
+            if draft.canvas is not None:
+                draft.canvas.mark(Run.of_entry(door), d.OPEN)
+
+
+def names_of(level: Level) -> list[str]:
+    """Return the names of what doors and exits can need, kind by kind."""
+    return [thing.name for kind in NEEDED for thing in kind.of(level)]
+
+
+def unused_name(draft: Draft, base: str) -> str:
+    """Return a name that nothing has yet: `key`, `key-2` and so on."""
+    lists = [draft.data.get(kind.field, ()) for kind in NAMED]
+    lists.append(draft.data.get("legend", {}).values())
+    entries = [entry for entries in lists for entry in entries]
+    used = {entry.get(field) for entry in entries for field in ("name", *DRAWN_NAMES)}
+    names = (base if number == 1 else f"{base}-{number}" for number in count(1))
+    return next(name for name in names if name not in used)
+
+
+def _replace(entry: dict[str, Any], field: str, names: Mapping[str, str | None]) -> bool:
+    """Replace names in a field, and tell whether there were any."""
+    before = as_names(entry.get(field, ()))
+    replaced = (names.get(name, name) for name in before)
+    after = [name for name in replaced if name is not None]
+    if [*before] == after:
+        return False
+    if after:
+        entry[field] = after[0] if len(after) == 1 else after
+    else:
+        del entry[field]
+    return True

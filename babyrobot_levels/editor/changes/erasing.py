@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import Any
 
-from babyrobot_levels.editor.changes import rectangles
-from babyrobot_levels.editor.changes.draft import Draft
-from babyrobot_levels.editor.changes.names import names_of, replace_names
-from babyrobot_levels.editor.changes.rectangles import Box
+from babyrobot_levels.editor.changes.draft import Draft, names_of, replace_names
+from babyrobot_levels.editor.changes.shapes import Box, Entry, cut_boxes
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import KIND, LISTED, NEEDED, Where
 from babyrobot_levels.language.things import DRAWN_NAMES
-
-Entry = dict[str, Any]
 
 STANDING = frozenset(kind.field for kind in LISTED if kind.where in (Where.CELL, Where.PATH))
 """What cannot stand in a blocked cell."""
@@ -46,7 +42,7 @@ def erase(
     for field in fields:
         entries: list[Entry] = draft.data.get(field, [])
         if field in GROUND:
-            rectangles.cut(entries, gone, where)
+            cut_boxes(entries, gone, where)
         else:
             kept = [_without(each, gone) if where(each) else each for each in entries]
             entries[:] = [each for each in kept if each is not None]

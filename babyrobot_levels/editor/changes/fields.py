@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.editor.changes import on_drawing, routes
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError, replace_names
 from babyrobot_levels.editor.changes.erasing import forget_missing
-from babyrobot_levels.editor.changes.names import replace_names
 from babyrobot_levels.editor.changes.routes import Route
 from babyrobot_levels.editor.gestures import Fix, Move, Remove, Set
 from babyrobot_levels.language.geometry import Cell, show_cell

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError
-from babyrobot_levels.editor.changes.ends import put_exits, put_starts
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError, put_exits, put_starts
 from babyrobot_levels.editor.changes.erasing import as_cell, forget_missing, lying_in
-from babyrobot_levels.editor.changes.rectangles import Box
-from babyrobot_levels.editor.changes.sides import Run, placed
+from babyrobot_levels.editor.changes.shapes import Box, Entry, Run, placed
 from babyrobot_levels.editor.gestures import Resize, Wind
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import LISTED, Where
 from babyrobot_levels.mdp.drawn import resolved_fields
 from babyrobot_levels.mdp.grid import OPPOSITE
-
-Entry = dict[str, Any]
 
 _WHERE = {kind.field: kind.where for kind in LISTED}
 """What the entries of each list stand on."""

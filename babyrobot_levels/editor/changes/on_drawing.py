@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from babyrobot_levels.editor.changes.canvas import Canvas
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError
+from babyrobot_levels.editor.changes.draft import Canvas, Draft, RefusedError
 from babyrobot_levels.editor.changes.erasing import forget_missing
 from babyrobot_levels.editor.changes.routes import Route, get, shown
-from babyrobot_levels.editor.changes.sides import Entry, Run
-from babyrobot_levels.editor.entries.drawn_places import Place, drawn_places
+from babyrobot_levels.editor.changes.shapes import Entry, Run
+from babyrobot_levels.editor.places import Place, drawn_places
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import KIND

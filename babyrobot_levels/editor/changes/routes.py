@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.editor.changes.draft import RefusedError
-from babyrobot_levels.editor.entries.forms import LEVEL, forms, short_forms
+from babyrobot_levels.editor.forms import LEVEL, forms, short_forms
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.formatting import Fields, fields_of
 from babyrobot_levels.language.plain_data import plain

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError
-from babyrobot_levels.editor.changes.names import unused_name
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError, unused_name
 from babyrobot_levels.editor.changes.routes import ordered, plain_value
 from babyrobot_levels.editor.gestures import Paint, Path, Warp
 from babyrobot_levels.language.geometry import Cell, show_cell

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError
-from babyrobot_levels.editor.changes.names import names_of
-from babyrobot_levels.editor.changes.sides import Entry, Run, cut
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError, names_of
+from babyrobot_levels.editor.changes.shapes import Entry, Run, cut_sides
 from babyrobot_levels.editor.gestures import Walls
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.drawing import consecutive
@@ -64,7 +63,7 @@ class _Builder:
         kept = {field: self._entry_of(field, run) for field in _FIELDS[to]}
         for field in ("walls", "openings", "doors"):
             if field in draft.data:
-                cut(draft.entries(field), run, kept.get(field))
+                cut_sides(draft.entries(field), run, kept.get(field))
         if draft.canvas is not None:
             draft.canvas.mark(run, _MARKS[to])
         if to in ("none", "door") and kept["openings"] is None:
@@ -89,7 +88,7 @@ class _Builder:
             entry["pass"] = self.chance
         is_plain = _PLAIN.issuperset(entry)
         if is_plain and (is_drawn or _is_of_maze(self.draft.level, run)):
-            cut(self.draft.entries("walls"), run)
+            cut_sides(self.draft.entries("walls"), run)
         elif kept is None:
             self.draft.entries("walls").append(entry)
 

@@ -1,4 +1,4 @@
-// Controls for the fields of a level, by the types of `editor/entries/forms.py`.
+// Controls for the fields of a level, by the types of `editor/forms.py`.
 
 import { COMMON } from "../../render/static/common.js";
 import { button, html } from "./html.js";

@@ -5,7 +5,7 @@ import { CONTROLS } from "./controls.js";
 import { button, html, prose } from "./html.js";
 
 export class FieldRow {
-  /** `field` is one of `editor/entries/forms.py`; `base` the route of its entry, empty for the level. */
+  /** `field` is one of `editor/forms.py`; `base` the route of its entry, empty for the level. */
   constructor(editor, field, base) {
     this.editor = editor;
     this.field = field;

@@ -10,7 +10,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.errors import how_to_install
 
 if TYPE_CHECKING:
-    from babyrobot_levels.editor.hosts.widget import Editor
+    from babyrobot_levels.editor.widget import Editor
 
 
 def edit(
@@ -31,7 +31,7 @@ def edit(
         LevelError: the file cannot be read, or the level is not valid.
     """
     try:
-        from babyrobot_levels.editor.hosts.widget import Editor
+        from babyrobot_levels.editor.widget import Editor
     except ModuleNotFoundError as error:
         if error.name != "anywidget":
             raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from functools import cache
 
-from babyrobot_levels.editor.shown.contrast import themes
+from babyrobot_levels.editor.state import themes
 from babyrobot_levels.language.kinds import KINDS, NEEDED, Where
 from babyrobot_levels.render.page import common_data, common_module
 from babyrobot_levels.render.templates import put_together

@@ -1,1 +1,0 @@
-"""What stands where in a level, and which fields it has."""

@@ -1,1 +1,0 @@
-"""Where the editor is shown: a browser, by a server, and notebooks, as a widget."""

@@ -1,1 +1,0 @@
-"""What the editor tells of a level beside its text and picture."""
