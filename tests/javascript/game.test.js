@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { formatted, Game } from "../../babyrobot_levels/render/static/game.js";
+import { formatted, Game, swiped } from "../../babyrobot_levels/render/static/game.js";
 import { checksum, playLine } from "../../babyrobot_levels/render/static/play.js";
 import { resultFacts, starsOf, titleOf } from "../../babyrobot_levels/render/static/result.js";
 import { surroundings } from "../../babyrobot_levels/render/static/speech.js";
@@ -90,6 +90,19 @@ test("a play has the episode and its checksum", () => {
   const summed = line.slice(0, line.lastIndexOf(',"checksum"'));
   assert.equal(play.checksum, checksum(new TextEncoder().encode(summed)).toString(16).padStart(8, "0"));
   assert.equal(playLine(new Game(corridor({ code: undefined }))), null);
+});
+
+test("a swipe is far enough, and goes to the side that it is nearest to", () => {
+  assert.deepEqual(
+    [
+      [20, -20],
+      [9, -40],
+      [50, 30],
+      [3, 28],
+      [-30, 29],
+    ].map(([dx, dy]) => swiped(dx, dy)),
+    [0, 1, 2, 3, 4],
+  );
 });
 
 test("checksums are CRC-32, also in parts", () => {

@@ -1,7 +1,7 @@
 // What is told to people who do not see the picture: what changed, and what is in a cell.
 
 import { capital } from "../../render/static/game.js";
-import { listed } from "../../render/static/speech.js";
+import { listed } from "../../render/static/things.js";
 import { isSameCell, sidesOfRun } from "./spots.js";
 import { thingsAt, toolNamed, wallAt } from "./tools.js";
 

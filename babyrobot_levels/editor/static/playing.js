@@ -1,11 +1,10 @@
 // Playing the level at hand: with the same luck each time, and a trail that stays while one edits.
 
-import { capital, formatted } from "../../render/static/game.js";
+import { capital, formatted, GOAL, swiped } from "../../render/static/game.js";
 import { element } from "../../render/static/paint.js";
 import { Trail } from "../../render/static/trail.js";
 import { html } from "./html.js";
 
-const STROKE = 28; // Pixels that tell a swipe from a tap.
 const PAD = [
   ["North", "n", 1, "M5 15l7-7 7 7"],
   ["West", "w", 4, "M15 5l-7 7 7 7"],
@@ -95,7 +94,7 @@ export class Playing {
     this.trail?.group.remove();
     this.trail?.arrow.remove();
     this.trail = new Trail(game, editor.picture.svg);
-    this.stand(game.data.goal ?? "Move the robot to an exit.");
+    this.stand(game.data.goal ?? GOAL);
   }
 
   /** Leave the episode: its trail stays. */
@@ -199,9 +198,10 @@ export class Playing {
     stage.addEventListener("pointermove", ({ clientX, clientY }) => {
       if (from === null) return;
       const [dx, dy] = [clientX - from[0], clientY - from[1]];
-      if (Math.max(Math.abs(dx), Math.abs(dy)) < STROKE) return;
+      const side = swiped(dx, dy);
+      if (side === 0) return;
       from = null;
-      this.take(Math.abs(dx) > Math.abs(dy) ? (dx > 0 ? 2 : 4) : dy > 0 ? 3 : 1);
+      this.take(side);
     });
     for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, () => (from = null));
   }

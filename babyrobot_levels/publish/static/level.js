@@ -1,6 +1,6 @@
 // The page of a level: tabs, texts to copy, and what the visitor has reached.
 
-import { byId } from "../../render/static/dom.js";
+import { byId, showStars } from "../../render/static/dom.js";
 import { storedProgress, storeProgress } from "./progress.js";
 
 const COPIED = 2000; // Milliseconds for which a button says so.
@@ -126,8 +126,7 @@ function showReached({ best, stars }) {
   const mark = document.createElement("span");
   mark.className = "stars";
   mark.setAttribute("role", "img");
-  mark.setAttribute("aria-label", `${stars} of 3 stars`);
-  mark.textContent = "\u2605".repeat(stars).padEnd(3, "\u2606");
+  showStars(mark, stars);
   line.append(" ", mark);
 }
 

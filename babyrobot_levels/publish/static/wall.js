@@ -1,7 +1,7 @@
 // The wall of a gallery: filters, search, order, films, and the visitor's progress. The address
 // after its `#` holds what is chosen, so that it can be linked and the Back button returns to it.
 
-import { byId } from "../../render/static/dom.js";
+import { byId, starSigns } from "../../render/static/dom.js";
 import { STORE, storedProgress, storeProgress } from "./progress.js";
 
 const SORTS = ["size", "difficulty", "steps", "return"];
@@ -210,7 +210,7 @@ function mark(tile, stars) {
   done.id = id;
   done.setAttribute("role", "img");
   done.setAttribute("aria-label", stars ? `Solved with ${stars} of 3 stars` : "Solved");
-  done.textContent = stars ? "★".repeat(stars) + "☆".repeat(3 - stars) : "✓";
+  done.textContent = stars ? starSigns(stars) : "✓";
   tile.element.querySelector(".shot").append(done);
 }
 

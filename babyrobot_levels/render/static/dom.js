@@ -9,3 +9,23 @@
 export function byId(id) {
   return document.getElementById(id);
 }
+
+/**
+ * Return three signs, of which some are full stars.
+ *
+ * @param {number} stars
+ */
+export function starSigns(stars) {
+  return "\u2605".repeat(stars).padEnd(3, "\u2606");
+}
+
+/**
+ * Show how many of three stars were given.
+ *
+ * @param {HTMLElement} place
+ * @param {number} stars
+ */
+export function showStars(place, stars) {
+  place.textContent = starSigns(stars);
+  place.setAttribute("aria-label", `${stars} of 3 stars`);
+}

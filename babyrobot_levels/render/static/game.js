@@ -6,6 +6,8 @@ import { Generator } from "./random.js";
 import { Things } from "./things.js";
 
 export const SIDES = ["", "north", "east", "south", "west"];
+export const GOAL = "Move the robot to an exit."; // Of levels that do not say it.
+const SWIPE = 28; // Pixels that tell a swipe from a tap.
 export const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
 
 /** One robot in one level, without a picture. */
@@ -299,4 +301,16 @@ export function formatted(number) {
 /** @param {string} words */
 export function capital(words) {
   return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/**
+ * Return the number of the side to which a pointer swiped, 0 for a tap.
+ *
+ * @param {number} dx
+ * @param {number} dy
+ */
+export function swiped(dx, dy) {
+  if (Math.max(Math.abs(dx), Math.abs(dy)) < SWIPE) return 0;
+  if (Math.abs(dx) > Math.abs(dy)) return dx > 0 ? 2 : 4;
+  return dy > 0 ? 3 : 1;
 }

@@ -1,8 +1,7 @@
 // Gestures on the picture: swipes move the robot, pinches zoom, drags scroll.
 
+import { swiped } from "./game.js";
 import { ZOOM_STEP } from "./view.js";
-
-const SWIPE = 28; // Pixels that tell a swipe from a tap.
 
 /**
  * Listen to the pointers over the stage of a view.
@@ -41,9 +40,10 @@ export function listenToGestures(view, swipe) {
       stage.scrollBy(last[0] - clientX, last[1] - clientY);
     } else if (start !== null) {
       const [dx, dy] = [clientX - start[0], clientY - start[1]];
-      if (Math.max(Math.abs(dx), Math.abs(dy)) < SWIPE) return;
+      const side = swiped(dx, dy);
+      if (side === 0) return;
       start = null;
-      swipe(Math.abs(dx) > Math.abs(dy) ? (dx > 0 ? 2 : 4) : dy > 0 ? 3 : 1);
+      swipe(side);
     }
   });
   for (const name of ["pointerup", "pointercancel"]) {

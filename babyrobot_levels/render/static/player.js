@@ -1,7 +1,7 @@
 // The player: a level in the elements of `player.html`, and how it is controlled.
 
-import { byId } from "./dom.js";
-import { capital, formatted, Game, SIDES } from "./game.js";
+import { byId, showStars } from "./dom.js";
+import { capital, formatted, Game, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
 import { Legend } from "./legend.js";
 import { element, pixels } from "./paint.js";
@@ -13,7 +13,6 @@ import { lookElement } from "./things.js";
 import { Trail } from "./trail.js";
 import { View, ZOOM_STEP } from "./view.js";
 
-const GOAL = "Move the robot to an exit."; // Of links that do not say it.
 const view = new View(byId("stage"), byId("map"));
 const legend = new Legend(view, byId("rules"), byId("cell"));
 
@@ -116,8 +115,7 @@ function showResult() {
   const stars = starsOf(game);
   byId("result-title").textContent = titleOf(game);
   byId("stars").hidden = byId("result-help").parentElement.hidden = stars === null;
-  byId("stars").textContent = "\u2605".repeat(stars ?? 0).padEnd(3, "\u2606");
-  byId("stars").setAttribute("aria-label", `${stars} of 3 stars`);
+  showStars(byId("stars"), stars ?? 0);
   byId("result-help").textContent = stars === null ? "" : ruleOf(game);
   byId("download").hidden = playLine(game) === null;
   byId("result-facts").replaceChildren(...resultFacts(game).flatMap(factElements));

@@ -1,18 +1,9 @@
 // What is told to people who do not see the picture.
 
 import { SIDES } from "./game.js";
+import { listed } from "./things.js";
 
 const MOST_EXITS = 3;
-
-/**
- * Return a list in words.
- *
- * @param {string[]} words
- * @param {string} [last]
- */
-export function listed(words, last = "and") {
-  return words.join(", ").replace(/, ([^,]*)$/, ` ${last} $1`);
-}
 
 /**
  * Return which sides of the robot's cell are closed.

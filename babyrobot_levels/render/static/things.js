@@ -4,6 +4,15 @@ import { list } from "./checks.js";
 import { COMMON } from "./common.js";
 import { element } from "./paint.js";
 
+/**
+ * Return a list in words.
+ *
+ * @param {string[]} words
+ */
+export function listed(words) {
+  return words.join(", ").replace(/, ([^,]*)$/, " and $1");
+}
+
 /** The things of one level, without a picture. */
 export class Things {
   /** @param {Pick<LevelData, "things" | "exits">} data */
@@ -76,7 +85,7 @@ export class Things {
   needs(configuration) {
     const [exit] = this.of("exit");
     if (exit === undefined || this.exitsOf(configuration).length > 0) return "";
-    return ` It needs ${exit.needs.join(", ").replace(/, ([^,]*)$/, " and $1")}.`;
+    return ` It needs ${listed(exit.needs)}.`;
   }
 
   /**
