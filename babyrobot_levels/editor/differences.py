@@ -75,9 +75,9 @@ def changes_of(old: Any, new: Any) -> Any:
 
 def _is_same(old: Any, new: Any) -> bool:
     """Tell whether values are the same in JSON, in which 1 is not true."""
-    if old != new or isinstance(new, dict | list):
+    if isinstance(new, dict | list):
         return bool(old == new) and json.dumps(old) == json.dumps(new)
-    return type(old) is type(new)
+    return type(old) is type(new) and bool(old == new)
 
 
 def common_ends(old: str, new: str) -> tuple[int, int]:

@@ -61,6 +61,25 @@ def test_what_takes_longer_follows_when_one_pauses(
     assert editor.session.answers.optimum is not None
 
 
+def test_a_click_brings_what_it_changed_and_shows_it(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    mouse = Mouse(editor)
+    mouse.choose("small")
+    for x, told in ((1, "1 small puddle"), (2, "2 small puddles")):
+        with editor.page.expect_response("**/message") as replied:
+            mouse.paint((x, 0))
+        reply = replied.value.json()
+        assert "changes" in reply
+        assert "state" not in reply
+        expect(part(editor, "stage")).to_have_accessible_description(re.compile(told))
+    # What is refused, since the text was changed by others, shows that text.
+    editor.session.type(LEVEL)
+    with editor.page.expect_response("**/message") as replied:
+        editor.page.mouse.click(*middle(editor, 2, 1))
+    assert "changes" in replied.value.json()
+    expect(part(editor, "stage")).not_to_have_accessible_description(re.compile("puddle"))
+
+
 def test_findings_and_unreachable_cells_are_marked_where_they_are(editor_page: OpenEditor) -> None:
     walls = "walls:\n- {at: [3, 0], side: W}\n- {at: [3, 0], side: S}\n- {at: [1, 0], side: N}\n"
     editor = editor_page(LEVEL.replace("max_steps: 100\n", "") + walls)

@@ -45,6 +45,7 @@ export class Editor {
     this.panel = "inspector";
     this.done = null;
     this.listeners = new Map();
+    /** @type {Promise<any>} */
     this.last = Promise.resolve();
     this.count = 0;
   }
@@ -96,12 +97,8 @@ export class Editor {
    */
   send(message) {
     const sent = this.last.then(async () => {
-      this.count += 1;
-      const { number, revision } = this.state ?? {};
-      const reply = await this.connection
-        .send({ id: this.count, revision, has: number, ...message })
-        .then((received) => this.completed(received))
-        .catch((error) => ({ error: error.message }));
+      /** @type {Reply} */
+      const reply = await this.request(message).catch((error) => ({ error: error.message }));
       if (reply.error !== undefined) this.say(reply.error, "refused");
       if (reply.state !== undefined) this.show(reply.state, reply.error === undefined ? message : null);
       if (reply.error === undefined) this.set("done", { done: { ...message, step: reply.step } });
@@ -113,13 +110,15 @@ export class Editor {
   }
 
   /** Ask what changes nothing, beside all other messages. Returns the reply, empty if none comes. */
-  async ask(question) {
+  ask(question) {
+    return this.request(question).catch(() => ({}));
+  }
+
+  /** Send a message with what it is about; returns its reply, with the whole state. */
+  async request(message) {
     this.count += 1;
-    const { number, revision } = this.state;
-    return this.connection
-      .send({ id: this.count, revision, has: number, ...question })
-      .then((received) => this.completed(received))
-      .catch(() => ({}));
+    const { number, revision } = this.state ?? {};
+    return this.completed(await this.connection.send({ id: this.count, revision, has: number, ...message }));
   }
 
   /**
