@@ -127,6 +127,14 @@ class Kind:
         assert self.model is not None
         return self.model.model_validate(data)
 
+    def mark_of(self, entry: Any) -> str:
+        """Return the character of drawings that shows an entry."""
+        return next(
+            mark
+            for mark, given in self.marks.items()
+            if all(getattr(entry, name) == value for name, value in given.items())
+        )
+
     def called(self, entry: Any) -> str:
         """Return what an entry is called."""
         if self.label is not None:
@@ -249,6 +257,9 @@ THINGS = tuple(kind for kind in KINDS if kind.state)
 
 NAMED = tuple(kind for kind in KINDS if kind.has_name)
 """The kinds whose entries have names."""
+
+MARKED = tuple(kind for kind in KINDS if kind.marks and kind.is_listed and kind.where is Where.CELL)
+"""The kinds in cells whose entries drawings show by marks of their own."""
 
 NEEDED = tuple(kind for kind in KINDS if kind.need.met)
 """The kinds that doors and exits can need, by the names of their entries."""

@@ -8,10 +8,10 @@ from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE, Model
-from babyrobot_levels.language.cells import Puddle, Rectangle
+from babyrobot_levels.language.cells import Rectangle
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.geometry import show_cell
-from babyrobot_levels.language.kinds import KIND, LEGEND, Kind
+from babyrobot_levels.language.kinds import KIND, LEGEND, MARKED, Kind
 from babyrobot_levels.language.things import DRAWN_NAMES, Door, LegendEntry
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key
@@ -74,6 +74,7 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
         return None, issues
     drawn: dict[str, Sequence[Model]] = {
         "walls": drawn_walls(drawing),
+        **{kind.field: marked_entries(kind, drawing) for kind in MARKED},
         **{kind.field: legend_entries(kind, level, drawing) for kind in LEGEND},
     }
     fields = {
@@ -82,11 +83,6 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
         "exit": "none" if not exits else exits[0] if len(exits) == 1 else tuple(exits),
         "blocked": tuple(
             Rectangle(at=cell, size=(length, 1)) for cell, length in drawing.row_runs(d.BLOCKED)
-        ),
-        "puddles": tuple(
-            Puddle.model_validate({"at": cell, **given})
-            for character, given in KIND["puddle"].marks.items()
-            for cell in drawing.find(character)
         ),
         **{field: (*entries, *getattr(level, field)) for field, entries in drawn.items()},
     }
@@ -99,6 +95,15 @@ def drawn_walls(drawing: d.Drawing) -> list[Wall]:
         Wall.model_validate({"at": cell, "side": side, "length": length, **given})
         for mark, given in KIND["wall"].marks.items()
         for cell, side, length in drawing.runs(mark)
+    ]
+
+
+def marked_entries(kind: Kind, drawing: d.Drawing) -> list[Model]:
+    """Return the entries of a kind in cells that its marks show."""
+    return [
+        kind.entry({"at": cell, **given})
+        for mark, given in kind.marks.items()
+        for cell in drawing.find(mark)
     ]
 
 

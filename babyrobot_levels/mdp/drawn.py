@@ -8,6 +8,7 @@ from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.drawing import consecutive
+from babyrobot_levels.language.kinds import MARKED
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.walls import GLASS_PASS, Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid, door_sides, neighbour
@@ -21,9 +22,10 @@ def drawing_of(level: LevelSpec, grid: Grid) -> d.Drawing:
         for character in level.legend:
             for x, y in level.drawing.find(character):
                 cells[y][x] = character
-    for puddle in level.puddles:
-        x, y = puddle.at
-        cells[y][x] = d.SMALL if puddle.size == "small" else d.LARGE
+    for kind in MARKED:
+        for entry in kind.of(level):
+            x, y = entry.at
+            cells[y][x] = kind.mark_of(entry)
     exits = level.exits if level.exit_one_of is None else ()
     for character, ends in ((d.START, level.starts), (d.EXIT, exits)):
         for x, y in ends:
