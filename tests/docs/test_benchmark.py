@@ -28,7 +28,10 @@ def _scripts(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("name", "column"),
     # Each candidate with a door is solved several times.
-    [("bench-easy", 1), pytest.param("bench-hard", 2, marks=pytest.mark.sweep)],
+    [
+        pytest.param("bench-easy", 1, marks=pytest.mark.slow),
+        pytest.param("bench-hard", 2, marks=pytest.mark.sweep),
+    ],
 )
 def test_the_splits_are_fixed_and_disjoint(name: str, column: int) -> None:
     rows = re.findall(r"^\| `(\w+)` \| `(\w{16})` \| `(\w{16})` \|$", PAGE, re.MULTILINE)

@@ -26,7 +26,18 @@ COMPARED = [
 ]
 
 
-@pytest.mark.parametrize("generated", COMPARED, ids=lambda each: each.paths[0])
+SLOW = {"docs/images/scores.svg", "docs/mazes.md"}
+
+
+@pytest.mark.parametrize(
+    "generated",
+    [
+        pytest.param(
+            each, marks=pytest.mark.slow if each.paths[0] in SLOW else (), id=each.paths[0]
+        )
+        for each in COMPARED
+    ],
+)
 def test_it_is_up_to_date(generated: Generated) -> None:
     for path, make in generated.files():
         assert make() == (ROOT / path).read_text("utf-8"), f"python scripts/renew.py {path}"

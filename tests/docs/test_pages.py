@@ -106,8 +106,11 @@ exit 4
         ('```python\n"ab"  # "b…"\n```', "but the value is 'ab'"),
         ("```python\nprint(2)\n\n# 3\n```", "does not print what its last comment shows"),
         ("<!-- in a clone -->\n```sh\ntrue\n```", "the mark `in a clone` is not known"),
-        ("<!-- in the clone -->\n```sh\npip install '.[unheard]' | grep WARN\nfalse\n```",
-         "does not provide the extra 'unheard'"),
+        pytest.param(
+            "<!-- in the clone -->\n```sh\npip install '.[unheard]' | grep WARN\nfalse\n```",
+            "does not provide the extra 'unheard'",
+            marks=pytest.mark.slow,
+        ),
     ],
 )  # fmt: skip
 def test_a_fault_is_found(block: str, fault: str, tmp_path: Path) -> None:

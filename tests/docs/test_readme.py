@@ -51,6 +51,7 @@ def test_the_demo_shows_the_robot_at_the_exit_in_a_few_lines(tmp_path: Path) -> 
     assert lines[-1].endswith("optimal: -36.58")
 
 
+@pytest.mark.slow
 def test_the_demo_plays_every_kind_of_level(tmp_path: Path) -> None:
     for level in ("random-maze", "gridworld-3-5", "treasure-chests", "ice-vault"):
         done = python(EXAMPLES / "play.py", level, cwd=tmp_path, timeout=120)

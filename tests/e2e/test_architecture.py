@@ -105,11 +105,9 @@ def imported_by(*call: str | Path, status: int, folder: Path) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("text", "status"),
-    [("version: 1\nmaze: {seed: 1}\nmap: ''\n", 1), ("version: 1\n", 0)],
-    ids=["invalid", "valid"],
+    ("text", "status", "form"),
+    [("version: 1\nmaze: {seed: 1}\nmap: ''\n", 1, "text"), ("version: 1\n", 0, "json")],
 )
-@pytest.mark.parametrize("form", ["text", "json"])
 def test_validating_imports_nothing_heavy(
     text: str, status: int, form: str, tmp_path: Path
 ) -> None:

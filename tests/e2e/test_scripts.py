@@ -108,6 +108,7 @@ def test_slow_and_flaky_places_are_places(pytestconfig: pytest.Config) -> None:
         assert (ROOT / "tests" / place).exists(), place
 
 
+@pytest.mark.slow
 def test_only_what_is_flaky_is_tried_again_and_ctrl_c_reaches_it(tmp_path: Path) -> None:
     test = """
 import signal

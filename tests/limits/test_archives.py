@@ -119,42 +119,24 @@ UNPORTABLE = "has a name that is not portable"
 HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     # Paths.
     "one folder up": ("'../x.yaml' is outside", lambda: with_entry("../x.yaml")),
-    "two folders up": ("'a/../../x.yaml' is outside", lambda: with_entry("a/../../x.yaml")),
-    "up at the end": ("'a/..' is outside", lambda: with_entry("a/..")),
     "an absolute path": ("has an absolute path", lambda: with_entry("/etc/x.yaml")),
-    "a network path": ("has an absolute path", lambda: with_entry("//host/x.yaml")),
     "a drive": ("has a drive in its path", lambda: with_entry("C:/x.yaml")),
-    "a drive's folder": ("has a drive in its path", lambda: with_entry("c:x.yaml")),
     "backslashes": ("has a backslash", lambda: with_entry("..\\x.yaml")),
     "a stream": (UNPORTABLE, lambda: with_entry("levels/lion.yaml:x.yaml")),
-    "here": (UNPORTABLE, lambda: with_entry("./x.yaml")),
-    "nothing between": (UNPORTABLE, lambda: with_entry("a//x.yaml")),
     "a folder": (UNPORTABLE, lambda: with_entry("a/", mode=stat.S_IFDIR | 0o755)),
-    "no name": (UNPORTABLE, lambda: with_entry("")),
     "a zero": (UNPORTABLE, lambda: with_entry("x\0.yaml")),
-    "a line end": (UNPORTABLE, lambda: with_entry("x\n.yaml")),
     "an escape": (UNPORTABLE, lambda: with_entry("\x1b[2Jx.yaml")),
-    "a hidden file": (UNPORTABLE, lambda: with_entry(".x.yaml")),
     "a dot at the end": (UNPORTABLE, lambda: with_entry("levels./x.yaml")),
-    "a blank at the end": (UNPORTABLE, lambda: with_entry("levels /x.yaml")),
     "the console": (WINDOWS, lambda: with_entry("con.yaml")),
-    "the console, large": (WINDOWS, lambda: with_entry("CON/x.yaml")),
-    "the void": (WINDOWS, lambda: with_entry("levels/NUL.yaml")),
-    "a port": (WINDOWS, lambda: with_entry("com1.x.yaml")),
-    "the first port": (WINDOWS, lambda: with_entry("COM0.yaml")),
     "the last port": (WINDOWS, lambda: with_entry("lpt9/x.yaml")),
-    "the printer": (WINDOWS, lambda: with_entry("prn.yaml")),
-    "the console's input": (UNPORTABLE, lambda: with_entry("conin$.yaml")),
     "a device and a blank": (WINDOWS, lambda: with_entry("aux .yaml")),
     "a long path": ("more than 120 characters", lambda: with_entry("x" * 116 + ".yaml")),
     "a deep path": ("in more than 6 folders", lambda: with_entry("a/b/c/d/e/f/g/x.yaml")),
     "accents": ("is not ASCII", lambda: with_entry("\xe9.yaml")),
-    "accents apart": ("is not ASCII", lambda: with_entry("e\u0301.yaml", flags=1 << 11)),
     "other bytes": ("is not ASCII", lambda: with_entry("x", raw_name=b"\xff\xfe.yaml")),
     # Names that are taken.
     "the same twice": ("is duplicated", lambda: with_entry(LION)),
     "capitals": ("only in upper and lower", lambda: with_entry("levels/LION.yaml")),
-    "capitals of a folder": ("only in upper and lower", lambda: with_entry("Levels/x.yaml")),
     "a file as a folder": ("a file and a folder", lambda: with_entry(f"{LION}/x.yaml")),
     "a second manifest": ("is duplicated", lambda: with_entry(MANIFEST)),
     "a level's name": (
@@ -163,19 +145,12 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     ),
     # Kinds of files.
     "code": ("is neither YAML nor", lambda: with_entry("levels/__init__.py")),
-    "a pack in a pack": ("is neither YAML nor", lambda: with_entry("inner.brlpack")),
-    "a zip file": ("is neither YAML nor", lambda: with_entry("inner.zip")),
     "a pack below": ("a pack cannot contain other packs", lambda: with_entry("inner/pack.yaml")),
-    "current": ("is neither YAML nor", lambda: with_entry("current")),
     # What an entry is.
     "a link": ("is a link", lambda: with_lion(mode=stat.S_IFLNK | 0o777)),
-    "a pipe": ("not in canonical form", lambda: with_lion(mode=stat.S_IFIFO | 0o644)),
     "a program": ("not in canonical form", lambda: with_lion(mode=stat.S_IFREG | 0o4755)),
     "an encrypted entry": ("is encrypted", lambda: with_lion(flags=1)),
-    "a strongly encrypted entry": ("is encrypted", lambda: with_lion(flags=1 | 1 << 6)),
-    "sizes that follow": ("contradict each other|as in a pack", lambda: with_lion(flags=8)),
     "a later date": ("contradict each other|as in a pack", lambda: with_lion(date=34)),
-    "another system": ("not in canonical form", lambda: with_lion(made_by=20)),
     "extra data": ("not in canonical form", lambda: with_lion(extra=b"\x01\0\0\0")),
     "a comment": ("not in canonical form", lambda: with_lion(comment=b"hello")),
     "another name inside": (
@@ -185,10 +160,6 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "a wrong crc": ("its CRC-32 is wrong", lambda: with_lion(crc=1)),
     # Sizes.
     "a bomb": ("is compressed", bomb),
-    "a compressed level": (
-        "is compressed",
-        lambda: with_lion(method=8),
-    ),
     "a huge size": ("not in canonical form", lambda: with_lion(size=0xFFFFFFFE)),
     "a large file": (
         "is too large: 1,048,577 bytes",
@@ -220,18 +191,11 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     ),
     "overlapping entries": ("overlap", overlapping),
     "an entry in an entry": ("overlap", nested_quotes),
-    "an entry beyond the end": ("overlap", lambda: with_lion(offset=1 << 30)),
     # The whole.
     "nothing": ("does not begin like a ZIP file", lambda: b""),
-    "a text": ("does not begin like a ZIP file", lambda: b"version: 1\n"),
-    "a picture": ("does not begin like a ZIP file", lambda: b"\x89PNG\r\n\x1a\n" + bytes(100)),
     "an empty zip": ("does not begin like a ZIP file", lambda: forged([])),
     "a foreign zip": ("canonical|contradict|manifest", plain_zip),
     "a zip without manifest": ("its first entry is not", lambda: forged([Entry(LION, GOOD[LION])])),
-    "the manifest last": (
-        "its first entry is not",
-        lambda: forged([Entry(LION, GOOD[LION]), Entry(MANIFEST, manifest_of(GOOD).to_bytes())]),
-    ),
     "another order": (
         "not in order",
         lambda: forged(
@@ -242,10 +206,8 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         ),
     ),
     "a truncated file": ("it is cut off", lambda: sealed()[:-1]),
-    "half a file": ("it is cut off", lambda: sealed()[: len(sealed()) // 2]),
     "something before": ("does not begin like", lambda: b"#!/bin/sh\n" + sealed()),
     "something behind": ("after its end", lambda: sealed() + b"x"),
-    "another zip behind": ("contradicts the rest|overlap", lambda: sealed() + sealed()),
     "a comment at the end": ("after its end", lambda: sealed()[:-2] + b"\5\0hello"),
     "a comment that is not there": ("contradicts the rest", lambda: sealed()[:-2] + b"\5\0"),
     "fewer entries than there are": ("between its last entry and", lambda: _recounted(-1)),
@@ -255,8 +217,6 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     # The manifest.
     "no JSON": ("its manifest is not JSON", lambda: sealed(manifest=b"{")),
     "deep JSON": ("its manifest is not JSON", lambda: sealed(manifest=b"[" * 200_000)),
-    "a list": ("not that of a pack", lambda: sealed(manifest=b"[]")),
-    "a long number": ("its manifest is not JSON", lambda: sealed(manifest=b"9" * 5000)),
     "another format": ("not that of a pack", lambda: with_manifest(lambda m: m.update(format="x"))),
     "a later format": (
         "it has version 2 of the format, and this babyrobot-levels reads version 1",
@@ -265,10 +225,6 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "a pack's name that leads up": (
         "invalid, at 'name'",
         lambda: with_manifest(lambda m: m.update(name="../zoo")),
-    ),
-    "a pack's version that leads up": (
-        "invalid, at 'version'",
-        lambda: with_manifest(lambda m: m.update(version="1.0.0/..")),
     ),
     "a field more": ("invalid, at 'x'", lambda: with_manifest(lambda m: m.update(x=1))),
     "blanks": (
@@ -282,10 +238,6 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "a file that is not there": (
         "'x.yaml' is in its manifest, but not in the archive",
         lambda: sealed(GOOD, manifest_of({**GOOD, "x.yaml": b""}).to_bytes()),
-    ),
-    "a wrong sum": (
-        "'levels/lion.yaml' is damaged: its SHA-256",
-        lambda: sealed({**GOOD, LION: GOOD[LION] + b"#\n"}, manifest_of(GOOD).to_bytes()),
     ),
     "a wrong sum of as many bytes": (
         "'levels/lion.yaml' is damaged: its SHA-256",
@@ -305,14 +257,6 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         "its name is `ark` in pack.yaml, but `zoo` in the manifest",
         lambda: sealed({**GOOD, "pack.yaml": pack_text("ark").encode()}),
     ),
-    "another version": (
-        "its version is `1.0.1` in pack.yaml, but `1.0.0` in the manifest",
-        lambda: sealed({**GOOD, "pack.yaml": pack_text(version="1.0.1").encode()}),
-    ),
-    "a level's name without end": (
-        "invalid, at 'levels/x{93}",
-        lambda: with_manifest(lambda m: _put(m, "levels", "x" * 1_000_000, {"digest": None})),
-    ),
     "a level's name that no level has": (
         r"invalid, at 'levels/\\x1b\[31mred",
         lambda: with_manifest(
@@ -324,10 +268,6 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: with_manifest(
             lambda m: _put(m, "levels", "x", {"digest": None, "file": "x" * 1_000_000})
         ),
-    ),
-    "a file's path without end": (
-        "invalid, at 'files/x{94}",
-        lambda: with_manifest(lambda m: _put(m, "files", "x" * 1_000_000, {"size": 0})),
     ),
     "a device as name": (
         "pack.yaml:1:7: no folder can be called `con`",
@@ -357,10 +297,6 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: sealed({**GOOD, "x.yaml": b"version: 1\ntheme: ../../sea\n"}),
     ),
     "no valid suite": ("x.yaml:1:1: ", lambda: sealed({**GOOD, "x.yaml": b"kind: suite\n"})),
-    "no valid theme": (
-        "themes/x.yaml:1:1: unknown field `a`",
-        lambda: sealed({**GOOD, "themes/x.yaml": b"a: 1\n"}),
-    ),
 }
 """Archives that are refused: a pattern in what is said of them, and the archive."""
 

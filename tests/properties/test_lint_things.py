@@ -18,7 +18,7 @@ from support.reading import read_level
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.linter.fixer import apply, fix
+from babyrobot_levels.linter.fixer import fix
 from babyrobot_levels.linter.rules import all_rules, select
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
@@ -86,21 +86,6 @@ def before(level: Reference, goals: Callable[[Pair], bool]) -> set[Pair]:
 # -- fixes -------------------------------------------------------------------------------------
 
 
-@untimed
-@given(worlds)
-def test_safe_fixes_do_not_change_the_mdp(world: dict[str, Any]) -> None:
-    text = emit(world)
-    digest = loaded(text).digest
-    for each in found(world):
-        if each.fix is not None:
-            after = apply(each.fix.edits, SourceFile("x.yaml", text))
-            level = loaded(after)
-            assert not each.fix.safe or level.digest == digest, f"{each}\n\n{text}\n{after}"
-    fixed = fix(SourceFile("x.yaml", text), RULES)
-    assert loaded(fixed.text).digest == digest
-    assert not [each for each in fixed.report.diagnostics if each.fix and each.fix.safe]
-
-
 def optimum(level: Level) -> float:
     try:
         return solve(level).expected_return
@@ -121,32 +106,6 @@ def test_without_what_is_useless_the_optimum_is_the_same(
     level, other = loaded(text), loaded(fixed.text)
     one, two = optimum(level), optimum(other)
     assert two == pytest.approx(one, rel=1e-6, abs=1e-6, nan_ok=True), f"{text}\n{fixed.text}"
-
-
-@untimed
-@given(worlds)
-def test_useless_doors_and_needs_do_not_change_the_best_policies(world: dict[str, Any]) -> None:
-    """From the start on, best policies come to the same states by the same actions."""
-    text = emit({**world, "discount": 0.9})
-    fixed = fix(SourceFile("x.yaml", text), select(["BR532", "BR533"]), unsafe=True)
-    assume(fixed.count)
-    assert best_actions(loaded(text)) == best_actions(loaded(fixed.text))
-
-
-def best_actions(level: Level) -> dict[Pair, list[int]]:
-    mdp, solution = level.compile(), solve(level)
-    greedy = solution.greedy.reshape(mdp.num_states, -1)
-    waiting = np.flatnonzero(mdp.start).tolist()
-    best: dict[Pair, list[int]] = {}
-    while waiting:
-        state = waiting.pop()
-        values = tuple(mdp.configurations[mdp.configuration(state)].tolist())
-        if (values, mdp.cell(state)) in best or mdp.is_terminal[state]:
-            continue
-        best[values, mdp.cell(state)] = np.flatnonzero(greedy[state]).tolist()
-        for action in np.flatnonzero(greedy[state]).tolist():
-            waiting += [after for _, after, _, over in mdp.outcomes(state, action) if not over]
-    return best
 
 
 # -- findings are exact ------------------------------------------------------------------------

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +10,10 @@ from PIL import Image
 from playwright.sync_api import FloatRect, Locator
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.colors import Rgb, over, rgba
-from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
+from babyrobot_levels.render.scene.layout import CELL, layout_of
 
 Pixels = NDArray[np.uint8]
 Cell = tuple[int, int]
-Landmark = tuple[str, float, float, Rgb]
 
 TOLERANCE = 48
 """Colours that differ by no more in any channel look alike: edges are smoothed differently."""
@@ -57,49 +54,3 @@ def changed_cells(
             if differs[top : top + size, left : left + size].mean() > share:
                 cells.add((x, y))
     return cells
-
-
-def landmarks(level: Level) -> Iterator[Landmark]:
-    """Yield points whose colours the theme alone determines: what is there, x, y, and the colour.
-
-    They lie in the cells' ground where nothing else is, in the middles of puddles, and in the
-    middles of the walls' sides. The robot covers none of them but a puddle's.
-    """
-    layout, colors = layout_of(level), level.resolved_theme.colors
-    grounds = dict.fromkeys(level.starts, colors.start) | dict.fromkeys(level.exits, colors.exit)
-    for y in range(layout.rows):
-        for x in range(layout.columns):
-            ground = _rgb(grounds.get((x, y), colors.base))
-            yield f"ground of {x}, {y}", *layout.corner(x + 0.94, y + 0.1), ground
-    for puddle in level.puddles:
-        x, y = puddle.at
-        # Its middle is lighter than the rest.
-        water = over("rgba(255,255,255,0.16)", _rgb(colors.puddle))
-        yield f"puddle in {x}, {y}", *layout.corner(x + 0.5, y + 0.5), water
-    yield from _walls(level, layout)
-
-
-def _walls(level: Level, layout: Layout) -> Iterator[Landmark]:
-    colors = level.resolved_theme.colors
-    is_open = level.grid().open
-    for y in range(layout.rows):
-        for x in range(layout.columns):
-            for side, (dx, dy) in enumerate([(0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5)]):
-                if not is_open[y, x, side]:
-                    outer = x + dx in (0, layout.columns) or y + dy in (0, layout.rows)
-                    color = colors.border if outer else colors.walls
-                    yield f"wall {side} of {x}, {y}", *layout.corner(x + dx, y + dy), _rgb(color)
-
-
-def wrong(picture: Pixels, places: Iterable[Landmark]) -> list[str]:
-    """Return the landmarks that have another colour than they should, for people to read."""
-    found = []
-    for what, x, y, expected in places:
-        seen = picture[int(y), int(x)]
-        if np.abs(seen.astype(int) - expected).max() > 3:
-            found.append(f"{what}: {tuple(seen.tolist())} and not {expected}")
-    return found
-
-
-def _rgb(color: str) -> Rgb:
-    return rgba(color)[:3]

@@ -34,8 +34,3 @@ def thing_worlds(draw: DrawFn) -> World:
         for entry in world.get(field, []):
             entry |= draw(st.fixed_dictionaries({}, optional=looks))
     return world
-
-
-def with_thing(world: World) -> bool:
-    """Tell whether a level has anything that changes during an episode."""
-    return any(world.get(field) for field in ("items", "doors", "switches", "movers"))
