@@ -11,6 +11,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.validation import parse as parse_text
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.drawn import resolved_fields
 from babyrobot_levels.text.source import SourceFile
 
 World = dict[str, Any]
@@ -32,6 +33,16 @@ def level_of(world: World) -> Level:
     """Return the level that the mapping says, which must be valid."""
     level: Level = Level.from_fields(world)
     return level
+
+
+def with_walls_for_maze(world: World) -> World:
+    """Return the same level with entries of walls for its maze, before the others."""
+    if "maze" not in world:
+        return world
+    bare = level_of({name: world[name] for name in world if name not in ("walls", "openings")})
+    maze = resolved_fields(bare, bare.grid())["walls"] or []
+    rest = {name: value for name, value in world.items() if name != "maze"}
+    return {**rest, "walls": [*maze, *world.get("walls", [])]}
 
 
 def level(**fields: Any) -> Any:
