@@ -11,11 +11,11 @@ from __future__ import annotations
 import lazy_loader
 
 from babyrobot_levels import mdp
-from babyrobot_levels.envs import gymnasium_hook
+from babyrobot_levels.envs import registration
 
 __version__ = "0.1.0"
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 mdp.load = lambda level: __getattr__("load")(level)
-gymnasium_hook.install()
+registration.install()

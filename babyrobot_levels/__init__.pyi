@@ -41,8 +41,8 @@ from .convert.exchange import import_ as import_
 from .convert.registration import register_babyrobot as register_babyrobot
 from .convert.setups import from_setup as from_setup
 from .editor.notebook import edit as edit
-from .envs.engine.rollout import Rollout as Rollout
-from .envs.engine.rollout import rollout as rollout
+from .envs.rollout import Rollout as Rollout
+from .envs.rollout import rollout as rollout
 from .envs.samplers import PrioritizedSampler as PrioritizedSampler
 from .envs.samplers import Sampler as Sampler
 from .envs.samplers import UniformSampler as UniformSampler

@@ -14,6 +14,7 @@ from numpy import ndarray
 from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.picture_options import takes
+from babyrobot_levels.envs.engine.tables import NO_LIMIT
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.observations.base import DEFAULT_RADIUS, Observation
 from babyrobot_levels.envs.observations.planes import DTYPES
@@ -24,6 +25,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
+    from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Values
     from babyrobot_levels.mdp.tables import Mdp
 
@@ -225,6 +227,46 @@ def checked_autoreset_mode(mode: Any) -> AutoresetMode:
     except ValueError:
         known = ", ".join(str(each) for each in AutoresetMode)
         raise ValueError(f"autoreset_mode must be one of {known}, not {mode!r}") from None
+
+
+def checked_count(name: str, value: Any) -> int:
+    """Return an argument that is a number of things.
+
+    Raises:
+        ValueError: it is not a whole number above 0.
+    """
+    number = whole_number(value)
+    if number is None or number < 1:
+        raise ValueError(f"{name} must be a whole number, at least 1, not {value!r}")
+    return number
+
+
+def limits_of(levels: Sequence[Level], max_episode_steps: Any) -> list[int]:
+    """Return the time limit of each level, in steps.
+
+    Args:
+        levels: the levels.
+        max_episode_steps: the limit of all of them, -1 for none; None for each level's own.
+
+    Raises:
+        ValueError: it is anything else.
+    """
+    if max_episode_steps is None:
+        return [level.max_steps or NO_LIMIT for level in levels]
+    number = whole_number(max_episode_steps)
+    if number is None or (number < 1 and number != -1):
+        raise ValueError(
+            f"max_episode_steps must be at least 1, or -1 for no limit, not {max_episode_steps!r}"
+        )
+    return [NO_LIMIT if number == -1 else min(number, NO_LIMIT)] * len(levels)
+
+
+def whole_number(value: Any) -> int | None:
+    """Return a value as an int, None if it is not a whole number."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        return None
 
 
 # -- resetting -------------------------------------------------------------------------------

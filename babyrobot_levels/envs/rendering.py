@@ -19,7 +19,7 @@ from babyrobot_levels.text.words import did_you_mean
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from babyrobot_levels.envs.action_sets import ActionSet
+    from babyrobot_levels.envs.spaces import ActionSet
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.tables import Mdp
     from babyrobot_levels.render.frames import FramePainter

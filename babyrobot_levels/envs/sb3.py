@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.vector.base import LEVEL_ATTRIBUTES
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
-from babyrobot_levels.envs.vector.rendering import LEVEL_ATTRIBUTES
 from babyrobot_levels.text.errors import how_to_install
 
 try:

@@ -10,7 +10,6 @@ import numpy as np
 from gymnasium import error
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
     check_choice,
@@ -33,7 +32,7 @@ from babyrobot_levels.envs.rendering import (
     RenderedEnv,
     show_wrapped_environments,
 )
-from babyrobot_levels.envs.spaces import ValidActions, make_action_space
+from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
 from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level

@@ -17,7 +17,7 @@ from gymnasium import error
 from gymnasium.envs import registration
 from gymnasium.envs.registration import EnvSpec, WrapperSpec, parse_env_id
 
-from babyrobot_levels.envs.action_sets import ACTION_SETS
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
@@ -104,7 +104,7 @@ def level_spec(env_id: str, **kwargs: Any) -> LevelSpec:
 def suite_spec(env_id: str, **kwargs: Any) -> LevelSpec:
     """Return the spec under which suites are registered, with arguments such as the suite."""
     folder = "babyrobot_levels.envs"
-    vector = f"{folder}.vector.suite:make_suite_vector"
+    vector = f"{folder}.vector.env:make_suite_vector"
     return _spec(env_id, f"{folder}.suite:make_suite", vector, kwargs)
 
 

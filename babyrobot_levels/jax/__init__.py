@@ -19,10 +19,10 @@ except ImportError as fault:
         f"babyrobot_levels.jax needs JAX and gymnax 1.0 or later: {how_to_install('jax')}"
     ) from fault
 
-from babyrobot_levels.jax.adapters import UnderspecifiedEnv as UnderspecifiedEnv
 from babyrobot_levels.jax.env import EnvState as EnvState
 from babyrobot_levels.jax.env import LevelEnvironment as LevelEnvironment
-from babyrobot_levels.jax.making import make as make
+from babyrobot_levels.jax.env import UnderspecifiedEnv as UnderspecifiedEnv
+from babyrobot_levels.jax.env import make as make
 from babyrobot_levels.jax.params import EnvParams as EnvParams
 from babyrobot_levels.jax.solver import Optimum as Optimum
 from babyrobot_levels.jax.solver import Worth as Worth

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Unpack
 
 import jax
 import jax.numpy as jnp
@@ -12,12 +12,25 @@ from gymnax.environments import environment, spaces
 from jax import Array
 from jax.tree_util import register_dataclass
 
+from babyrobot_levels.envs.arguments import (
+    ObservationOptions,
+    check_choice,
+    checked_count,
+    checked_observation,
+    limits_of,
+    takes_observation,
+)
 from babyrobot_levels.envs.observations import space_of
-from babyrobot_levels.jax.loading import Loader
+from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.envs.suite import extent_of
+from babyrobot_levels.jax.loading import MAX_BYTES, Loader, bounds_of, levels_in
 from babyrobot_levels.jax.observations import gymnax_space, look_up
 from babyrobot_levels.jax.params import HIT, REACHED, SKIDDED, TERMINAL, EnvParams
 from babyrobot_levels.jax.room import Room
 from babyrobot_levels.jax.words import below, chosen, draw_words
+from babyrobot_levels.suites.named import Levels
+from babyrobot_levels.suites.sources import Bounds
+from babyrobot_levels.suites.suite import Suite
 
 Info = dict[str, Array]
 
@@ -299,3 +312,133 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
 def _of_level(table: Array, level: Array, params: EnvParams) -> Array:
     """Return what a table has of a level; of a single one, without a look-up."""
     return look_up(table, level) if params.num_levels > 1 else table[0]
+
+
+@takes_observation
+def make(
+    levels: Levels,
+    *,
+    actions: str = "valid",
+    draw_levels: bool = True,
+    room_for: Levels | None = None,
+    max_episode_steps: int | None = None,
+    max_bytes: int = MAX_BYTES,
+    **options: Unpack[ObservationOptions],
+) -> tuple[LevelEnvironment, EnvParams]:
+    """Return levels as an environment of gymnax, and as its parameters.
+
+    The tables of all levels are made at once. Observations, actions, rewards and ends of
+    episodes are those of `LevelVectorEnv` with the same arguments.
+
+    Args:
+        levels: a level, a folder, a pack or a suite: a name, a path, a mapping, a `Level` or a
+            `Suite`; or several levels.
+        actions: `"valid"`, `"all"`, `"moves"`, `"valid_moves"` or `"turns"`. There is no difference
+            between `"valid"` and `"all"`, or `"valid_moves"` and `"moves"`: `sample_action` gives
+            valid actions, and the action space all.
+        draw_levels: whether each episode draws its level: all equally often, or by the weights of
+            the suite. If not, `reset` draws it, and later episodes stay in it.
+        room_for: further levels, as `levels`: `load` can then put any levels into the arrays that
+            are not larger than the largest of all these. By default, levels that are not larger
+            altogether.
+        max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
+            `max_steps`.
+        max_bytes: how much memory the arrays may take; while they are made, it is about three
+            times as much. Transitions take 9 bytes for each state and action, and 17 for each
+            outcome where there are several. Observations take 4 bytes for each number of each
+            state, views an eighth of a byte, images one; planes are kept once for each
+            configuration.
+        options: the observation, and its options, as `LevelEnv` has them.
+
+    Returns:
+        The environment, and the parameters that its methods take.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: a level is not valid.
+        UnsatisfiableError: no level meets the conditions of a suite.
+        ValueError: the arrays would take too much memory, there are no levels, one has
+            `maze: {seed: random}`, or another argument is invalid.
+    """
+    chosen = checked_observation(**options)
+    check_choice("actions", actions, ACTION_SETS)
+    limits_of((), max_episode_steps)
+    given = levels_in(levels)
+    others = () if room_for is None else levels_in(room_for)
+    bounds = Bounds.joined([bounds_of(given), bounds_of(others)])
+    action_set = ACTION_SETS[actions]
+    loader = Loader(
+        chosen,
+        bounds,
+        extent_of(bounds, turns=action_set.turns),
+        action_set,
+        bool(draw_levels),
+        max_episode_steps,
+        checked_count("max_bytes", max_bytes),
+    )
+    params, room = loader.make(given, others)
+    name = given.name if isinstance(given, Suite) else given[0].name if len(given) == 1 else None
+    return LevelEnvironment(params, loader, room, name or f"{len(given):,} levels"), params
+
+
+class UnderspecifiedEnv:
+    """Levels as an environment of JaxUED: each episode is in a level that is given.
+
+    It has the methods of JaxUED's class of this name, which wrappers call, and does not need JaxUED
+    itself. A level is its number in the params, int32, so that `jnp.arange(params.num_levels)` is
+    the batch of all levels.
+    """
+
+    def __init__(self, env: LevelEnvironment) -> None:
+        """Wrap an environment that `babyrobot_levels.jax.make` returned."""
+        self._env = env
+
+    @property
+    def default_params(self) -> EnvParams:
+        """The levels that the environment was made with."""
+        return self._env.default_params
+
+    @partial(jax.jit, static_argnames=("self",))
+    def reset_to_level(
+        self, rng: Array, level: Any, params: EnvParams | None = None
+    ) -> tuple[Any, EnvState]:
+        """Start an episode in a level.
+
+        Args:
+            rng: the source of randomness.
+            level: int32: the number of the level.
+            params: the levels.
+
+        Returns:
+            The observation and the state.
+        """
+        begun: tuple[Any, EnvState] = self._env.reset_to_level(rng, level, params)
+        return begun
+
+    @partial(jax.jit, static_argnames=("self",))
+    def step(
+        self, rng: Array, state: EnvState, action: Any, params: EnvParams | None = None
+    ) -> tuple[Any, EnvState, Array, Array, Info]:
+        """Take an action. There is no reset when the episode is over: wrappers of JaxUED do it.
+
+        Args:
+            rng: the source of randomness.
+            state: the state.
+            action: int32.
+            params: the levels.
+
+        Returns:
+            The observation, the state, the reward, whether the episode is over, and the info of
+            `LevelEnvironment.step` without `final_observation`.
+        """
+        params = self.default_params if params is None else params
+        observation, after, reward, terminated, info = self._env.step_env(
+            rng, state, action, params
+        )
+        truncated = self._env.is_truncated(after, params)
+        info |= {"terminated": terminated, "truncated": truncated}
+        return observation, after, reward, terminated | truncated, info
+
+    def action_space(self, params: EnvParams | None = None) -> spaces.Discrete:
+        """Return the space of actions."""
+        return self._env.action_space(params)

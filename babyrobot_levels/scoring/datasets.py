@@ -11,9 +11,9 @@ import numpy as np
 
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.envs.arguments import checked_observation
-from babyrobot_levels.envs.engine.rollout import Rollout
 from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent
+from babyrobot_levels.envs.rollout import Rollout
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level

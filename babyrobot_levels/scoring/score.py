@@ -17,11 +17,11 @@ from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import NAMED, StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import check_discount, check_within
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.single import LevelEnv
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level

@@ -28,9 +28,9 @@ from support.playing import (
 )
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.registration import register_levels
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.text.files import user_folder
 

@@ -12,9 +12,9 @@ from support.places import DOCS
 from support.playing import level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS, make_batch_observer, make_observer
 from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.level import Level
 
 PAGE = (DOCS / "environments.md").read_text(encoding="utf-8")

@@ -97,16 +97,16 @@ def test_installing_again_and_reloading_change_nothing(tmp_path: Path) -> None:
     code = """
 import importlib, sys
 import babyrobot_levels
-from babyrobot_levels.envs import gymnasium_hook as _gymnasium_hook
+from babyrobot_levels.envs import registration
 before = len(sys.meta_path)
-_gymnasium_hook.install()
+registration.install()
 importlib.reload(babyrobot_levels)
-importlib.reload(_gymnasium_hook)
+importlib.reload(registration)
 assert len(sys.meta_path) == before
 import gymnasium
 from gymnasium.envs.registration import registry
 count = len(registry)
-_gymnasium_hook.install()
+registration.install()
 importlib.reload(babyrobot_levels)
 from babyrobot_levels.envs.registration import register_all
 register_all()

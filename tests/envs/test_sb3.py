@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from support.playing import each_level_and, level_named
 
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
 
 pytestmark = pytest.mark.libraries
 

@@ -16,8 +16,8 @@ from gymnasium.utils.env_checker import check_env
 from support.playing import episodes, plain
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.suites.suite import load_suite

@@ -1,4 +1,4 @@
-"""The engine `"numpy"`: looks up whole arrays at once, into arrays that are kept."""
+"""The engine `"numpy"`, which looks up whole arrays at once, and the choice of an engine."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy import add, bitwise_and, copyto, greater, greater_equal, multiply, nd
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.draws import Draws
-from babyrobot_levels.envs.engine.state import EnvStates, Layout, Record, Results
+from babyrobot_levels.envs.engine.state import Engine, EnvStates, Layout, Record, Results
 from babyrobot_levels.envs.engine.tables import (
     END,
     NO_LIMIT,
@@ -20,6 +20,8 @@ from babyrobot_levels.envs.engine.tables import (
     Tables,
     Words,
 )
+from babyrobot_levels.text.errors import how_to_install
+from babyrobot_levels.text.words import did_you_mean
 
 _UNSIGNED = np.dtype(np.uintp)
 _NOBODY = np.empty(0, np.intp)
@@ -182,3 +184,40 @@ def reset(tables: Tables, envs: EnvStates, which: Ints, draws: Draws) -> None:
     envs.state[which] = tables.starts.take(draws.starts(which, envs.level, tables))
     envs.deadline[which] = tables.limit.take(envs.level.take(which)) + envs.clock
     envs.done[which] = False
+
+
+ENGINES = ("numpy", "compiled")
+
+
+def make_engine(
+    name: str | None, tables: Tables, observations: NDArray[np.int64], num_envs: int
+) -> Engine:
+    """Return an engine.
+
+    Args:
+        name: one of `ENGINES`, or None for `"compiled"` where Numba can be used, else `"numpy"`.
+        tables: the tables of the levels.
+        observations: the observation of each state, int64 `[states, numbers]`.
+        num_envs: how many environments there are.
+
+    Raises:
+        ValueError: there is no such engine.
+        ImportError: an engine is required whose library is missing or cannot be used.
+    """
+    if name not in (None, *ENGINES):
+        known = ", ".join(map(repr, ENGINES))
+        guess = did_you_mean(name, ENGINES) if isinstance(name, str) else ""
+        raise ValueError(f"engine must be {known} or None, not {name!r}{guess}")
+    if name != "numpy":
+        try:
+            from babyrobot_levels.envs.engine.compiled import CompiledEngine
+        except (ImportError, RuntimeError) as reason:
+            # Numba raises the latter if it finds no folder for its cache.
+            if name == "compiled":
+                raise ImportError(
+                    "engine='compiled' needs Numba, with compiling enabled and a cache folder: "
+                    + how_to_install("fast")
+                ) from reason
+        else:
+            return CompiledEngine(tables, observations, num_envs)
+    return PlainEngine(tables, observations, num_envs)

@@ -12,13 +12,13 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
     check_choice,
     check_names,
     checked_actions,
     checked_autoreset_mode,
+    checked_count,
     checked_given,
     checked_observation,
     checked_options,
@@ -26,7 +26,6 @@ from babyrobot_levels.envs.arguments import (
     start_states,
     takes_observation,
 )
-from babyrobot_levels.envs.engine.factory import checked_count
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
 from babyrobot_levels.envs.engine.tables import masks_at
@@ -34,7 +33,8 @@ from babyrobot_levels.envs.observations import make_batch_observer
 from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.rendering import RENDER_FPS
-from babyrobot_levels.envs.spaces import BatchActions, make_action_space
+from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
+from babyrobot_levels.envs.suite import make_suite_serializable, suite_and_split
 from babyrobot_levels.envs.vector.levels import (
     ChangingVectorEnv,
     checked_levels,
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
     from babyrobot_levels.envs.samplers import Sampler
     from babyrobot_levels.envs.single import LevelLike
+    from babyrobot_levels.envs.suite import SuiteLike
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 
@@ -418,3 +419,54 @@ def make_vector(level: LevelLike | None = None, **kwargs: Any) -> LevelVectorEnv
     if kwargs.get("levels") is None:
         level = checked_given("level", level)
     return LevelVectorEnv(level, **kwargs)
+
+
+class SuiteVectorEnv(LevelVectorEnv):
+    """Many environments that step in one call, and draw a level of a suite for each episode.
+
+    The vector entry point of `babyrobot/Suite-v0`. Each environment is equivalent to a `SuiteEnv`
+    in the `TimeLimit` of the suite.
+
+    Attributes:
+        suite: the suite, or the split of it.
+    """
+
+    def __init__(
+        self, suite: SuiteLike, *, split: str | None = None, num_envs: int = 1, **kwargs: Any
+    ) -> None:
+        """Make the environment of a suite.
+
+        Args:
+            suite: a name, a path, a mapping or a `Suite`.
+            split: the split that is used; by default, the whole suite.
+            num_envs: how many environments there are.
+            kwargs: the other arguments of `LevelVectorEnv`, such as `sampler`, except for
+                `level`, `levels` and `draw_levels`.
+
+        Raises:
+            SuiteNotFoundError: there is no such suite.
+            LevelError: the suite is not valid.
+            UnsatisfiableError: no level meets the suite's conditions.
+            ValueError: there is no such split, it has no levels, or another argument is invalid.
+        """
+        self._given_suite, self.suite = suite_and_split(suite, split)
+        super().__init__(levels=self.suite, draw_levels=True, num_envs=num_envs, **kwargs)
+
+    def _make_serializable(self, given: dict[str, Any]) -> None:
+        super()._make_serializable(given)
+        make_suite_serializable(given, self._given_suite)
+
+
+def make_suite_vector(suite: SuiteLike | None = None, **kwargs: Any) -> SuiteVectorEnv:
+    """Return a suite's vector environment: the vector entry point of `babyrobot/Suite-v0`.
+
+    Args:
+        suite: a name, a path, a mapping or a `Suite`.
+        kwargs: the other arguments of `SuiteVectorEnv`.
+
+    Raises:
+        MissingArgument: there is no suite.
+        TypeError: there is no such argument.
+    """
+    check_names(kwargs, LevelVectorEnv.__init__, "split", "suite")
+    return SuiteVectorEnv(checked_given("suite", suite), **kwargs)

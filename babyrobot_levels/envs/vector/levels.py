@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.arguments import start_states
-from babyrobot_levels.envs.engine.factory import limits_of, make_engine
+from babyrobot_levels.envs.arguments import limits_of, start_states
+from babyrobot_levels.envs.engine.plain import make_engine
 from babyrobot_levels.envs.engine.tables import (
     Part,
     Room,
@@ -27,16 +27,15 @@ from babyrobot_levels.envs.engine.tables import (
     write_part,
 )
 from babyrobot_levels.envs.observations.base import Extent
-from babyrobot_levels.envs.samplers import checked_sampler
-from babyrobot_levels.envs.suite import extent_of
-from babyrobot_levels.envs.vector.next_levels import (
+from babyrobot_levels.envs.samplers import (
     DrawnLevels,
     ExchangedLevels,
     Family,
     GrownMazes,
+    checked_sampler,
 )
-from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
-from babyrobot_levels.envs.vector.seeding import SeededVectorEnv
+from babyrobot_levels.envs.suite import extent_of
+from babyrobot_levels.envs.vector.base import RenderedVectorEnv, SeededVectorEnv
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.configurations import largest_radices
@@ -44,11 +43,10 @@ from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Suite
 
 if TYPE_CHECKING:
-    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.envs.engine.state import Engine
-    from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
+    from babyrobot_levels.envs.engine.tables import Ints, Tables
     from babyrobot_levels.envs.observations.base import BatchObserver
-    from babyrobot_levels.envs.spaces import BatchActions
+    from babyrobot_levels.envs.spaces import ActionSet, BatchActions
 
 KEPT_STATES = 2**19
 """Levels of a suite are kept as long as they have no more states than this together."""
@@ -482,14 +480,6 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
             numbers = self._slots.numbers.take(self._envs.level)
             return {self._slots.family.key: numbers}
         return {"level_index": self._envs.level.copy()} if len(self.levels) > 1 else {}
-
-    def _digests(self, where: Flags) -> dict[str, NDArray[Any]]:
-        """Return the digests of the levels of some environments, for infos as they once were."""
-        if self._slots is not None and self._slots.family.key == "maze_seed":
-            return {}
-        digests = np.array(self.call("level_digest"), object)
-        digests[~where] = None
-        return {"level_digest": digests, "_level_digest": where}
 
     def _change_levels(self, which: Ints, numbers: Any = None, start: Any = None) -> None:
         """Assign other levels to environments: those with `numbers`, `[num_envs]`, or drawn ones.

@@ -20,7 +20,6 @@ from support.combinations import combined
 from support.fleets import ENGINES, MODES, kinds_of, levels, same, walked
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.tables import (
     ALWAYS,
     Room,
@@ -31,9 +30,9 @@ from babyrobot_levels.envs.engine.tables import (
     write_part,
 )
 from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector import levels as level_slots
-from babyrobot_levels.envs.vector.env import LevelVectorEnv
-from babyrobot_levels.envs.vector.suite import SuiteVectorEnv
+from babyrobot_levels.envs.vector.env import LevelVectorEnv, SuiteVectorEnv
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.suite import Suite, load_suite
 

@@ -16,10 +16,10 @@ from support.fleets import ENGINES, MODES, levels, same, walked
 from support.playing import level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.draws import SharedDraws
-from babyrobot_levels.envs.engine.factory import make_engine
+from babyrobot_levels.envs.engine.plain import make_engine
 from babyrobot_levels.envs.engine.tables import ALWAYS, TERMINAL, build_tables, info_dtype, part_of
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
 

@@ -13,7 +13,7 @@ from support.combinations import combined
 from support.fleets import ENGINES, MODES, Reference, assert_same_info, levels, same
 from support.playing import CORNERS, level_named
 
-from babyrobot_levels.envs.action_sets import ACTION_SETS
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
 

@@ -27,9 +27,9 @@ from support.fleets import (
 from support.playing import level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine import loops
 from babyrobot_levels.envs.engine.draws import MOST_WORDS, OwnDraws
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
 

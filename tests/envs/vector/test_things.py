@@ -16,8 +16,7 @@ from support.fleets import ENGINES, MODES, SEEDS, SIZE, assert_same_walks, same,
 from support.playing import CORNERS, GALLERY, level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.vector.env import LevelVectorEnv
-from babyrobot_levels.envs.vector.suite import SuiteVectorEnv
+from babyrobot_levels.envs.vector.env import LevelVectorEnv, SuiteVectorEnv
 from babyrobot_levels.library.level import Level
 
 ACTIONS = ("all", "moves", "turns")

@@ -31,8 +31,8 @@ from support.fleets import (
 from support.playing import GALLERY, each_level_and, level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 
 LEVEL_ID = "babyrobot/Level-v0"

@@ -12,7 +12,7 @@ from support.fleets import ENGINES, levels, same
 from support.playing import level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.engine import rollout as rollouts
+from babyrobot_levels.envs import rollout as rollouts
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import check_actions, check_seed
 from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
-from babyrobot_levels.envs.action_sets import ACTION_SETS
+from babyrobot_levels.envs.arguments import checked_count, limits_of
 from babyrobot_levels.envs.engine.draws import SharedDraws
-from babyrobot_levels.envs.engine.factory import checked_count, limits_of, make_engine
+from babyrobot_levels.envs.engine.plain import make_engine
 from babyrobot_levels.envs.engine.state import EnvStates, Record
 from babyrobot_levels.envs.engine.tables import (
     ALWAYS,
@@ -26,6 +26,7 @@ from babyrobot_levels.envs.engine.tables import (
     info_dtype,
     part_of,
 )
+from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
 
 CHUNK = 16_384
