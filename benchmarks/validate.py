@@ -28,8 +28,7 @@ from commands import (
 )
 from timing import Comparison, compare_in_turns, installed
 
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import Level, load_file
 
 ROOT = Path(__file__).parents[1]
 LEVEL = ROOT / "levels" / "final-maze.yaml"

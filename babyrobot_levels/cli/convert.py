@@ -308,7 +308,7 @@ def export_level(
         with working("drawing") as report:
             made = picture(loaded, chosen, {}, report)
     else:
-        from babyrobot_levels.convert.exchange import export
+        from babyrobot_levels.convert.formats import export
 
         conversion = export(loaded, chosen)
         report_losses(conversion.warnings, strict=strict)

@@ -157,7 +157,7 @@ class Version:
 
 def _read(file: str, path: str) -> Version | None:
     """Return a version of a file, None for no file."""
-    from babyrobot_levels.library.reading import load_source
+    from babyrobot_levels.library.level import load_source
     from babyrobot_levels.text.files import read_source
 
     if file in _NO_FILES:

@@ -359,7 +359,7 @@ def _digests_in(folders: list[Path], workers: Workers) -> frozenset[str]:
 
 def digest_of(path: Path) -> str | None:
     """Return the digest of a file's level, None for suites, invalid levels and random mazes."""
-    from babyrobot_levels.library.reading import load_file
+    from babyrobot_levels.library.level import load_file
     from babyrobot_levels.text.errors import LevelError
 
     try:

@@ -100,7 +100,7 @@ def json_mapping(text: str) -> dict[str, Any]:
 
 def _read_level() -> Level:
     """Return the level on standard input."""
-    from babyrobot_levels.library.reading import load_source
+    from babyrobot_levels.library.level import load_source
 
     return load_source(read_path(STANDARD_INPUT))
 

@@ -71,8 +71,7 @@ def pack(
       babyrobot pack zoo -o zoo.brlpack
     """
     from babyrobot_levels.library.packs import build as packing
-    from babyrobot_levels.library.packs.archive import SUFFIX
-    from babyrobot_levels.library.packs.format import PackError
+    from babyrobot_levels.library.packs.archive import SUFFIX, PackError
     from babyrobot_levels.linter.linting import lint
     from babyrobot_levels.text.files import PACK_FILE
 
@@ -197,7 +196,7 @@ def install(
       babyrobot preview zoo/lion
     """
     from babyrobot_levels.library.packs import store
-    from babyrobot_levels.library.packs.format import PackConflictError, PackError
+    from babyrobot_levels.library.packs.archive import PackConflictError, PackError
 
     try:
         done = store.install(file, force=force)
@@ -230,9 +229,8 @@ def uninstall(
 
       babyrobot uninstall zoo
     """
-    from babyrobot_levels.library.packs import store
-    from babyrobot_levels.library.packs.format import PackConflictError, PackNotFoundError
-    from babyrobot_levels.library.packs.known import carried_packs
+    from babyrobot_levels.library.packs import carried_packs, store
+    from babyrobot_levels.library.packs.archive import PackConflictError, PackNotFoundError
 
     try:
         gone = store.uninstall(name)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
-from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.parallel.executor import (
     Executor,
     ExecutorError,

@@ -367,7 +367,7 @@ class _Game:
 def _recorded(env: Any, path: Path) -> Any:
     """Return an environment whose episodes are recorded; end the command if that is impossible."""
     from babyrobot_levels.language.play import PlayError
-    from babyrobot_levels.scoring.plays.record import RecordPlay
+    from babyrobot_levels.scoring.plays import RecordPlay
 
     try:
         return RecordPlay(env, path)

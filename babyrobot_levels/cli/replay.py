@@ -27,9 +27,9 @@ from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.scoring.plays.files import Play
-    from babyrobot_levels.scoring.plays.grades import Grade
-    from babyrobot_levels.scoring.plays.verify import Verification
+    from babyrobot_levels.scoring.grades import Grade
+    from babyrobot_levels.scoring.plays import Play
+    from babyrobot_levels.scoring.verify import Verification
 
 _LONGEST_SHOW = 12.0
 """The most seconds that showing an episode takes."""
@@ -77,7 +77,7 @@ def replay(
 
       babyrobot replay ada.brlplay --episode 2 -o ada.gif
     """
-    from babyrobot_levels.scoring.plays.verify import verify_play
+    from babyrobot_levels.scoring.verify import verify_play
 
     plays = _read(file)
     if episode is not None and episode > len(plays):
@@ -110,7 +110,7 @@ def replay(
 
 def _read(file: Path) -> list[Play]:
     """Return the plays of a file; end the command if it cannot be read."""
-    from babyrobot_levels.scoring.plays.files import read_plays
+    from babyrobot_levels.scoring.plays import read_plays
 
     try:
         return read_plays(file)
@@ -126,7 +126,7 @@ def _read(file: Path) -> list[Play]:
 
 def _data(number: int, verification: Verification) -> dict[str, Any]:
     """Return what is known about a play, for JSON: null where it is not known."""
-    from babyrobot_levels.scoring.plays.grades import bounds_of
+    from babyrobot_levels.scoring.grades import bounds_of
 
     play = verification.play
     data: dict[str, Any] = {

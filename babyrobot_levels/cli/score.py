@@ -30,7 +30,7 @@ from babyrobot_levels.cli.solve import ActionSet
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.scoring.plays.grades import Grade, Grades
+    from babyrobot_levels.scoring.grades import Grade, Grades
     from babyrobot_levels.scoring.results import LevelScore, Scores
 
 _PLAYS = ".brlplay"
@@ -205,7 +205,7 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
 
 def _agent(word: str, *, trust: bool) -> Any:
     """Return the agent that an argument names."""
-    from babyrobot_levels.scoring.saved import AgentError, load_model, load_policy
+    from babyrobot_levels.scoring.agents import AgentError, load_model, load_policy
 
     if word in (_RANDOM, _BEST):
         return word
@@ -304,7 +304,7 @@ def _score_plays(
     force: bool,
 ) -> None:
     """Write the grades of files of plays."""
-    from babyrobot_levels.scoring.plays.grades import grade
+    from babyrobot_levels.scoring.grades import grade
 
     wanted = None if level is None else load_level(level)
     if wanted is not None and wanted.has_random_maze:

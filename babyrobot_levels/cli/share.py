@@ -186,7 +186,7 @@ def resolve(
 
       babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
     """
-    from babyrobot_levels.library.resolving import text_for
+    from babyrobot_levels.library.catalogue import text_for
     from babyrobot_levels.text.source import MAX_BYTES
 
     loaded = with_seed(load_level(level), maze_seed)

@@ -40,7 +40,7 @@ from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOptio
 from babyrobot_levels.cli.pictures import text_picture
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
-from babyrobot_levels.library.packs.known import KnownPack, fields, known_packs
+from babyrobot_levels.library.packs import KnownPack, fields, known_packs
 from babyrobot_levels.library.search_path import Place
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
@@ -233,7 +233,7 @@ def list_levels(
       babyrobot list --packs
     """
     from babyrobot_levels.library.catalogue import catalogue, suite_files
-    from babyrobot_levels.library.packs.known import unusable_packs
+    from babyrobot_levels.library.packs import unusable_packs
     from babyrobot_levels.library.search_path import PATH_VARIABLE, path_folders
 
     if packs:

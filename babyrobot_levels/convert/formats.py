@@ -1,9 +1,12 @@
-"""The formats of other programs: one entry each, and which one a text is in."""
+"""The formats of other programs, one entry each; levels from and to them, and what is lost."""
 
 from __future__ import annotations
 
+import os
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 from babyrobot_levels.convert import block_maps, frozen_lake, setups, tiled
@@ -11,11 +14,19 @@ from babyrobot_levels.convert.conversion import (
     Codec,
     Conversion,
     ConversionError,
+    Lost,
     World,
+    file_text,
+    level_of,
     looks_like_data,
     read_data,
 )
+from babyrobot_levels.language.documents import slug
+from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source, schema_for, write_new
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -109,3 +120,235 @@ def guess(source: SourceFile) -> list[str]:
         return drawn
     data = read_data(source)
     return [name for name, each in FORMATS.items() if each.codec.holds(data)][-1:]
+
+
+ENVIRONMENT = re.compile(r"([\w.]+:)?(MiniGrid|BabyAI)-[\w./-]+-v\d+")
+"""The ids of MiniGrid's environments."""
+
+
+def import_(
+    source: str | os.PathLike[str],
+    path: str | os.PathLike[str] | None = None,
+    *,
+    format: str | None = None,  # noqa: A002
+    name: str | None = None,
+    seed: int = 0,
+    kwargs: Mapping[str, Any] | None = None,
+    slippery: bool | None = None,
+    force: bool = False,
+) -> Level:
+    """Return the level of a file of another program, as `babyrobot import` converts it.
+
+    What a level cannot express is told in `ConversionWarning`s.
+
+    Args:
+        source: the path of the file, or the id of an environment of MiniGrid.
+        path: a level file to write.
+        format: the format of the file, such as `"frozen-lake"`; by default it is detected.
+        name: the name of the level; by default that of the file.
+        seed: the seed of the reset of an environment.
+        kwargs: the keyword arguments of an environment.
+        slippery: whether a FrozenLake map is slippery, if it does not say so; by default it is.
+        force: whether to replace an existing file.
+
+    Raises:
+        ConversionError: the source is not in the format, or not in a known one.
+        LevelError: the file cannot be read, or is no valid level.
+        ValueError: there is no such format.
+        FileExistsError: there is a file, and `force` is not given.
+    """
+    world = _world(source, format, seed, kwargs, slippery)
+    own = name or slug(Path(source).stem)
+    if path is not None:
+        title = (own or "imported").replace("-", " ").capitalize()
+        text = file_text(world, schema=schema_for(Path(path)), name=name, title=title)
+        write_new(Path(path), text, force=force)
+    return level_of(world, name=own, stacklevel=2)
+
+
+def _world(
+    source: str | os.PathLike[str],
+    chosen: str | None,
+    seed: int,
+    kwargs: Mapping[str, Any] | None,
+    slippery: bool | None,
+) -> World:
+    if isinstance(source, str) and ENVIRONMENT.fullmatch(source) and not Path(source).exists():
+        from babyrobot_levels.analysis.environments import ComparisonError, made_minigrid
+        from babyrobot_levels.convert.minigrid import world_of_environment
+
+        try:
+            env = made_minigrid(source, seed, kwargs)
+        except ComparisonError as error:
+            raise ConversionError(str(error)) from error
+        try:
+            return world_of_environment(env, source, seed)
+        finally:
+            env.close()
+    text = read_source(Path(source))
+    known = [chosen] if chosen is not None else guess(text)
+    if chosen is not None and chosen not in FORMATS:
+        raise ValueError(f"there is no format {chosen!r}; use one of {', '.join(FORMATS)}")
+    if len(known) != 1:
+        why = f"may be {' or '.join(known)}" if known else f"is none of {', '.join(FORMATS)}"
+        raise ConversionError(f"{text.name} {why}: give its format")
+    return FORMATS[known[0]].read(text, slippery=slippery, folder=Path(source).parent)
+
+
+# -- export ----------------------------------------------------------------------------------------
+
+_LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
+"""Prefixes of the fields whose loss does not change the MDP."""
+
+_WALLS = ("maze", "walls", "openings")
+_TOGETHER = {
+    "walls": _WALLS,
+    "blocked": ("blocked", *_WALLS),
+    "exit_one_of": ("exit_one_of", "exit"),
+}
+"""Fields that are lost together."""
+
+_OF_AREAS = ("reward", "skid", "ends")
+"""What areas have beside looks."""
+
+
+def export(
+    level: LevelLike,
+    format: str | None = None,  # noqa: A002
+    path: str | os.PathLike[str] | None = None,
+    *,
+    maze_seed: int | None = None,
+    force: bool = False,
+) -> Conversion:
+    """Return a level in the format of another program, as `babyrobot export` writes it.
+
+    The warnings list everything that the format cannot hold. The result is read again and its
+    tables are compared with those of the level, in which what warnings name is as in the result: a
+    difference is a warning too.
+
+    Args:
+        level: a name, a path, a share code, a mapping, or a level.
+        format: the format, such as `"frozen-lake"`; by default by the suffix of the file.
+        path: a file to write it to, and beside it what belongs to it.
+        maze_seed: the seed of the maze of a level with a random maze.
+        force: whether to replace existing files.
+
+    Raises:
+        LevelNotFoundError: nothing has that name.
+        LevelError: the level is not valid, or its maze has no seed yet (`seed: random`).
+        ValueError: there is no such format.
+        FileExistsError: there is a file, and `force` is not given.
+    """
+    found = load(level) if maze_seed is None else load(level).with_maze_seed(maze_seed)
+    conversion = converted(found, format or _by_suffix(path))
+    if path is not None:
+        for beside, data in conversion.beside.items():
+            write_new(Path(path).parent / beside, data, force=force)
+        write_new(Path(path), conversion.text, force=force)
+    return conversion
+
+
+def _by_suffix(path: str | os.PathLike[str] | None) -> str:
+    suffix = "" if path is None else Path(path).suffix.lower()
+    found = [name for name, each in FORMATS.items() if suffix in each.written_suffixes]
+    if not found:
+        raise ValueError("give the format: one of " + ", ".join(_written()))
+    return found[0]
+
+
+def _written() -> list[str]:
+    return [name for name, each in FORMATS.items() if each.is_written]
+
+
+def converted(level: Level, name: str) -> Conversion:
+    """Return a level in a format by its name; see `export`."""
+    if name not in _written():
+        raise ValueError(f"there is no format {name!r}; use one of {', '.join(_written())}")
+    conversion = FORMATS[name].write(level)
+    unsaid = _unsaid(level, conversion, name)
+    if unsaid is None:
+        return conversion
+    lost = (*conversion.warnings, Lost("MDP", unsaid))
+    return Conversion(conversion.text, lost, conversion.beside)
+
+
+def _unsaid(level: Level, conversion: Conversion, name: str) -> str | None:
+    """Return a difference of a result that its warnings do not explain, None if there is none."""
+    from babyrobot_levels.analysis.compare import compare
+
+    try:
+        source = SourceFile("<exported>", conversion.text)
+        again = Level.from_fields(FORMATS[name].read(source).fields)
+        is_open = not any(getattr(level, key) for key in _WALLS)
+        told_of_walls = any(lost.field == "walls" for lost in conversion.warnings)
+        if again.size != level.size and told_of_walls and not is_open:
+            # Walls became cells. What else is lost shows without them.
+            fields = {key: each for key, each in _of_mdp(level).items() if key not in _WALLS}
+            rest = Level.from_fields(fields)
+            return _unsaid(rest, FORMATS[name].write(rest), name)
+        told = level
+        if conversion.warnings:
+            told = Level.from_fields(_as_told(level, again, conversion))
+    except LevelError:
+        # It is too large to be read, or what it comes to is not valid.
+        return None
+    if told.digest == again.digest:
+        return None
+    found = compare(told, again)
+    if found.equal and found.everywhere:
+        # Probabilities differ in their last digits only.
+        return None
+    return found.difference or "cells that no episode reaches differ"
+
+
+def _of_mdp(level: Level) -> dict[str, Any]:
+    """Return the fields of a level that its tables come from, as plain data, without a drawing."""
+    names = {*fields_with(Role.GEOMETRY, Role.DYNAMICS, Role.REWARD)} - {"map", "legend"}
+    fields = level.model_dump(by_alias=True, exclude_none=True, include=names)
+    for name, value in fields.items():
+        if isinstance(value, tuple) and value and isinstance(value[0], dict):
+            # Only what is given: a wall with `pass: 0` replaces glass, one without does not.
+            given = {"by_alias": True, "exclude_unset": True, "exclude_none": True}
+            fields[name] = tuple(each.model_dump(**given) for each in getattr(level, name))
+    if "exit_one_of" in fields:
+        del fields["exit"]
+    return {"version": 1, **fields}
+
+
+def _as_told(level: Level, again: Level, conversion: Conversion) -> dict[str, Any]:
+    """Return the fields of a level in which what warnings name is as in the result."""
+    fields, result = _of_mdp(level), _of_mdp(again)
+    for lost in conversion.warnings:
+        name, *parts = lost.field.split(".")
+        if lost.field.startswith(_LOOKS):
+            continue
+        if name == "areas":
+            _take_areas(fields, result, parts[0])
+        elif name in _TOGETHER:
+            for each in _TOGETHER[name]:
+                _take(fields, result, [each])
+        else:
+            _take(fields, result, [name, *parts])
+    return fields
+
+
+def _take(fields: dict[str, Any], result: dict[str, Any], keys: list[str]) -> None:
+    """Have the value under some keys, one inside the other, as in the result."""
+    key, *others = keys
+    inner, new = fields.get(key), result.get(key)
+    if others and isinstance(inner, dict) and isinstance(new, dict):
+        _take(inner, new, others)
+    elif new is None:
+        fields.pop(key, None)
+    else:
+        fields[key] = new
+
+
+def _take_areas(fields: dict[str, Any], result: dict[str, Any], part: str) -> None:
+    """Take a property from all areas; those that end the episode share the reward of the result."""
+    ends = [area for area in result["areas"] if area.get("ends")]
+    for area in fields["areas"]:
+        area.pop(part, None)
+        if part == "reward" and area.get("ends") and ends:
+            area.update({key: ends[0][key] for key in (part,) if key in ends[0]})
+    fields["areas"] = [area for area in fields["areas"] if not area.keys().isdisjoint(_OF_AREAS)]

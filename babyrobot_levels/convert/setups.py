@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.convert.conversion import (
     Codec,
@@ -27,6 +27,9 @@ from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.words import did_you_mean
+
+if TYPE_CHECKING:
+    import gymnasium
 
 Cell = tuple[int, int]
 
@@ -419,3 +422,43 @@ CODEC = Codec(
     lambda source: read_setup(mapping(read_data(source), "the setup")),
     holds=lambda data: isinstance(data, dict) and (not data or bool(data.keys() & KEYWORDS)),
 )
+
+
+ID = "BabyRobot-v0"
+"""The environment id of PyPI babyrobot, for notebooks that use it."""
+
+
+def register_babyrobot() -> None:
+    """Let `gymnasium.make("BabyRobot-v0", **setup)` play a setup of PyPI babyrobot as a level.
+
+    An environment that is already registered under this id is replaced.
+    """
+    from gymnasium.envs.registration import register, registry
+
+    from babyrobot_levels.envs.single import LevelEnv
+
+    make_babyrobot.metadata = LevelEnv.metadata  # type: ignore[attr-defined]
+    # Gymnasium warns when an id is registered twice.
+    registry.pop(ID, None)
+    register(ID, entry_point=f"{__name__}:make_babyrobot", order_enforce=False)
+
+
+def make_babyrobot(
+    render_mode: str | None = None, action_space: str = "dynamic", **setup: Any
+) -> gymnasium.Env[Any, Any]:
+    """Return the environment of a keyword setup.
+
+    Args:
+        render_mode: a render mode of `LevelEnv`.
+        action_space: `"dynamic"` samples only valid actions, `"discrete"` all five.
+        setup: the keywords of the package; see `from_setup`.
+    """
+    from gymnasium.wrappers import TimeLimit
+
+    from babyrobot_levels.envs.single import LevelEnv
+
+    actions = "valid" if action_space == "dynamic" else "all"
+    level = from_setup(setup)
+    env = LevelEnv(level, render_mode=render_mode, actions=actions)
+    # This id's spec does not know the limit of a setup.
+    return env if level.max_steps is None else TimeLimit(env, level.max_steps)

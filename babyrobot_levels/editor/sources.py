@@ -17,8 +17,7 @@ from babyrobot_levels.editor.session import EditedFile, Session
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.catalogue import find, levels, load, looks_like_path
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_code
+from babyrobot_levels.library.level import Level, load_code
 from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.render.page import link_fragment
 from babyrobot_levels.render.page_format import TooLargeError

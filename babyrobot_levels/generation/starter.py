@@ -13,8 +13,7 @@ from typing import Any
 from babyrobot_levels.generation.locks import Counts, Placer
 from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_source, loads
+from babyrobot_levels.library.level import Level, load_source, loads
 from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.mdp.mazes.lattice import below
 from babyrobot_levels.text.emitter import flow, scalar

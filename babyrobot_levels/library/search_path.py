@@ -61,7 +61,7 @@ def places() -> Iterator[Place]:
 def pack_places() -> Iterator[Place]:
     """Yield the places that are packs."""
     # Here, because looking for files in folders needs nothing of it.
-    from babyrobot_levels.library.packs.known import known_packs
+    from babyrobot_levels.library.packs import known_packs
 
     names = set()
     for pack in known_packs():

@@ -14,13 +14,15 @@ from importlib.util import find_spec
 from time import monotonic
 from typing import Any
 
-from babyrobot_levels.parallel.chunks import Chunk, Done, stream
 from babyrobot_levels.parallel.executor import (
+    Chunk,
+    Done,
     ExecutorError,
     Failure,
     Item,
     Result,
     WorkerDiedError,
+    stream,
 )
 from babyrobot_levels.text.errors import DISTRIBUTION, how_to_install
 
@@ -128,7 +130,7 @@ def _worker(wanted: str | None) -> Callable[[bytes], Any]:
         import platform
 
         try:
-            from babyrobot_levels.parallel.chunks import work_on
+            from babyrobot_levels.parallel.executor import work_on
             from babyrobot_levels.parallel.on_ray import installed
 
             here = installed()

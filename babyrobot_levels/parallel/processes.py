@@ -13,8 +13,16 @@ from dataclasses import dataclass
 from multiprocessing.synchronize import Event
 from typing import Any
 
-from babyrobot_levels.parallel.chunks import Chunk, Done, stream, work_on
-from babyrobot_levels.parallel.executor import Failure, Item, Result, WorkerDiedError
+from babyrobot_levels.parallel.executor import (
+    Chunk,
+    Done,
+    Failure,
+    Item,
+    Result,
+    WorkerDiedError,
+    stream,
+    work_on,
+)
 from babyrobot_levels.text.files import uninterrupted
 
 MAX_JOBS = 61

@@ -69,7 +69,7 @@ def _latex(text: str) -> str:
 
 def pack_in(argument: str) -> tuple[str, str | None] | None:
     """Return name and version of the pack in an argument; a pack may have no version."""
-    from babyrobot_levels.library.packs.known import fields
+    from babyrobot_levels.library.packs import fields
     from babyrobot_levels.library.search_path import pack_places
 
     # A file of that name takes precedence.

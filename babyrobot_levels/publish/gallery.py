@@ -20,7 +20,7 @@ from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.publish.assets import ASSETS
 from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
 from babyrobot_levels.publish.level_page import level_html, values_svg, with_neighbours

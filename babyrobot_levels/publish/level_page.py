@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.play import program
 from babyrobot_levels.library.catalogue import files_in
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.library.search_path import gallery_place
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.publish.citation import bibtex, citation

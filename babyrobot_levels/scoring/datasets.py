@@ -17,9 +17,9 @@ from babyrobot_levels.envs.rollout import Rollout
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.scoring.plays.files import Play
-from babyrobot_levels.scoring.plays.verify import verify_play
+from babyrobot_levels.scoring.plays import Play
 from babyrobot_levels.scoring.score import score
+from babyrobot_levels.scoring.verify import verify_play
 
 
 @dataclass(frozen=True, eq=False)

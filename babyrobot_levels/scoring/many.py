@@ -25,11 +25,10 @@ from babyrobot_levels.analysis.solver.results import (
     check_within,
 )
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.parallel.choice import ExecutorName, InProcess, executor_for
+from babyrobot_levels.parallel import ExecutorName, InProcess, executor_for
 from babyrobot_levels.parallel.executor import Executor, Failure
-from babyrobot_levels.scoring.agents import Table
+from babyrobot_levels.scoring.agents import MAX_BYTES, Table, load_policy
 from babyrobot_levels.scoring.results import plain
-from babyrobot_levels.scoring.saved import MAX_BYTES, load_policy
 from babyrobot_levels.scoring.sent import Item, portable_error, received, sent
 from babyrobot_levels.suites.named import Levels
 from babyrobot_levels.text.errors import BabyRobotError, LevelError

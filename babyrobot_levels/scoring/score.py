@@ -19,7 +19,7 @@ from babyrobot_levels.analysis.solver.results import check_discount, check_withi
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import make_observer
-from babyrobot_levels.envs.observations.base import Extent, Observation
+from babyrobot_levels.envs.observations.base import Extent, Observation, Observer
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
@@ -29,7 +29,6 @@ from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.scoring.agents import Chooser, Player, Table, read_agent
 from babyrobot_levels.scoring.intervals import Played, extremes
 from babyrobot_levels.scoring.results import LevelScore, Scores
-from babyrobot_levels.scoring.tables import policy_of
 from babyrobot_levels.suites.named import named_levels
 from babyrobot_levels.suites.suite import Suite
 
@@ -300,3 +299,37 @@ def _row(
         low=low,
         high=high,
     )
+
+
+BATCH = 4096
+"""The most observations that an agent is asked about at once."""
+
+
+def policy_of(
+    agent: Table | Chooser, space: StateSpace, observer: Observer, limit: int | None
+) -> ByStep:
+    """Return what an agent does in each state, and in each step if it takes that into account.
+
+    Args:
+        agent: an agent without memory.
+        space: the states of the level.
+        observer: makes the observations of the level.
+        limit: the number of steps after which episodes are truncated; None for no limit.
+
+    Raises:
+        ValueError: its answers are no actions, or no probabilities that add up to 1; or it is a
+            policy for another limit.
+    """
+    if isinstance(agent, Table):
+        policy = agent.of(space.level.name, space.level.digest)
+        return weights_by_step(policy, space, limit)
+    mdp, first = space.mdp, space.first_action
+    states = np.flatnonzero(~mdp.is_terminal & ~space.without_value)
+    table = np.zeros((mdp.num_states, mdp.num_actions - first))
+    # Where no episode comes, any action will do.
+    table[:, 0] = 1.0
+    for begin in range(0, states.size, BATCH):
+        part = states[begin : begin + BATCH]
+        seen = observer.rows(part)
+        table[part] = agent(seen, mdp.action_mask[part, first:].astype(np.int8))
+    return weights_by_step(table, space, limit)

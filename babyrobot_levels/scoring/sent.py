@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import LevelLike, level_path, load
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_code, load_file, load_source
+from babyrobot_levels.library.level import Level, load_code, load_file, load_source
 from babyrobot_levels.parallel.executor import Failure, portable
 from babyrobot_levels.suites.named import Levels, named_levels
 from babyrobot_levels.suites.suite import Suite, load_suite

@@ -15,7 +15,7 @@ from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import validate
 from babyrobot_levels.library.catalogue import LevelLike, load
-from babyrobot_levels.parallel.choice import ExecutorName, executor_for
+from babyrobot_levels.parallel import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor
 from babyrobot_levels.suites.batch import Batch, Generated, Target, is_pattern, is_title
 from babyrobot_levels.suites.named import Levels, named_levels

@@ -31,8 +31,7 @@ from babyrobot_levels.library.catalogue import (
     load,
     nearest_files,
 )
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.library.search_path import (
     GALLERY,
     Place,
@@ -376,7 +375,7 @@ def _own_pack(folder: Path | None) -> tuple[Place, ...]:
     """Return the pack around a folder, which need not be installed; none if there is none."""
     if folder is None:
         return ()
-    from babyrobot_levels.library.packs.known import fields
+    from babyrobot_levels.library.packs import fields
 
     here = Path(os.path.abspath(folder))  # noqa: PTH100  (names, not links, as for themes)
     for each in (here, *here.parents[:MAX_DEPTH]):

@@ -19,7 +19,7 @@ from support.sessions import Result, environment, prepared_folder, run_here
 
 from babyrobot_levels.language.json_schema import schema_text
 from babyrobot_levels.library.catalogue import levels, load
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import load_file
 from babyrobot_levels.mdp.mazes import ALGORITHMS
 
 GALLERY = [info.name for info in levels() if not load(info.name).has_random_maze]

@@ -11,8 +11,7 @@ from support.codes import play_data
 from support.sessions import Result, environment, run_here
 
 from babyrobot_levels.library.catalogue import levels, load
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import Level, load_file
 
 NAMES = [info.name for info in levels()]
 

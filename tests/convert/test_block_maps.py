@@ -9,7 +9,7 @@ from support.conversions import level_of_world, lost_fields, sample, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError, level_of
-from babyrobot_levels.convert.exchange import export
+from babyrobot_levels.convert.formats import export
 
 MAZE_MAPS = sample("gymnasium-robotics")
 DATASET = sample("maze-dataset")

@@ -15,8 +15,7 @@ from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import Conversion, Lost, fields_lost, file_text
-from babyrobot_levels.convert.exchange import export
-from babyrobot_levels.convert.formats import FORMATS, Format, guess
+from babyrobot_levels.convert.formats import FORMATS, Format, export, guess
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile

@@ -12,8 +12,7 @@ from support.conversions import level_of_world, lost_fields, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError
-from babyrobot_levels.convert.exchange import export
-from babyrobot_levels.convert.formats import guess
+from babyrobot_levels.convert.formats import export, guess
 from babyrobot_levels.convert.frozen_lake import read_frozen_lake
 from babyrobot_levels.text.source import SourceFile
 

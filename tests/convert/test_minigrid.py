@@ -10,7 +10,8 @@ from support.conversions import level_of_world, lost_fields, sample
 from support.minigrids import recorded
 
 import babyrobot_levels as brl
-from babyrobot_levels.convert import exchange, minigrid
+from babyrobot_levels.analysis import environments
+from babyrobot_levels.convert import minigrid
 from babyrobot_levels.convert.conversion import ConversionError, World, file_text
 from babyrobot_levels.convert.minigrid import world_of_environment
 from babyrobot_levels.library.level import Level
@@ -184,7 +185,7 @@ def test_a_level_in_one_call(monkeypatch: pytest.MonkeyPatch) -> None:
         calls.append(arguments)
         return recorded("MiniGrid-DoorKey-8x8-v0")
 
-    monkeypatch.setattr(exchange, "made_minigrid", made)
+    monkeypatch.setattr(environments, "made_minigrid", made)
     with pytest.warns(brl.ConversionWarning) as caught:
         level = brl.import_("MiniGrid-DoorKey-8x8-v0", seed=3, kwargs={"size": 8})
     assert calls == [("MiniGrid-DoorKey-8x8-v0", 3, {"size": 8})]

@@ -21,7 +21,7 @@ from support.worlds import World, decorated_worlds, level_of
 import babyrobot_levels as brl
 from babyrobot_levels.convert import tiled
 from babyrobot_levels.convert.conversion import ConversionError
-from babyrobot_levels.convert.exchange import export
+from babyrobot_levels.convert.formats import export
 from babyrobot_levels.convert.tiled import read_tiled
 from babyrobot_levels.text.source import SourceFile
 

@@ -7,7 +7,7 @@ import zlib
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.share_code import DICTIONARY_1
-from babyrobot_levels.library.reading import load_code
+from babyrobot_levels.library.level import load_code
 
 
 def test_a_reader_without_dictionaries_can_use_a_stored_block() -> None:

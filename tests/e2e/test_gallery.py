@@ -17,8 +17,7 @@ from babyrobot_levels.analysis.solver.linear import expected_sums
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.tables import Mdp
 

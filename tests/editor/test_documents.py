@@ -122,7 +122,7 @@ def test_another_level_is_opened_as_one_step(source: str, expected: brl.Level) -
 
 @pytest.mark.parametrize("name", ["maze-map", "maze-dataset", "minigrid", "sokoban"])
 def test_what_is_exported_can_be_pasted(name: str) -> None:
-    from babyrobot_levels.convert.exchange import export
+    from babyrobot_levels.convert.formats import export
 
     text = export(brl.load("maze"), name).text
     session = session_of(None)

@@ -10,7 +10,7 @@ from support.hands import Finger, Hand, Keys, Mouse
 from support.packs import babyrobot
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import load_file
 
 pytestmark = pytest.mark.slow
 

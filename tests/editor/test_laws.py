@@ -24,7 +24,7 @@ from babyrobot_levels.editor.places import places_of, side_of
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.drawing import compose
-from babyrobot_levels.library.reading import loads
+from babyrobot_levels.library.level import loads
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 from babyrobot_levels.text.document import comments
 from babyrobot_levels.text.emitter import emit

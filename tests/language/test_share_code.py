@@ -22,8 +22,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.language.share_code import DICTIONARY_1, MAX_CHARACTERS, is_code
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_code, load_file
+from babyrobot_levels.library.level import Level, load_code, load_file
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.text.source import MAX_BYTES
 

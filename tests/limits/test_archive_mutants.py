@@ -11,10 +11,9 @@ from unittest import mock
 from support.mutants import mutated
 from support.packs import good_files, manifest_of, sealed, snapshot
 
-from babyrobot_levels.library.packs.archive import parse_archive, write_archive
-from babyrobot_levels.library.packs.format import Manifest, PackError
+from babyrobot_levels.library.level import load_file
+from babyrobot_levels.library.packs.archive import Manifest, PackError, parse_archive, write_archive
 from babyrobot_levels.library.packs.store import install
-from babyrobot_levels.library.reading import load_file
 
 GOOD = sealed()
 FILES = good_files()

@@ -30,7 +30,7 @@ from support.packs import (
 from support.work import counted_calls
 
 from babyrobot_levels.library.packs import archive
-from babyrobot_levels.library.packs.format import MANIFEST
+from babyrobot_levels.library.packs.archive import MANIFEST
 
 pytestmark = pytest.mark.usefixtures("here")
 

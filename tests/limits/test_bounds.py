@@ -12,7 +12,7 @@ from oracles.random_things import random_level
 from support.work import traced_memory
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.reading import loads
+from babyrobot_levels.library.level import loads
 from babyrobot_levels.mdp.compiler import layers, outcomes, things
 from babyrobot_levels.mdp.configurations import most_outcomes, surely_fits
 from babyrobot_levels.mdp.tables import Mdp

@@ -6,7 +6,7 @@ import pytest
 
 from babyrobot_levels import validate
 from babyrobot_levels.language.checks import MAX_PROBLEMS
-from babyrobot_levels.library.reading import loads
+from babyrobot_levels.library.level import loads
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.source import Position
 

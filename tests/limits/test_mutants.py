@@ -14,8 +14,7 @@ from support.mutants import BROKEN, WHOLE, mutants
 from support.reading import read_level
 
 from babyrobot_levels import validate
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import loads
+from babyrobot_levels.library.level import Level, loads
 from babyrobot_levels.linter.reporters import render
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError

@@ -12,8 +12,7 @@ from support.worlds import LEGEND, World, drawings, level_of, worlds
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.drawing import compose
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import loads
+from babyrobot_levels.library.level import Level, loads
 from babyrobot_levels.text.errors import LevelError
 
 NAMES = [info.name for info in brl.levels() if not brl.load(info.name).has_random_maze]

@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 from support import tasks
 
-from babyrobot_levels.parallel import on_ray
-from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.parallel import executor_for, on_ray
 from babyrobot_levels.parallel.executor import ExecutorError, Failure, WorkerDiedError
 from babyrobot_levels.parallel.on_ray import OnRay
 

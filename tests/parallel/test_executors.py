@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from support import tasks
 
-from babyrobot_levels.parallel.choice import InProcess, executor_for
+from babyrobot_levels.parallel import InProcess, executor_for
 from babyrobot_levels.parallel.executor import Executor, Failure, WorkerDiedError, results
 from babyrobot_levels.parallel.processes import Processes
 

@@ -20,8 +20,7 @@ from support.worlds import decorated_worlds, level_of_text, worlds
 import babyrobot_levels as brl
 from babyrobot_levels.generation.starter import TEMPLATES, StarterOptions, starter
 from babyrobot_levels.language.formatting import format_source, tidy
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 from babyrobot_levels.text.document import Document, comments
 from babyrobot_levels.text.emitter import scalar

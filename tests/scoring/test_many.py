@@ -14,7 +14,7 @@ import pytest
 from support import policies
 
 import babyrobot_levels as brl
-from babyrobot_levels.parallel.choice import InProcess
+from babyrobot_levels.parallel import InProcess
 from babyrobot_levels.parallel.executor import Executor
 from babyrobot_levels.parallel.processes import Processes
 

@@ -13,10 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from babyrobot_levels.language.suite_list import version_order
-from babyrobot_levels.library.packs.archive import Archive, read_archive
-from babyrobot_levels.library.packs.contents import Contents, check_contents, survey
-from babyrobot_levels.library.packs.format import PackConflictError, PackNotFoundError
-from babyrobot_levels.library.packs.known import (
+from babyrobot_levels.library.packs import (
     CURRENT,
     InstalledPack,
     current,
@@ -27,6 +24,13 @@ from babyrobot_levels.library.packs.known import (
     packs_folder,
     version_of,
 )
+from babyrobot_levels.library.packs.archive import (
+    Archive,
+    PackConflictError,
+    PackNotFoundError,
+    read_archive,
+)
+from babyrobot_levels.library.packs.build import Contents, check_contents, survey
 from babyrobot_levels.text.files import is_folder, make_folder, write_text
 from babyrobot_levels.text.words import nearest
 

@@ -12,7 +12,7 @@ from support.playground import KEYS, Playground
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.page import link_fragment, to_html
-from babyrobot_levels.scoring.plays.verify import verify_play
+from babyrobot_levels.scoring.verify import verify_play
 
 TURN_KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp"]
 

@@ -13,7 +13,7 @@ from support.carriers import LEVEL, carry, write
 from support.packs import babyrobot
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs.known import (
+from babyrobot_levels.library.packs import (
     carried_packs,
     known_packs,
     package_folder,
@@ -120,7 +120,7 @@ def test_asking_for_packs_leaves_gymnasiums_hook_alone(tmp_path: Path) -> None:
     carry(tmp_path, "brl_zoo", "zoo = gymnasium.envs")
     code = """
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs.known import known_packs
+from babyrobot_levels.library.packs import known_packs
 list(known_packs())
 import gymnasium
 print(gymnasium.make("babyrobot/final-maze-v0").unwrapped.level.name)

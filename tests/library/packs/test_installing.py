@@ -15,8 +15,7 @@ from support.packs import babyrobot, level, packed, snapshot, users_files, write
 from support.subprocesses import HOME
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs import store
-from babyrobot_levels.library.packs.known import fields, installed, packs
+from babyrobot_levels.library.packs import fields, installed, packs, store
 from babyrobot_levels.text.files import user_folder
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -411,7 +410,7 @@ def test_calls_at_once_do_not_break_one_another() -> None:
     code = (
         "import sys; from pathlib import Path\n"
         "from babyrobot_levels.library.packs import archive, store\n"
-        "from babyrobot_levels.library.packs.format import PackNotFoundError\n"
+        "from babyrobot_levels.library.packs.archive import PackNotFoundError\n"
         "for round in range(6):\n"
         "    if sys.argv[1] == 'uninstall':\n"
         "        try: store.uninstall('zoo')\n"

@@ -13,7 +13,7 @@ from support.sessions import Result, environment, run_here
 import babyrobot_levels as brl
 from babyrobot_levels.language.documents import theme_folders
 from babyrobot_levels.library.catalogue import catalogue
-from babyrobot_levels.library.packs.known import unusable_packs
+from babyrobot_levels.library.packs import unusable_packs
 from babyrobot_levels.library.packs.store import uninstall
 from babyrobot_levels.library.search_path import places
 from babyrobot_levels.suites.suite import load_suite
@@ -108,7 +108,7 @@ def test_places_are_looked_for_one_by_one(
     def torn() -> None:
         raise AssertionError("nobody has asked for packs")
 
-    monkeypatch.setattr("babyrobot_levels.library.packs.known.carried_packs", torn)
+    monkeypatch.setattr("babyrobot_levels.library.packs.carried_packs", torn)
     write(users_pack / "lion.yaml")
     assert brl.load("final-maze").name == "final-maze"
     assert brl.load("zoo/lion").name == "lion"

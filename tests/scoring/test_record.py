@@ -11,7 +11,7 @@ import pytest
 from support.plays import record
 
 import babyrobot_levels as brl
-from babyrobot_levels.scoring.plays.verify import verify_play
+from babyrobot_levels.scoring.verify import verify_play
 
 
 @pytest.fixture

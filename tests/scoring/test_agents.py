@@ -15,7 +15,7 @@ import pytest
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
-from babyrobot_levels.scoring.saved import AgentError, load_model, load_policy
+from babyrobot_levels.scoring.agents import AgentError, load_model, load_policy
 
 NAMES = ["frozen-lake", "first-key"]
 

@@ -13,7 +13,7 @@ from support.plays import line_of, record, recorded
 
 import babyrobot_levels as brl
 from babyrobot_levels.language import play as play_format
-from babyrobot_levels.scoring.plays import files
+from babyrobot_levels.scoring import plays as files
 
 
 @pytest.fixture

@@ -25,11 +25,14 @@ from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.envs.arguments import start_states
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import PlayError
-from babyrobot_levels.scoring.plays.files import Play, read_plays
+from babyrobot_levels.mdp.actions import Action, Turn
+from babyrobot_levels.mdp.events import Event, events_of
+from babyrobot_levels.scoring.plays import Play, read_plays, return_of
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import write_bytes
 
 if TYPE_CHECKING:
+    from babyrobot_levels.render.gif import Step
     from babyrobot_levels.render.raster import Progress
 
 _EQUAL = 1e-9
@@ -115,7 +118,6 @@ class Verification:
             ValueError: the film is too large.
         """
         from babyrobot_levels.render.gif import to_gif
-        from babyrobot_levels.scoring.plays.film import steps_of
 
         if self.fault is not None:
             raise PlayError(f"the play is not valid: {self.fault}")
@@ -269,13 +271,35 @@ def _seed_fault(play: Play, space: StateSpace) -> str | None:
     return None
 
 
-def return_of(rewards: list[float], discount: float) -> float:
-    """Return the discounted sum of rewards."""
-    total = 0.0
-    for reward in reversed(rewards):
-        total = reward + discount * total
-    return total
-
-
 def _margin(play: Play) -> float:
     return _EQUAL * max(1.0, sum(map(abs, play.rewards)))
+
+
+def steps_of(play: Play) -> list[Step]:
+    """Return the steps of a valid play in the numbering of `level.compile()`.
+
+    A robot that turns is shown without its heading.
+    """
+    from babyrobot_levels.render.gif import Step
+
+    mdp = play.level.compile()
+    cells = mdp.cells
+    if play.action_set == "turns":
+        size = mdp.cells * 4
+        states = [state // size * cells + state % cells for state in play.states]
+        headings = [state // cells % 4 for state in play.states]
+        actions = [
+            headings[step] + Action.NORTH if action == Turn.FORWARD else Action.STAY
+            for step, action in enumerate(play.actions)
+        ]
+    else:
+        states = play.states
+        first = Action.NORTH if play.action_set == "moves" else Action.STAY
+        actions = [action + first for action in play.actions]
+    steps = []
+    for number, (action, reward) in enumerate(zip(actions, play.rewards, strict=True)):
+        state, after = states[number], states[number + 1]
+        is_it = (mdp.probability[state, action] > 0) & (mdp.next_state[state, action] == after)
+        event = events_of(mdp, slice(state, state + 1))[0, action][is_it.argmax()]
+        steps.append(Step(state, int(action), after, reward, bool(event == Event.SKIDDED)))
+    return steps

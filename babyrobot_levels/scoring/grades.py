@@ -22,10 +22,10 @@ from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, Undefi
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.scoring.plays.files import Play, read_plays
-from babyrobot_levels.scoring.plays.verify import verify_play
+from babyrobot_levels.scoring.plays import Play, read_plays
 from babyrobot_levels.scoring.results import plain, written
 from babyrobot_levels.scoring.score import score
+from babyrobot_levels.scoring.verify import verify_play
 
 _Conditions = tuple[str, str, int | None, float]
 """Of plays that are compared: digest, set of actions, time limit, discount."""

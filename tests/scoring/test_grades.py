@@ -15,7 +15,7 @@ import pytest
 from support.plays import forged, record
 
 import babyrobot_levels as brl
-from babyrobot_levels.scoring.plays.files import append_play
+from babyrobot_levels.scoring.plays import append_play
 
 LAKE = "frozen-lake"
 

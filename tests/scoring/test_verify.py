@@ -12,7 +12,7 @@ import pytest
 from support.plays import forged, recorded
 
 import babyrobot_levels as brl
-from babyrobot_levels.scoring.plays.verify import verify_play
+from babyrobot_levels.scoring.verify import verify_play
 
 SLIPPERY = {
     "version": 1,
@@ -161,7 +161,7 @@ def test_luck_that_would_take_too_long_is_not_computed(
 @pytest.mark.parametrize("actions", ["all", "moves", "turns"])
 @pytest.mark.parametrize("level", ["final-maze", "first-key"])
 def test_the_film_shows_the_steps(tmp_path: Path, level: str, actions: str) -> None:
-    from babyrobot_levels.scoring.plays.film import steps_of
+    from babyrobot_levels.scoring.verify import steps_of
 
     play = recorded(tmp_path, brl.load(level).replace(max_steps=30), actions)
     steps = steps_of(play)

@@ -1,1 +1,0 @@
-"""Plays: episodes as files, verified without any generator."""
