@@ -6,9 +6,8 @@ import math
 import re
 from contextlib import closing
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, get_args
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -22,9 +21,13 @@ from babyrobot_levels.cli.parallel import (
     map_all,
     track,
 )
-from babyrobot_levels.cli.suite_options import Options, option, suite_of
-from babyrobot_levels.language.suite import Place
-from babyrobot_levels.language.walls import Algorithm
+from babyrobot_levels.cli.suite_options import (
+    command_line,
+    given_options,
+    option,
+    suite_of,
+    with_conditions,
+)
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
@@ -44,143 +47,13 @@ class Naming:
     first: int
 
 
-# An enum, because typer takes no lists of literals.
-AlgorithmName = StrEnum(  # type: ignore[misc]
-    "AlgorithmName", {name.upper().replace("-", "_"): name for name in get_args(Algorithm)}
-)
-
-
+@with_conditions
 def generate(
     suite: Annotated[
         str | None,
         typer.Argument(
             metavar="[SUITE]",
             help="Name or file of a suite, in place of the options up to --split.",
-            show_default=False,
-        ),
-    ] = None,
-    count: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Number of levels.", show_default=False),
-    ] = None,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SIZE",
-            help="Width and height, or a range of them: 8x5, 6x6..12x12.  [default: 8x5]",
-            show_default=False,
-        ),
-    ] = None,
-    algorithm: Annotated[
-        list[AlgorithmName] | None,
-        typer.Option(
-            metavar="A",
-            help="Maze algorithm; if repeated, one of them is drawn for each level.  "
-            "[default: depth-first]",
-            show_default=False,
-        ),
-    ] = None,
-    loops: Annotated[
-        str | None,
-        typer.Option(
-            metavar="R", help="Share of dead ends to open: 0.5, 0..1.", show_default=False
-        ),
-    ] = None,
-    puddles: Annotated[
-        str | None,
-        typer.Option(metavar="A..B", help="Number of puddles: 3, 0..4.", show_default=False),
-    ] = None,
-    wind: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B",
-            help="Number of rows and columns with wind: 2, 0..3.",
-            show_default=False,
-        ),
-    ] = None,
-    keys: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B", help="Number of keys, all needed: 1, 1..3.", show_default=False
-        ),
-    ] = None,
-    doors: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B",
-            help="Number of locked doors.  [default: one for each key]",
-            show_default=False,
-        ),
-    ] = None,
-    coins: Annotated[
-        str | None,
-        typer.Option(metavar="A..B", help="Number of coins: 3, 0..4.", show_default=False),
-    ] = None,
-    guards: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B", help="Number of guards on patrol: 1, 0..2.", show_default=False
-        ),
-    ] = None,
-    detour: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B",
-            help="Steps that doors, guards and wind add to the shortest path: 10.., 6..12.",
-            show_default=False,
-        ),
-    ] = None,
-    path_length: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B",
-            help="Length of the shortest path to the exit, with open doors: 20..30, 20.., 18.",
-            show_default=False,
-        ),
-    ] = None,
-    dead_ends: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B",
-            help="Number of cells with exactly one open side: 5..8.",
-            show_default=False,
-        ),
-    ] = None,
-    difficulty: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A..B", help="Difficulty, as in `babyrobot show`: 4..6.", show_default=False
-        ),
-    ] = None,
-    start: Annotated[
-        Place | None,
-        typer.Option(help="Position of the start.  [default: corner]", show_default=False),
-    ] = None,
-    exit_: Annotated[
-        Place | None,
-        typer.Option("--exit", help="Position of the exit.  [default: corner]", show_default=False),
-    ] = None,
-    theme: Annotated[
-        str | None,
-        typer.Option(
-            metavar="THEME",
-            help="Theme: default, black_orange, blue_green, green, high_contrast or print.",
-            show_default=False,
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None,
-        typer.Option(
-            metavar="S",
-            help="Random seed: the same seed generates the same files.  [default: 0]",
-            show_default=False,
-        ),
-    ] = None,
-    split: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME=SHARE,…",
-            help="Split the levels into folders that share no maze: train=0.8,test=0.2.",
             show_default=False,
         ),
     ] = None,
@@ -233,6 +106,7 @@ def generate(
     jobs: JobsOption = None,
     ray: RayOption = False,
     ray_address: RayAddressOption = None,
+    **conditions: Any,
 ) -> None:
     """Generate levels that meet conditions: solvable, all different, reproducible by a seed.
 
@@ -255,34 +129,15 @@ def generate(
     """
     from babyrobot_levels.suites.batch import FolderError, Target
 
-    options = Options(
-        count=count,
-        size=size and re.sub("[X×]", "x", size),
-        algorithm=tuple(map(str, algorithm or ())),
-        loops=loops,
-        puddles=puddles,
-        wind=wind,
-        keys=keys,
-        doors=doors,
-        coins=coins,
-        guards=guards,
-        detour=detour,
-        path_length=path_length,
-        dead_ends=dead_ends,
-        difficulty=difficulty,
-        start=start,
-        exit=exit_,
-        theme=theme,
-        seed=seed,
-        split=split,
-    )
+    if conditions["size"]:
+        conditions["size"] = re.sub("[X×]", "x", conditions["size"])
     workers = Workers(jobs, ray, ray_address)
     if output.exists() and not output.is_dir():
         fail(f"{output} is not a folder")
     if any(output.resolve().is_relative_to(folder.resolve()) for folder in exclude or []):
         fail("--exclude contains the folder to write to", "write to another folder")
     excluded = _digests_in(exclude or [], workers)
-    batch = _batch(suite, options, Naming(names, title, first), excluded)
+    batch = _batch(suite, conditions, Naming(names, title, first), excluded)
     target = Target(batch, output, resume, force)
     try:
         _write(target, workers, keep_going=keep_going)
@@ -290,18 +145,20 @@ def generate(
         fail(str(error), error.help)
 
 
-def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozenset[str]) -> Batch:
+def _batch(
+    suite: str | None, conditions: dict[str, Any], naming: Naming, excluded: frozenset[str]
+) -> Batch:
     from babyrobot_levels.suites.batch import DEFAULT_NAMES, Batch, is_pattern, is_title
     from babyrobot_levels.suites.generate import described
     from babyrobot_levels.text.errors import LevelError
 
     if suite is None:
-        if options.count is None:
+        if conditions["count"] is None:
             fail("the number of levels is missing", "add --count N, or the name of a suite")
-        fields, description = suite_of(options), options.command_line()
+        fields, description = suite_of(conditions), command_line(conditions)
         pattern = DEFAULT_NAMES
     else:
-        fields, pattern = _suite_named(suite, options)
+        fields, pattern = _suite_named(suite, conditions)
         description = described(fields)
     if fields.count > MAX_FILES:
         fail(f"--count must be at most {MAX_FILES:,}, not {fields.count:,}")
@@ -314,21 +171,21 @@ def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozen
         description += f", without {len(excluded):,} games"
     batch = Batch(fields, pattern, description, excluded, naming.first, naming.title)
     try:
-        batch.order().maker().draw(0, 0)
+        batch.maker().draw(0, 0)
     except LevelError as error:
         # Only the theme can be wrong: the files must be valid wherever they are.
         fail(error.diagnostics[0].message, error.diagnostics[0].help)
     return batch
 
 
-def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
+def _suite_named(suite: str, conditions: dict[str, Any]) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the given count, and the pattern of its levels' names."""
     from babyrobot_levels.language.suite import SuiteFields
     from babyrobot_levels.suites.generate import fields_to_generate
     from babyrobot_levels.suites.sources import name_pattern
     from babyrobot_levels.suites.suite import load_suite
 
-    given = [name for name in options.given() if name != "--count"]
+    given = [name for name in given_options(conditions) if name != "--count"]
     if given:
         fail(f"{given[0]} cannot be combined with a suite", "leave out one of the two")
     loaded = load_suite(suite)
@@ -339,7 +196,7 @@ def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
             "generate a suite that grows mazes, or copy the files of these levels",
         )
     try:
-        fields = fields_to_generate(fields, loaded.folder, options.count)
+        fields = fields_to_generate(fields, loaded.folder, conditions["count"])
     except ValueError as error:
         fail(f"--{error}")
     return fields, name_pattern(fields)

@@ -119,11 +119,10 @@ def shown(value: Any) -> str:
     return f"{texts[0] if least or most is None else ''}..{texts[1]}"
 
 
-def empty_ranges(model: Model, names: tuple[str, ...]) -> Iterator[Issue]:
+def empty_ranges(model: Model) -> Iterator[Issue]:
     """Yield an error for each range of a model whose `min` is above its `max`."""
-    for name in names:
-        value = getattr(model, name)
-        if value is None:
+    for name, value in model:
+        if not isinstance(value, Model) or {"min", "max"} != type(value).model_fields.keys():
             continue
         least, most = bounds(value)
         is_pair = isinstance(least, tuple)
@@ -251,18 +250,7 @@ class SuiteFields(SuiteTexts):
 
 
 def _issues(suite: SuiteFields) -> Iterator[Issue]:
-    ranges = (
-        "size",
-        "puddles",
-        "wind",
-        *_THINGS,
-        "doors",
-        "detour",
-        "path_length",
-        "dead_ends",
-        "difficulty",
-    )
-    errors = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
+    errors = [*empty_ranges(suite), *empty_ranges(suite.maze)]
     yield from errors or _misfits(suite)
     yield from _faulty_splits(suite)
 
@@ -291,8 +279,6 @@ def _misfits(suite: SuiteFields) -> Iterator[Issue]:
 
 MOST_THINGS = {"keys": 8, "doors": 32, "coins": 10, "guards": 4}
 """The most of each kind in a level."""
-
-_THINGS = ("keys", "coins", "guards")
 
 
 def _too_many_things(suite: SuiteFields, cells: int) -> Iterator[Issue]:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
 from itertools import chain
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
@@ -23,7 +20,7 @@ from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.scoring.plays import Play, read_plays
-from babyrobot_levels.scoring.results import plain, written
+from babyrobot_levels.scoring.results import Table, plain
 from babyrobot_levels.scoring.score import score
 from babyrobot_levels.scoring.verify import verify_play
 
@@ -137,29 +134,11 @@ class Grade:
     fault: str | None
 
 
-class Grades(Sequence[Grade]):
+class Grades(Table[Grade]):
     """The plays of several players: one grade for each player and level."""
 
     __module__ = "babyrobot_levels"
-
-    def __init__(self, grades: Sequence[Grade]) -> None:
-        self._grades = tuple(grades)
-
-    def __len__(self) -> int:
-        return len(self._grades)
-
-    @overload
-    def __getitem__(self, index: int) -> Grade: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> Grades: ...
-
-    def __getitem__(self, index: int | slice) -> Grade | Grades:
-        found = self._grades[index]
-        return Grades(found) if isinstance(found, tuple) else found
-
-    def __iter__(self) -> Iterator[Grade]:
-        return iter(self._grades)
+    ROW = Grade
 
     @property
     def are_valid(self) -> bool:
@@ -169,18 +148,6 @@ class Grades(Sequence[Grade]):
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
         return {"grades": [plain(asdict(grade)) for grade in self]}
-
-    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return everything as JSON, and write it to a file if a path is given."""
-        return written(json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n", path)
-
-    def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return a table with a row for each grade, and write it to a file if a path is given."""
-        out = io.StringIO()
-        rows = csv.writer(out, lineterminator="\n")
-        rows.writerow([field.name for field in fields(Grade)])
-        rows.writerows(plain(asdict(grade)).values() for grade in self)
-        return written(out.getvalue(), path)
 
     def __repr__(self) -> str:
         return f"<Grades of {len({grade.player for grade in self})} players>"

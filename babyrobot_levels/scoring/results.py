@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, overload
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from babyrobot_levels.scoring.intervals import Played, interval
 from babyrobot_levels.text.files import write_bytes, write_text
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from babyrobot_levels.render.scene.shapes import Scene
 
 SOLVED = 0.95
@@ -118,10 +120,57 @@ class Summary:
     high: float
 
 
-class Scores(Sequence[LevelScore]):
+Row = TypeVar("Row", bound="DataclassInstance")
+
+
+class Table(Sequence[Row]):
+    """Rows with the same fields, in their order, that can be written as JSON and as CSV."""
+
+    ROW: ClassVar[type[DataclassInstance]]
+
+    def __init__(self, rows: Sequence[Row]) -> None:
+        self._rows = tuple(rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, index: int) -> Row: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Self: ...
+
+    def __getitem__(self, index: int | slice) -> Row | Self:
+        return self._part(index) if isinstance(index, slice) else self._rows[index]
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self._rows)
+
+    def _part(self, rows: slice) -> Self:
+        return type(self)(self._rows[rows])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as a mapping that JSON can hold; null for nan."""
+        raise NotImplementedError
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return everything as JSON, and write it to a file if a path is given."""
+        return _written(json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n", path)
+
+    def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return a table with a line for each row, and write it to a file if a path is given."""
+        out = io.StringIO()
+        rows = csv.writer(out, lineterminator="\n")
+        rows.writerow([field.name for field in fields(self.ROW)])
+        rows.writerows(plain(asdict(row)).values() for row in self)
+        return _written(out.getvalue(), path)
+
+
+class Scores(Table[LevelScore]):
     """The scores of an agent in several levels, in their order."""
 
     __module__ = "babyrobot_levels"
+    ROW = LevelScore
 
     def __init__(self, scores: Sequence[LevelScore], played: Sequence[Played] = ()) -> None:
         """Make scores.
@@ -130,24 +179,11 @@ class Scores(Sequence[LevelScore]):
             scores: that of each level.
             played: the episodes in each level, if there were any.
         """
-        self._scores, self._played = tuple(scores), tuple(played)
+        super().__init__(scores)
+        self._played = tuple(played)
 
-    def __len__(self) -> int:
-        return len(self._scores)
-
-    @overload
-    def __getitem__(self, index: int) -> LevelScore: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> Scores: ...
-
-    def __getitem__(self, index: int | slice) -> LevelScore | Scores:
-        if isinstance(index, slice):
-            return Scores(self._scores[index], self._played[index])
-        return self._scores[index]
-
-    def __iter__(self) -> Iterator[LevelScore]:
-        return iter(self._scores)
+    def _part(self, rows: slice) -> Scores:
+        return Scores(self._rows[rows], self._played[rows])
 
     @property
     def is_exact(self) -> bool:
@@ -210,18 +246,6 @@ class Scores(Sequence[LevelScore]):
             "levels": [plain(asdict(score)) for score in self],
         }
 
-    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return everything as JSON, and write it to a file if a path is given."""
-        return written(json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n", path)
-
-    def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return a table with a row for each level, and write it to a file if a path is given."""
-        out = io.StringIO()
-        rows = csv.writer(out, lineterminator="\n")
-        rows.writerow([field.name for field in fields(LevelScore)])
-        rows.writerows(plain(asdict(score)).values() for score in self)
-        return written(out.getvalue(), path)
-
     def to_svg(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return a picture of the shares as an SVG document: a bar for each level.
 
@@ -233,7 +257,7 @@ class Scores(Sequence[LevelScore]):
         """
         from babyrobot_levels.render.svg import to_svg
 
-        return written(to_svg(self._scene()), path)
+        return _written(to_svg(self._scene()), path)
 
     def to_png(self, path: str | os.PathLike[str] | None = None) -> bytes:
         """Return the picture of `to_svg` as a PNG file."""
@@ -286,7 +310,7 @@ def _number(value: Any) -> Any:
     return None if math.isnan(value) else "inf" if value > 0 else "-inf"
 
 
-def written(text: str, path: str | os.PathLike[str] | None) -> str:
+def _written(text: str, path: str | os.PathLike[str] | None) -> str:
     """Return a text, and write it to a file if a path is given."""
     if path is not None:
         write_text(Path(path), text)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from babyrobot_levels.generation.candidates import Maker
 from babyrobot_levels.generation.search import Found, UnsatisfiableError, find_level
@@ -71,28 +72,6 @@ class Batch:
         """Return the name of a level, which is that of its file."""
         return self.names.format(index=self.first + number)
 
-    def order(self) -> Order:
-        """Return what a process needs to make the levels."""
-        suite = json.dumps(plain(self.suite))
-        return Order(suite, self.names, self.first, self.title, self.mark, self.description)
-
-
-@dataclass(frozen=True)
-class Order:
-    """A batch in small: texts that processes exchange, without the levels that are excluded.
-
-    Attributes:
-        suite: the fields of the suite as JSON.
-        names, first, title, mark, description: as of the `Batch`.
-    """
-
-    suite: str
-    names: str
-    first: int
-    title: str | None
-    mark: str
-    description: str
-
     def maker(self) -> Maker:
         """Return the maker of the levels, which is built once in a process."""
         return _maker(self)
@@ -108,11 +87,17 @@ class Order:
             f"# {self.description}\n{level.to_yaml()}"
         )
 
+    def __hash__(self) -> int:
+        return hash(self.mark)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Workers need no levels that are excluded, which may be many.
+        return {**self.__dict__, "mark": self.mark, "excluded": frozenset()}
+
 
 @lru_cache(maxsize=2)
-def _maker(order: Order) -> Maker:
-    fields = SuiteFields.model_validate_json(order.suite)
-    return Maker(fields, order.names, first=order.first)
+def _maker(batch: Batch) -> Maker:
+    return Maker(batch.suite, batch.names, first=batch.first)
 
 
 def origin_of(text: str) -> tuple[str, int, int] | None:
@@ -158,45 +143,44 @@ def made_levels(
     Yields:
         Each level, or why there is none: an `UnsatisfiableError` if no level meets the conditions.
     """
-    order = batch.order()
     digests = set(batch.excluded)
-    with closing(executor.map(partial(make, order), tasks)) as outcomes:
+    with closing(executor.map(partial(make, batch), tasks)) as outcomes:
         for made in outcomes:
             if isinstance(made, Made) and made.digest in digests:
-                made = _another(order, made, digests)
+                made = _another(batch, made, digests)
             if isinstance(made, Made):
                 digests.add(made.digest)
             yield made
 
 
-def make(order: Order, task: Task) -> Made:
-    """Return a level of an order, which may be a duplicate of another.
+def make(batch: Batch, task: Task) -> Made:
+    """Return a level of a batch, which may be a duplicate of another.
 
     Raises:
         UnsatisfiableError: no level meets the conditions.
     """
-    (number, attempt), maker = task, order.maker()
+    (number, attempt), maker = task, batch.maker()
     if attempt is None:
-        return _written(order, find_level(maker, number))
-    return _written(order, Found(number, attempt, maker.draw(number, attempt).level))
+        return _written(batch, find_level(maker, number))
+    return _written(batch, Found(number, attempt, maker.draw(number, attempt).level))
 
 
-def _another(order: Order, made: Made, digests: set[str]) -> Made | Failure:
+def _another(batch: Batch, made: Made, digests: set[str]) -> Made | Failure:
     """Return the next candidate for a level that is a duplicate of none."""
     try:
         found = find_level(
-            order.maker(),
+            batch.maker(),
             made.number,
             first=made.attempt + 1,
             is_new=lambda level: level.digest not in digests,
         )
     except UnsatisfiableError as error:
         return Failure(made.number, error)
-    return _written(order, found)
+    return _written(batch, found)
 
 
-def _written(order: Order, found: Found) -> Made:
-    text = order.text(found.number, found.attempt, found.level)
+def _written(batch: Batch, found: Found) -> Made:
+    text = batch.text(found.number, found.attempt, found.level)
     return Made(found.number, found.attempt, text, found.level.digest)
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import os
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import accumulate, groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, overload
 
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.suite_list import AnySuite
+from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields
 from babyrobot_levels.library.catalogue import find_suite
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.members import (
@@ -22,13 +26,14 @@ from babyrobot_levels.suites.sources import (
     Bounds,
     Groups,
     GrownLevels,
-    ListedLevels,
     Numbers,
-    Source,
     groups_of,
 )
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.words import did_you_mean
+
+_HEX_DIGITS = 13
+"""How many digits of a digest decide on its split: 52 bits, which a float has exactly."""
 
 
 class Suite(Sequence[Level]):
@@ -224,7 +229,123 @@ class Suite(Sequence[Level]):
         return Suite, (self.fields, self.folder, self.numbers, self._split, self._members)
 
 
-def _source_of(fields: AnySuite, folder: Path | None, members: Sequence[Member]) -> Source:
+class ListedLevels:
+    """Levels that a suite lists, one entry after the other.
+
+    Args:
+        fields: the fields of the suite.
+        entries: for each entry, what it lists, and its levels.
+    """
+
+    def __init__(
+        self, fields: SuiteListFields, entries: Sequence[tuple[Member, Suite | None]]
+    ) -> None:
+        self._fields, self._entries = fields, entries
+        self._parts: list[tuple[Level, ...] | Suite] = [
+            member.levels if suite is None else suite for member, suite in entries
+        ]
+        self._ends = [*accumulate(len(part) for part in self._parts)]
+        self.count = self._ends[-1]
+        self.max_steps = fields.max_steps or self._longest()
+        self._own: dict[tuple[int, int], Level] = {}
+
+    def _longest(self) -> int | None:
+        limits: list[int | None] = []
+        for member, suite in self._entries:
+            limits += [level.max_steps for level in member.levels]
+            limits += [] if suite is None else [suite.max_steps]
+        return None if None in limits else max(limit for limit in limits if limit is not None)
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """How much a level has at most."""
+        return Bounds.joined(
+            bounds
+            for member, suite in self._entries
+            for bounds in ([suite.bounds] if suite else map(Bounds.of, member.levels))
+        )
+
+    @property
+    def groups(self) -> Groups:
+        """The levels of each entry, and their weights."""
+        found: list[tuple[int, float]] = []
+        for (member, suite), part in zip(self._entries, self._parts, strict=True):
+            groups: Groups = ((len(part), 1.0),) if suite is None else suite.groups
+            total = sum(count * weight for count, weight in groups)
+            scale = (len(part) if member.weight is None else member.weight) / total
+            found += [(count, weight * scale) for count, weight in groups]
+        same = groupby(found, itemgetter(1))
+        return tuple((sum(count for count, _ in each), weight) for weight, each in same)
+
+    def level(self, number: int) -> Level:
+        """Return a level, with the time limit of the suite."""
+        place = bisect_right(self._ends, number)
+        index = number - (self._ends[place - 1] if place else 0)
+        level = self._parts[place][index]
+        if level.max_steps == self.max_steps:
+            return level
+        other = level.model_copy(update={"max_steps": self.max_steps})
+        # Of another suite, levels are made when they are asked for, and not kept.
+        return other if self._entries[place][1] else self._own.setdefault((place, index), other)
+
+    def part(self, split: str) -> tuple[int, ...]:
+        """Return the numbers of a split: those whose digests are in its share of all digests."""
+        return self._splits[split]
+
+    @cached_property
+    def _splits(self) -> dict[str, tuple[int, ...]]:
+        names = [*self._fields.splits]
+        ends = [*accumulate(self._fields.splits.values())][:-1]
+        found: dict[str, list[int]] = {name: [] for name in names}
+        for number in range(self.count):
+            place = digest_share(self.level(number).digest)
+            found[names[bisect_right(ends, place)]].append(number)
+        return {name: tuple(numbers) for name, numbers in found.items()}
+
+    def whole_fields(self) -> dict[str, Any]:
+        """Return the entries, with the fields of all levels."""
+        entries: list[dict[str, Any]] = []
+        for member, suite in self._entries:
+            weight = member.weight
+            if suite is not None:
+                given = {"split": member.split, "count": member.count, "weight": weight}
+                stated = {name: value for name, value in given.items() if value is not None}
+                entries.append({"suite": suite.whole().to_dict(whole=True), **stated})
+            for level in member.levels:
+                share = {} if weight is None else {"weight": weight / len(member.levels)}
+                entries.append({"level": level.to_dict(whole=True), **share})
+        named = {} if self._fields.name is None else {"name": self._fields.name}
+        return {"levels": entries, **named}
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ListedLevels):
+            return False
+        mine, theirs = (
+            (each.max_steps, each._fields.splits, each.groups, each._flat())
+            for each in (self, other)
+        )
+        return mine == theirs
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _flat(self) -> list[dict[str, Any] | Suite]:
+        """Return the fields of the levels that are listed, and the other suites."""
+        found: list[dict[str, Any] | Suite] = []
+        for member, suite in self._entries:
+            found += [level.to_dict(whole=True) for level in member.levels]
+            found += [] if suite is None else [suite]
+        return found
+
+
+def digest_share(digest: str) -> float:
+    """Return the place of a digest among all digests, from 0 up to but not including 1."""
+    share: float = int(digest.rpartition(":")[2][:_HEX_DIGITS], 16) / 16**_HEX_DIGITS
+    return share
+
+
+def _source_of(
+    fields: AnySuite, folder: Path | None, members: Sequence[Member]
+) -> GrownLevels | ListedLevels:
     if isinstance(fields, SuiteFields):
         return GrownLevels(fields, folder)
     return ListedLevels(fields, [(member, _suite_in(member)) for member in members])
