@@ -1,4 +1,4 @@
-"""Executors: the same function for many items, in this process, in several, or on a Ray cluster."""
+"""The same function for many items: in this process, in several, or on a Ray cluster."""
 
 from __future__ import annotations
 
