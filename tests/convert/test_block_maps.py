@@ -155,13 +155,6 @@ def test_walls_that_fill_cells_are_not_a_lattice() -> None:
         world_of("#####\n#S  #\n#  E#\n#####", "maze-dataset")
 
 
-@pytest.mark.parametrize("name", ["braided-maze", "default"])
-def test_a_level_of_walls_alone_comes_back_from_maze_dataset(name: str) -> None:
-    level = brl.load(name)
-    text = export(level, "maze-dataset").text
-    assert level_of_world(world_of(text, "maze-dataset")).digest == level.digest
-
-
 # -- Sokoban ---------------------------------------------------------------------------------
 
 SOKOBAN = """

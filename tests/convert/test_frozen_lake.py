@@ -124,12 +124,6 @@ def test_the_gallerys_lakes_are_gymnasiums(name: str) -> None:
     assert set(game) <= {"title", "description", "source", "tags", "max_steps", "theme"}
 
 
-def test_losses_are_reported_by_field() -> None:
-    told = [lost.field for lost in export(brl.load("final-maze"), "frozen-lake").warnings]
-    assert {"puddles", "walls", "theme", "display"} <= set(told)
-    assert "rewards" not in told
-
-
 @pytest.mark.parametrize(
     "keywords",
     [{"map_name": "8x8"}, {"map_name": "4x4"}, {"is_slippery": False}, {"desc": None}],

@@ -45,25 +45,6 @@ def test_recorded_setups_are_the_recorded_levels() -> None:
         assert level.digest == level_of(record["level"]).digest, number
 
 
-def test_recorded_setups_have_the_recorded_transitions() -> None:
-    for number, record in enumerate(RECORD):
-        mdp = brl.from_setup(record["setup"]).compile()
-        for key, transitions in record["transitions"].items():
-            x, y, action = map(int, key.split(","))
-            expected: dict[tuple[int, float], float] = {}
-            for probability, (to_x, to_y), reward in transitions:
-                outcome = (to_y * mdp.width + to_x, reward)
-                expected[outcome] = expected.get(outcome, 0) + probability
-            found = {
-                (state, reward): probability
-                for probability, state, reward, _ in mdp.outcomes(y * mdp.width + x, action)
-            }
-            expected = {outcome: p for outcome, p in expected.items() if p > 1e-12}
-            assert found.keys() == expected.keys(), (number, key)
-            for outcome, p in expected.items():
-                assert abs(found[outcome] - p) < 1e-9, (number, key)
-
-
 # -- keyword by keyword ----------------------------------------------------------------------
 
 

@@ -277,16 +277,6 @@ def test_packed_layers_are_those_that_are_written_as_lists(compression: str) -> 
     assert world_of(packed_map(layer), "tiled") == world_of(packed_map(plain), "tiled")
 
 
-@pytest.mark.parametrize("compression", PACKERS)
-def test_what_tiled_has_saved_may_be_packed(compression: str) -> None:
-    data = json.loads(SAVED)
-    for layer in data["layers"]:
-        if layer["type"] == "tilelayer":
-            layer.update(packed_layer(packed(layer["data"], compression), compression))
-    again = level_of_world(world_of(json.dumps(data), "tiled"))
-    assert again.digest == brl.load("glass-wall").digest
-
-
 @pytest.mark.parametrize(
     ("data", "compression", "message"),
     [

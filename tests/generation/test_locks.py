@@ -154,16 +154,6 @@ def test_a_drawn_level_keeps_its_things() -> None:
         assert len(again.doors) == len(again.items[:1]) == len(again.movers) == 1
 
 
-@pytest.mark.slow
-def test_the_shipped_suite_has_disjoint_splits() -> None:
-    suite = load_suite("locked-mazes")
-    train, test = suite.split("train"), suite.split("test")
-    assert (len(train), len(test)) == (4000, 1000)
-    walls = {(level.size, level.grid().open_bits) for level in train[:15]}
-    assert not walls & {(level.size, level.grid().open_bits) for level in test[:15]}
-    assert all(fewest_steps(level) for level in test[:10])
-
-
 @pytest.mark.parametrize(
     ("fields", "message"),
     [

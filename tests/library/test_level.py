@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import copy
-import os
 import pickle
-import stat
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +28,6 @@ import babyrobot_levels as brl
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.documents import slug
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text import files
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.text.reader import read
@@ -70,14 +66,6 @@ def test_awkward_texts_survive(text: str) -> None:
     assert level.areas[0].label == text
 
 
-@given(texts, st.dictionaries(texts.filter(lambda key: key != "<<"), texts, max_size=3))
-def test_what_is_emitted_reads_back(text: str, mapping: dict[str, str]) -> None:
-    data = {"text": text, "list": [text, 1, 0.5, None, True], "mapping": mapping}
-    document = read(SourceFile("x.yaml", emit(data)))
-    assert document.data == data
-    assert not document.issues
-
-
 trees = st.recursive(
     st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats(allow_nan=False) | texts,
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(texts, inner, max_size=4),
@@ -109,14 +97,6 @@ def test_what_is_emitted_reads_back_however_deep_it_is(tree: Any, ways: list[str
     document = read(SourceFile("x.yaml", emit(data)))
     assert document.data == data
     assert not document.issues
-
-
-@pytest.mark.parametrize(
-    "number", [0, -1, 10**15, 2**53, 0.1, 1e-9, -2.5, 1e20, 1e308, 5e-324, 1 / 3, 123456789.125]
-)
-def test_numbers_read_back_exactly(number: float) -> None:
-    level = level_of({"version": 1, "rewards": {"step": number}})
-    assert level_of_text(level.to_yaml()).rewards.step == number
 
 
 def test_fields_are_written_in_their_order_and_only_those_that_were_given() -> None:
@@ -343,13 +323,6 @@ def test_what_was_not_changed_is_saved_as_it_was(tmp_path: Path) -> None:
     assert saved(brl.loads(FILE), tmp_path) == FILE
 
 
-@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
-def test_good_files_are_saved_as_the_same_level(path: Path, tmp_path: Path) -> None:
-    level = brl.loads(path.read_text(encoding="utf-8"))
-    again = brl.loads(saved(level, tmp_path))
-    assert again.to_dict() == level.to_dict()
-
-
 @pytest.mark.slow
 @for_each("path", GOOD)
 @pytest.mark.parametrize(
@@ -453,106 +426,6 @@ def test_any_level_can_be_spliced_into_any_text(one: World, other: World) -> Non
     result = splice(text, data, list(Level.model_fields))
     assert result is not None
     assert level_of_text(result).to_dict() == data
-
-
-# -- files -------------------------------------------------------------------------------------
-
-
-def test_writing_makes_folders_and_replaces_files(tmp_path: Path) -> None:
-    path = tmp_path / "a" / "b" / "level.yaml"
-    files.write_text(path, "one\n")
-    files.write_text(path, "zwölf\r\n")
-    assert path.read_bytes() == "zwölf\r\n".encode()
-    assert [p.name for p in path.parent.iterdir()] == ["level.yaml"]
-
-
-@pytest.mark.parametrize("broken", ["replace", "fsync", "chmod"])
-def test_a_failing_write_leaves_the_old_file_and_no_other(
-    broken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "level.yaml"
-    path.write_text("old\n")
-
-    def fail(*_: object, **__: object) -> None:
-        raise OSError("the disk is full")
-
-    monkeypatch.setattr(os, broken, fail)
-    with pytest.raises(OSError, match="full"):
-        files.write_text(path, "new\n")
-    assert path.read_text() == "old\n"
-    assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
-
-
-def test_a_text_that_cannot_be_encoded_leaves_the_old_file(tmp_path: Path) -> None:
-    path = tmp_path / "level.yaml"
-    path.write_text("old\n")
-    with pytest.raises(UnicodeEncodeError):
-        files.write_text(path, "\ud800")
-    assert path.read_text() == "old\n"
-    assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="paths are short there")
-def test_a_name_may_be_as_long_as_names_can_be(tmp_path: Path) -> None:
-    path = tmp_path / f"{'x' * 250}.yaml"
-    files.write_text(path, "new\n")
-    assert path.read_text() == "new\n"
-
-
-def test_on_windows_a_file_that_may_not_be_written_stays_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """There, a file without the permission to write can be neither replaced nor taken away."""
-
-    def is_kept(path: Path) -> bool:
-        return path.exists() and not path.stat().st_mode & stat.S_IWUSR
-
-    replace, unlink = Path.replace, Path.unlink
-
-    def replacing(path: Path, target: Path) -> Path:
-        if is_kept(target):
-            raise PermissionError(13, "Access is denied")
-        return replace(path, target)
-
-    def unlinking(path: Path, missing_ok: bool = False) -> None:
-        if is_kept(path):
-            raise PermissionError(13, "Access is denied")
-        unlink(path, missing_ok)
-
-    path = tmp_path / "level.yaml"
-    path.write_text("old\n")
-    path.chmod(0o444)
-    monkeypatch.setattr(sys, "platform", "win32")
-    monkeypatch.setattr(Path, "replace", replacing)
-    monkeypatch.setattr(Path, "unlink", unlinking)
-    with pytest.raises(PermissionError):
-        files.write_text(path, "new\n")
-    assert path.read_text() == "old\n"
-    assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
-def test_permissions_are_kept(tmp_path: Path) -> None:
-    path = tmp_path / "level.yaml"
-    path.write_text("old\n")
-    path.chmod(0o640)
-    files.write_text(path, "new\n")
-    assert stat.S_IMODE(path.stat().st_mode) == 0o640
-    mask = os.umask(0o027)
-    try:
-        files.write_text(tmp_path / "fresh.yaml", "new\n")
-    finally:
-        os.umask(mask)
-    assert stat.S_IMODE((tmp_path / "fresh.yaml").stat().st_mode) == 0o640
-
-
-@pytest.mark.skipif(os.name == "nt", reason="links of POSIX")
-def test_writing_through_a_link_keeps_the_link(tmp_path: Path) -> None:
-    (tmp_path / "real.yaml").write_text("old\n")
-    (tmp_path / "link.yaml").symlink_to("real.yaml")
-    files.write_text(tmp_path / "link.yaml", "new\n")
-    assert (tmp_path / "link.yaml").is_symlink()
-    assert (tmp_path / "real.yaml").read_text() == "new\n"
 
 
 # -- as a value ------------------------------------------------------------------------------

@@ -88,10 +88,8 @@ def test_an_editable_install_that_hooks_into_imports(
 @pytest.mark.parametrize(
     "value",
     [
-        *("..", "../..", ".", "/", "/etc", "C:\\levels", "~", "brl_zoo/..", "brl_zoo/../..", ""),
-        *("brl_zoo..cages", ".brl_zoo", "brl_zoo.", "brl_zoo\0", "brl zoo", "brl_zoo.*"),
-        *("sys", "os.path", "__main__", "nowhere", "nowhere.to.be.found", "brl_zoo.nothing"),
-        *("brl_zoo.lion", "x" * 5000, f"brl_zoo.{'x' * 5000}", "a" + ".a" * 500, "\ud800"),
+        *("../..", "/etc", "brl_zoo/..", "", "brl_zoo..cages", "brl_zoo\0", "sys", "os.path"),
+        *("nowhere.to.be.found", "brl_zoo.nothing", "brl_zoo.lion", f"brl_zoo.{'x' * 5000}"),
     ],
 )
 def test_values_that_lead_to_no_folder(value: str, site: Path) -> None:
