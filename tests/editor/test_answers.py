@@ -6,8 +6,10 @@ from threading import Event, Thread
 from typing import Any
 
 import pytest
+from support.gestures import send
 
 from babyrobot_levels.analysis.guides import guide_of
+from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.editor import answers as module
 from babyrobot_levels.editor.answers import Optimum
 from babyrobot_levels.editor.protocol import answer, prepare
@@ -18,14 +20,9 @@ from babyrobot_levels.render.page import page_data
 CORRIDOR = "version: 1\nsize: [5, 1]\nstart: [0, 0]\nexit: [4, 0]\n"
 
 
-def asked(session: Session, **message: Any) -> dict[str, Any]:
-    """Send a message that was made from the state at hand, and return the reply."""
-    return answer(session, {"id": 1, "revision": session.revision, **message})
-
-
 def test_the_state_has_the_optimum_and_the_pages_data_with_its_marks() -> None:
     session = Session(CORRIDOR)
-    state = asked(session, do="state")["state"]
+    state = send(session, "state")["state"]
     assert state["answers"] == {
         "status": "done",
         "best": -3.0,
@@ -43,25 +40,25 @@ def test_the_state_has_the_optimum_and_the_pages_data_with_its_marks() -> None:
 
 def test_a_change_is_told_with_the_cells_whose_values_it_changed() -> None:
     session = Session(CORRIDOR)
-    state = asked(session, do="paint", brush="large", cells=[[2, 0]])["state"]
+    state = send(session, "paint", brush="large", cells=[[2, 0]])["state"]
     told = state["answers"]
     assert told["before"] == -3.0
     assert told["best"] < -3.0
     # Nothing changes for a robot that has the puddle behind it.
     assert told["changed"] == [[0, 0], [1, 0], [2, 0]]
-    again = asked(session, do="text", text=session.text + "title: Wet\n")["state"]["answers"]
+    again = send(session, "text", text=session.text + "title: Wet\n")["state"]["answers"]
     assert (again["before"], again["changed"]) == (again["best"], [])
 
 
 def test_the_best_average_is_that_within_the_time_limit() -> None:
     short = Session(CORRIDOR + "max_steps: 2\n")
-    answers = asked(short, do="state")["state"]["answers"]
+    answers = send(short, "state")["state"]["answers"]
     assert (answers["best"], answers["best_name"]) == (-2.0, "Best average within 2 steps")
 
 
 def test_a_best_average_that_takes_too_long_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("babyrobot_levels.analysis.solver.horizon.QUICK_WORK", 0)
-    answers = asked(Session(CORRIDOR + "max_steps: 2\n"), do="state")["state"]["answers"]
+    answers = send(Session(CORRIDOR + "max_steps: 2\n"), "state")["state"]["answers"]
     assert (answers["status"], answers["best"], answers["best_text"]) == ("done", None, "")
     assert answers["reason"] == "what is earned within 2 steps takes too long to compute"
 
@@ -69,13 +66,13 @@ def test_a_best_average_that_takes_too_long_is_left_out(monkeypatch: pytest.Monk
 def test_another_size_has_no_changed_cells() -> None:
     session = Session(CORRIDOR)
     text = session.text.replace("[5, 1]", "[6, 1]").replace("exit: [4, 0]", "exit: [5, 0]")
-    told = asked(session, do="text", text=text)["state"]["answers"]
+    told = send(session, "text", text=text)["state"]["answers"]
     assert (told["best"], told["before"], told["changed"]) == (-4.0, -3.0, [])
 
 
 def test_an_invalid_text_keeps_the_last_optimum() -> None:
     session = Session(CORRIDOR)
-    state = asked(session, do="text", text="version: 1\nsize: [5, x]\n")["state"]
+    state = send(session, "text", text="version: 1\nsize: [5, x]\n")["state"]
     assert not state["is_valid"]
     assert state["answers"]["best"] == -3.0
     assert state["level"]["width"] == 5
@@ -91,14 +88,14 @@ def test_an_invalid_text_keeps_the_last_optimum() -> None:
     ],
 )
 def test_why_there_is_no_finite_return_is_told(text: str, best: str, reason: str) -> None:
-    told = asked(Session(text), do="state")["state"]["answers"]
+    told = send(Session(text), "state")["state"]["answers"]
     assert told["best"] is None
     assert told["best_text"] == best
     assert reason in told["reason"]
 
 
 def test_a_random_maze_has_the_picture_of_one_maze() -> None:
-    state = asked(Session("version: 1\nsize: [4, 4]\nmaze: {seed: random}\n"), do="state")["state"]
+    state = send(Session("version: 1\nsize: [4, 4]\nmaze: {seed: random}\n"), "state")["state"]
     assert (state["level"]["width"], state["level"]["policy"]) == (4, None)
 
 
@@ -106,7 +103,7 @@ def test_cells_that_no_episode_comes_to_are_told_but_for_blocked_ones() -> None:
     text = CORRIDOR.replace("[5, 1]", "[5, 2]") + (
         "walls:\n- {at: [4, 1], side: W}\n- {at: [4, 1], side: N}\nblocked:\n- {at: [0, 1]}\n"
     )
-    assert asked(Session(text), do="state")["state"]["unreachable"] == [[4, 1]]
+    assert send(Session(text), "state")["state"]["unreachable"] == [[4, 1]]
 
 
 def test_a_level_that_takes_longer_is_solved_when_asked_for(
@@ -114,23 +111,23 @@ def test_a_level_that_takes_longer_is_solved_when_asked_for(
 ) -> None:
     monkeypatch.setattr(module, "BUDGET", 0.0)
     session = Session(CORRIDOR)
-    state = asked(session, do="state")["state"]
+    state = send(session, "state")["state"]
     assert state["answers"]["status"] == "pending"
     assert state["level"]["policy"] is None
-    state = asked(session, do="answers")["state"]
+    state = send(session, "answers")["state"]
     assert (state["answers"]["status"], state["answers"]["best"]) == ("done", -3.0)
     assert state["level"]["policy"] is not None
     # Changes are told from what was known last.
-    asked(session, do="paint", brush="large", cells=[[1, 0]])
-    asked(session, do="paint", brush="large", cells=[[2, 0]])
-    told = asked(session, do="answers")["state"]["answers"]
+    send(session, "paint", brush="large", cells=[[1, 0]])
+    send(session, "paint", brush="large", cells=[[2, 0]])
+    told = send(session, "answers")["state"]["answers"]
     assert (told["before"], told["changed"]) == (-3.0, [[0, 0], [1, 0], [2, 0]])
 
 
 def test_a_gesture_does_not_wait_for_episodes_of_many_steps() -> None:
     usual, long = (Session(f"{CORRIDOR}max_steps: {limit}\n") for limit in (500, 50_000))
-    assert asked(usual, do="state")["state"]["answers"]["status"] == "done"
-    assert asked(long, do="state")["state"]["answers"]["status"] == "pending"
+    assert send(usual, "state")["state"]["answers"]["status"] == "done"
+    assert send(long, "state")["state"]["answers"]["status"] == "pending"
 
 
 def test_a_long_solution_holds_up_no_gesture_and_is_dropped_when_it_is_late(
@@ -151,11 +148,70 @@ def test_a_long_solution_holds_up_no_gesture_and_is_dropped_when_it_is_late(
     thread = Thread(target=prepare, args=(session, message))
     thread.start()
     assert begun.wait(20)
-    state = asked(session, do="paint", brush="large", cells=[[2, 0]])["state"]
+    state = send(session, "paint", brush="large", cells=[[2, 0]])["state"]
     assert state["answers"]["status"] == "pending"
     monkeypatch.setattr(module, "solved", usual)
     go_on.set()
     thread.join(20)
     assert session.answers.optimum is None
     assert "state" not in answer(session, message)
-    assert asked(session, do="answers")["state"]["answers"]["best"] < -3.0
+    assert send(session, "answers")["state"]["answers"]["best"] < -3.0
+
+
+# -- policies that are drawn by hand ------------------------------------------------------------
+
+EAST, WEST = 2, 4
+
+
+def worth(text: str, actions: Any) -> dict[str, Any]:
+    """Return the reply to a policy that was drawn in a level."""
+    return send(Session(text), "policy", actions=actions)
+
+
+def test_the_best_policy_is_worth_the_best_average() -> None:
+    assert worth(CORRIDOR, [EAST] * 5) == {
+        "id": 1,
+        "policy": {"worth": "−3", "best": "−3", "share": 1.0, "exits": 1.0, "reason": ""},
+    }
+
+
+@pytest.mark.parametrize("limit", ["", "max_steps: 30\n", "discount: 0.9\n"])
+def test_cells_without_an_action_act_at_random(limit: str) -> None:
+    session = Session(CORRIDOR + limit)
+    told = worth(CORRIDOR + limit, [-1] * 5)["policy"]
+    within = "max_steps" if "max_steps" in limit else None
+    assert session.level is not None
+    random = evaluation_of(session.level, "random", within=within)
+    earned = float(told["worth"].partition(" ")[0].replace("−", "-"))
+    assert earned == pytest.approx(random.expected_return, abs=0.01)
+    assert told["share"] == pytest.approx(0.0)
+    assert told["exits"] == pytest.approx(random.exit_probability)
+
+
+def test_actions_may_depend_on_what_is_held() -> None:
+    key = "version: 1\nsize: [3, 1]\nstart: [1, 0]\nexit_needs: key\nitems:\n"
+    key += "- {name: key, at: [0, 0]}\n"
+    told = worth(key, [WEST] * 3 + [EAST] * 3)["policy"]
+    assert (told["worth"], told["share"]) == (told["best"], 1.0)
+    assert "for ever" in worth(key, [WEST] * 6)["policy"]["reason"]
+
+
+def test_what_never_ends_is_told_with_its_cell() -> None:
+    told = worth(CORRIDOR, [EAST, EAST, WEST, EAST, EAST])["policy"]
+    assert told["worth"] == "−∞"
+    assert "for ever around [1, 0], [2, 0]" in told["reason"]
+    assert told["share"] is None
+
+
+def test_what_cancels_out_has_no_return_and_a_reason() -> None:
+    areas = "areas:\n- {at: [1, 0], color: gold, reward: 1}\n"
+    told = worth(CORRIDOR + areas, [EAST, WEST, EAST, EAST, EAST])["policy"]
+    assert told["worth"] == ""
+    assert "undefined" in told["reason"]
+
+
+@pytest.mark.parametrize("actions", [[EAST] * 4, [EAST] * 4 + [9], [EAST] * 4 + ["east"], None])
+def test_a_policy_that_does_not_fit_the_level_is_refused(actions: Any) -> None:
+    reply = worth(CORRIDOR, actions)
+    assert "does not fit" in reply["error"]
+    assert "policy" not in reply

@@ -138,11 +138,13 @@ def test_an_invalid_level_is_copied_as_a_text_only(editor_page: OpenEditor) -> N
 
 
 def test_a_level_without_a_file_is_downloaded(editor_page: OpenEditor) -> None:
-    page = editor_page(LEVEL).page
-    with page.expect_download() as saved:
-        page.get_by_role("button", name="Save").click()
-    assert saved.value.suggested_filename == "level.yaml"
-    assert Path(saved.value.path()).read_text(encoding="utf-8") == LEVEL
+    editor = editor_page(session_of("gallery/final-maze"))
+    type_change(editor)
+    with editor.page.expect_download() as saved:
+        editor.page.get_by_role("button", name="Save").click()
+    assert saved.value.suggested_filename == "final-maze.yaml"
+    assert Path(saved.value.path()).read_text(encoding="utf-8") == CHANGED
+    until(lambda: editor.session.is_saved, "the editor knows that it is saved")
 
 
 # -- the file ------------------------------------------------------------------------------------
@@ -154,7 +156,9 @@ def test_ctrl_s_saves_what_was_typed_last(editor_page: OpenEditor, tmp_path: Pat
     area.focus()
     editor.page.keyboard.press("Control+End")
     editor.page.keyboard.type("max_steps: 7")
+    expect(editor.page).to_have_title("* Mine – editor")
     editor.page.keyboard.press("Control+s")
+    expect(editor.page).to_have_title("Mine – editor")
     until(lambda: path.read_text(encoding="utf-8") == LEVEL + "max_steps: 7", "it is saved")
     expect(editor.page.get_by_text("mine.yaml, not saved")).to_have_count(0)
 

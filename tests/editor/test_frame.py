@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from support.gestures import done, refused
+from support.gestures import done, refused, send
 
-from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.mdp.grid import BIT
 
@@ -237,15 +236,6 @@ REGROWING = {
 }
 
 
-def asked(session: Session, **message: Any) -> dict[str, Any]:
-    """Send a message, and return the state that comes back."""
-    reply = answer(session, {"id": 1, "revision": session.revision, **message})
-    assert "error" not in reply
-    state = reply["state"]
-    assert isinstance(state, dict)
-    return state
-
-
 def sides(session: Session) -> dict[tuple[int, int, str], bool]:
     """Return which inner sides have walls."""
     assert session.level is not None
@@ -263,8 +253,8 @@ def sides(session: Session) -> dict[tuple[int, int, str], bool]:
 def test_the_walls_of_a_maze_that_has_grown_anew_can_be_kept(gesture: dict[str, Any]) -> None:
     session = Session(GROWN)
     before = sides(session)
-    assert asked(session, **gesture)["maze_regrown"]
-    assert not asked(session, do="keep_maze")["maze_regrown"]
+    assert send(session, **gesture)["state"]["maze_regrown"]
+    assert not send(session, "keep_maze")["state"]["maze_regrown"]
     assert "maze" not in session.text
     across = gesture.get("shift", (0, 0))[0]
     kept = {(x + across, y, side): wall for (x, y, side), wall in before.items()}
@@ -272,7 +262,7 @@ def test_the_walls_of_a_maze_that_has_grown_anew_can_be_kept(gesture: dict[str, 
     now = sides(session)
     assert all(now[place] == wall for place, wall in kept.items() if place not in near)
     # Both are one step.
-    asked(session, do="undo")
+    send(session, "undo")
     assert session.text == GROWN
 
 
@@ -287,6 +277,5 @@ def test_the_walls_of_a_maze_that_has_grown_anew_can_be_kept(gesture: dict[str, 
 )
 def test_other_gestures_do_not_tell_that_the_maze_has_grown(gesture: dict[str, Any]) -> None:
     session = Session(GROWN)
-    assert not asked(session, **gesture)["maze_regrown"]
-    reply = answer(session, {"do": "keep_maze", "revision": session.revision})
-    assert "did not make the maze grow" in reply["error"]
+    assert not send(session, **gesture)["state"]["maze_regrown"]
+    assert "did not make the maze grow" in refused(session, "keep_maze")

@@ -10,7 +10,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, note, settings
+from hypothesis import assume, example, given, note, settings
 from hypothesis import strategies as st
 from support.gestures import random_gesture
 from support.handwriting import Scribe
@@ -79,14 +79,17 @@ def draw_on(session: Session, message: dict[str, Any]) -> str | None:
     return error
 
 
-def standing(session: Session) -> Counter[Thing]:
-    """Return how often what stands where."""
+def places_in(session: Session) -> list[dict[str, Any]]:
+    """Return what the editor knows of what stands where."""
     assert session.level is not None
     assert session.document is not None
+    return places_of(session.level, session.document)
+
+
+def standing(places: list[dict[str, Any]]) -> Counter[Thing]:
+    """Return how often what stands where."""
     return Counter(
-        (place["kind"], *where)
-        for place in places_of(session.level, session.document)
-        for where in (*place["cells"], *place["sides"])
+        (place["kind"], *where) for place in places for where in (*place["cells"], *place["sides"])
     )
 
 
@@ -134,19 +137,83 @@ def in_cells(things: Counter[Thing]) -> Counter[Thing]:
 def test_a_gesture_changes_nothing_elsewhere(text: str, seed: int) -> None:
     session, rng = Session(text), Random(seed)
     for _ in range(8):
-        before, text, message = standing(session), session.text, random_gesture(rng, session)
+        before, text, message = (
+            standing(places_in(session)),
+            session.text,
+            random_gesture(rng, session),
+        )
         note(f"{text}\n{message}")
         if draw_on(session, message) is not None:
             assert session.text == text
             continue
         assert session.is_valid
-        after = standing(session)
+        after = standing(places_in(session))
         note(session.text)
         if message["do"] == "resize":
             assert in_cells(after) == in_cells(resized(before, message))
             continue
         changed, may = (before - after) + (after - before), may_change(message)
         assert [thing for thing in changed if not may(thing)] == []
+
+
+OWN_WARP = "version: 1\nsize: [3, 1]\nwarps:\n  - {at: [1, 0], to: [1, 0], when: leave}\n"
+
+
+@pytest.mark.usefixtures("put_off")
+@example(OWN_WARP, 5)
+@given(texts(), st.integers(0, 10**6))
+@settings(max_examples=settings().max_examples // 5)
+def test_only_what_is_moved_moves(text: str, seed: int) -> None:
+    session, rng = Session(text), Random(seed)
+    for _ in range(3):
+        before, text = places_in(session), session.text
+        place = rng.choice(before)
+        taken = rng.choice([*place["cells"], *(side[:2] for side in place["sides"])])
+        dx, dy = rng.choice([(1, 0), (0, 1), (-1, 0), (0, -2)])
+        to = [taken[0] + dx, taken[1] + dy]
+        message = {"do": "move", "route": place["route"], "from": taken, "to": to}
+        note(f"{text}\n{message}")
+        if min(to) < 0 or draw_on(session, message) is not None:
+            assert session.text == text
+            continue
+        if place["kind"] == "warp" or "one_of" in place["fields"]:
+            # Of a warp to its own cell, one end moves.
+            cells = list(place["cells"])
+            cells[cells.index(taken)] = to
+        else:
+            cells = [[x + dx, y + dy] for x, y in place["cells"]]
+        sides = [side_of(x + dx, y + dy, side) for x, y, side in place["sides"]]
+        moved = {**place, "cells": cells, "sides": sides}
+        others = [each for each in before if each is not place]
+        assert inner(standing(places_in(session))) == inner(standing([*others, moved]))
+
+
+def inner(things: Counter[Thing]) -> Counter[Thing]:
+    """Leave out sides of the outer wall, where N and W have names of their own."""
+    return Counter({key: count for key, count in things.items() if key[-1] not in ("N", "W")})
+
+
+@pytest.mark.usefixtures("put_off")
+@given(texts(), st.integers(0, 10**6))
+@settings(max_examples=settings().max_examples // 5)
+def test_only_what_is_removed_goes(text: str, seed: int) -> None:
+    session, rng = Session(text), Random(seed)
+    for _ in range(3):
+        before, text = places_in(session), session.text
+        place = rng.choice(before)
+        message = {"do": "remove", "route": place["route"]}
+        note(f"{text}\n{message}")
+        if draw_on(session, message) is not None:
+            assert session.text == text
+            continue
+        after = standing(places_in(session))
+        left = standing([each for each in before if each is not place])
+        if place["kind"] in ("item", "switch"):
+            # Doors that needed it alone go, too.
+            gone = left - after
+            assert {key[0] for key in gone} <= {"door"}
+            left -= gone
+        assert after == left
 
 
 @given(texts(), st.integers(0, 10**6))

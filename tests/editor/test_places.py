@@ -10,8 +10,6 @@ import pytest
 import yaml
 from support.gestures import places, send
 
-from babyrobot_levels.editor.changes.draft import RefusedError
-from babyrobot_levels.editor.gestures import gesture_of
 from babyrobot_levels.editor.places import places_of
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.walls import Opening, sides_of
@@ -25,12 +23,10 @@ GALLERY = [path for path in yaml_files(gallery_folder()) if "suites" not in path
 levels = pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 
 
+@cache
 def session_of(path: Path) -> Session:
+    """Return the same session each time."""
     return Session(path.read_text("utf-8"))
-
-
-unchanged_session_of = cache(session_of)
-"""The same session each time, for what only looks."""
 
 
 def found(session: Session) -> list[dict[str, Any]]:
@@ -41,7 +37,7 @@ def found(session: Session) -> list[dict[str, Any]]:
 
 @levels
 def test_places_are_those_of_all_that_a_level_has(path: Path) -> None:
-    session = unchanged_session_of(path)
+    session = session_of(path)
     told = {
         (place["kind"], *where)
         for place in found(session)
@@ -81,7 +77,7 @@ def named(x: int, y: int, opening: Opening) -> tuple[int, int, str]:
 
 @levels
 def test_lines_of_a_place_hold_its_entry(path: Path) -> None:
-    session = unchanged_session_of(path)
+    session = session_of(path)
     lines = session.text.split("\n")
     data = yaml.safe_load(session.text)
     for place in found(session):
@@ -116,54 +112,6 @@ def characters(session: Session, place: dict[str, Any]) -> set[str]:
         character = {"start": "S", "exit": "E", "blocked": "#", "small": "o", "large": "O"}
         return {" ", character[place["fields"].get("size", place["kind"])]}
     return {" ", *session.level.legend}
-
-
-@pytest.mark.slow
-@levels
-def test_moving_there_and_back_changes_nothing(path: Path) -> None:
-    session = session_of(path)
-    first = {place["kind"]: place for place in reversed(found(session))}
-    before, moved = session.text, 0
-    for place in first.values():
-        if place["route"][0] == "map" and place["sides"]:
-            # It may have become a part of a longer wall.
-            continue
-        at = [*place["cells"], *(side[:2] for side in place["sides"])][0]
-        for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1)):
-            to = [at[0] + dx, at[1] + dy]
-            route = place["route"]
-            if min(to) < 0 or not is_moved(session, route, at, to):
-                continue
-            back = [route[0], *to] if route[0] == "map" else route
-            assert is_moved(session, back, to, at)
-            assert same(session, before)
-            moved += 1
-            break
-    # In these, something stands around each of those places.
-    assert moved or path.stem in ("gridworld-4-1", "garden")
-
-
-def is_moved(session: Session, route: list[Any], at: list[int], to: list[int]) -> bool:
-    message = {"do": "move", "route": route, "from": at, "to": to}
-    try:
-        session.apply(gesture_of.validate_python(message))
-    except RefusedError:
-        return False
-    return True
-
-
-def same(session: Session, before: str) -> bool:
-    """Tell whether the text says the same as before: starts may have been left out there."""
-    if session.text == before:
-        return True
-    level = Session(before).level
-    assert level is not None
-    assert session.level is not None
-    return digest(session.level) == digest(level)
-
-
-def digest(level: Level) -> str:
-    return (level.with_maze_seed(1) if level.has_random_maze else level).digest
 
 
 DRAWN = """\

@@ -91,14 +91,6 @@ def test_a_mover_with_shift_wanders_in_a_rectangle(hand: Hand) -> None:
     assert "within: {at: [1, 1], size: [3, 2]}" in hand.text
 
 
-def test_clicks_on_a_side_build_a_wall_then_glass_then_nothing(hand: Hand) -> None:
-    for line in ("- {at: [1, 1], side: E}", "- {at: [1, 1], side: E, pass: 0.5}"):
-        hand.draw((2, 1.5))
-        assert line in hand.text
-    hand.draw((2, 1.5))
-    assert "walls" not in hand.text
-
-
 def test_a_drag_along_walls_removes_them(hand: Hand) -> None:
     hand.draw((1.5, 1), (4.5, 1))
     hand.draw((2.5, 1), (3.5, 1))

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.gestures import send
 
 import babyrobot_levels as brl
-from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.sources import session_of
 
@@ -23,15 +23,10 @@ exit: [2, 1]
 OTHER = TEXT.replace("[3, 2]", "[3, 3]")
 
 
-def ask(session: Session, do: str, **fields: Any) -> dict[str, Any]:
-    """Send a message that is made from the state at hand."""
-    return answer(session, {"id": 1, "do": do, "revision": session.revision, **fields})
-
-
 def error_of(session: Session, do: str, **fields: Any) -> str:
     """Send a message that is to be refused, and return why; nothing changes."""
     before = session.text, session.is_saved
-    error = ask(session, do, **fields)["error"]
+    error = send(session, do, **fields)["error"]
     assert (session.text, session.is_saved) == before
     assert isinstance(error, str)
     return error
@@ -57,7 +52,7 @@ def test_a_file_need_not_be_valid_nor_exist(tmp_path: Path) -> None:
     assert not session_of(tmp_path / "bad.yaml").is_valid
     new = session_of(tmp_path / "new.yaml")
     assert new.is_valid
-    ask(new, "save")
+    send(new, "save")
     assert (tmp_path / "new.yaml").read_text("utf-8") == new.text
 
 
@@ -112,11 +107,11 @@ def test_a_theme_in_a_file_of_its_own_goes_with_a_copy(tmp_path: Path) -> None:
 def test_another_level_is_opened_as_one_step(source: str, expected: brl.Level) -> None:
     session = session_of(None)
     before = session.text
-    reply = ask(session, "open", source=source)
+    reply = send(session, "open", source=source)
     assert "error" not in reply
     assert session.level is not None
     assert session.level.size == expected.size
-    ask(session, "undo")
+    send(session, "undo")
     assert session.text == before
 
 
@@ -126,7 +121,7 @@ def test_what_is_exported_can_be_pasted(name: str) -> None:
 
     text = export(brl.load("maze"), name).text
     session = session_of(None)
-    assert "error" not in ask(session, "open", source=text, format=name)
+    assert "error" not in send(session, "open", source=text, format=name)
     assert session.is_valid
 
 
@@ -150,15 +145,15 @@ def test_what_cannot_be_opened_is_said(source: str, said: str) -> None:
 
 def test_an_invalid_text_can_be_pasted() -> None:
     session = session_of(None)
-    assert "error" not in ask(session, "open", source="version: 1\nsize: [3\n")
+    assert "error" not in send(session, "open", source="version: 1\nsize: [3\n")
     assert not session.is_valid
 
 
 def test_what_is_opened_in_a_file_is_saved_to_that_file(file: Path) -> None:
     session = session_of(file)
-    ask(session, "open", source="final-maze")
+    send(session, "open", source="final-maze")
     assert not session.is_saved
-    ask(session, "save")
+    send(session, "save")
     assert brl.load(file).digest == brl.load("final-maze").digest
 
 
@@ -169,19 +164,19 @@ def test_what_is_opened_in_a_file_is_saved_to_that_file(file: Path) -> None:
 def test_saving_writes_the_text_and_keeps_line_ends_and_mark(file: Path, mark: str) -> None:
     file.write_bytes((mark + TEXT.replace("\n", "\r\n")).encode())
     session = session_of(file)
-    ask(session, "text", text=OTHER)
+    send(session, "text", text=OTHER)
     assert not session.is_saved
-    reply = ask(session, "save")
+    reply = send(session, "save")
     assert reply["state"]["is_saved"] is True
     assert file.read_bytes() == (mark + OTHER.replace("\n", "\r\n")).encode()
-    ask(session, "text", text=TEXT)
-    assert "error" not in ask(session, "save")
+    send(session, "text", text=TEXT)
+    assert "error" not in send(session, "save")
 
 
 def test_an_invalid_text_can_be_saved(file: Path) -> None:
     session = session_of(file)
-    ask(session, "text", text="version: 1\nsize: [")
-    assert "error" not in ask(session, "save")
+    send(session, "text", text="version: 1\nsize: [")
+    assert "error" not in send(session, "save")
     assert file.read_text("utf-8") == "version: 1\nsize: ["
 
 
@@ -190,42 +185,42 @@ def test_what_another_program_wrote_is_overwritten_only_on_demand(
     file: Path, meanwhile: bytes | None
 ) -> None:
     session = session_of(file)
-    ask(session, "text", text=TEXT + "max_steps: 7\n")
+    send(session, "text", text=TEXT + "max_steps: 7\n")
     if meanwhile is None:
         file.unlink()
     else:
         file.write_bytes(meanwhile)
-    reply = ask(session, "save")
+    reply = send(session, "save")
     assert reply["conflict"]
     assert "another program" in reply["error"]
     assert meanwhile == (file.read_bytes() if file.exists() else None)
-    assert "error" not in ask(session, "save", force=True)
+    assert "error" not in send(session, "save", force=True)
     assert file.read_text("utf-8") == session.text
-    assert "error" not in ask(session, "save")
+    assert "error" not in send(session, "save")
 
 
 def test_a_new_file_that_another_program_made_first_is_a_conflict(tmp_path: Path) -> None:
     session = session_of(tmp_path / "new.yaml")
     (tmp_path / "new.yaml").write_text(OTHER, "utf-8")
-    assert ask(session, "save")["conflict"]
+    assert send(session, "save")["conflict"]
     assert (tmp_path / "new.yaml").read_text("utf-8") == OTHER
 
 
 def test_what_is_undone_and_done_again_is_told() -> None:
     session = Session(TEXT)
-    ask(session, "walls", at=[0, 0], side="E", to="wall")
-    ask(session, "text", text=TEXT + "max_steps: 9\n")
-    assert [ask(session, "undo")["step"] for _ in range(3)] == ["text", "walls", None]
-    assert [ask(session, "redo")["step"] for _ in range(3)] == ["walls", "text", None]
+    send(session, "walls", at=[0, 0], side="E", to="wall")
+    send(session, "text", text=TEXT + "max_steps: 9\n")
+    assert [send(session, "undo")["step"] for _ in range(3)] == ["text", "walls", None]
+    assert [send(session, "redo")["step"] for _ in range(3)] == ["walls", "text", None]
 
 
 def test_the_text_of_another_program_is_taken_on_demand_and_can_be_undone(file: Path) -> None:
     session = session_of(file)
-    ask(session, "text", text=TEXT + "max_steps: 7\n")
+    send(session, "text", text=TEXT + "max_steps: 7\n")
     file.write_text(OTHER, "utf-8")
-    assert ask(session, "reload")["state"]["is_saved"] is True
+    assert send(session, "reload")["state"]["is_saved"] is True
     assert session.text == OTHER
-    ask(session, "undo")
+    send(session, "undo")
     assert session.text == TEXT + "max_steps: 7\n"
     file.unlink()
     assert "does not exist" in error_of(session, "reload")
@@ -235,8 +230,8 @@ def test_a_file_behind_a_link_is_written_and_the_link_stays(file: Path, tmp_path
     link = tmp_path / "link.yaml"
     link.symlink_to(file)
     session = session_of(link)
-    ask(session, "text", text=OTHER)
-    ask(session, "save")
+    send(session, "text", text=OTHER)
+    send(session, "save")
     assert link.is_symlink()
     assert file.read_text("utf-8") == OTHER
 
@@ -246,7 +241,7 @@ def test_a_file_that_became_a_link_is_not_followed(file: Path, tmp_path: Path, f
     secret = tmp_path / "secret"
     secret.write_text(TEXT, "utf-8")
     session = session_of(file)
-    ask(session, "text", text=OTHER)
+    send(session, "text", text=OTHER)
     file.unlink()
     file.symlink_to(secret)
     assert "link" in error_of(session, "save", force=force)
@@ -256,7 +251,7 @@ def test_a_file_that_became_a_link_is_not_followed(file: Path, tmp_path: Path, f
 @pytest.mark.parametrize("force", [False, True])
 def test_a_folder_or_a_pipe_in_its_place_is_not_written(file: Path, force: bool) -> None:
     session = session_of(file)
-    ask(session, "text", text=OTHER)
+    send(session, "text", text=OTHER)
     file.unlink()
     file.mkdir()
     assert "directory" in error_of(session, "save", force=force)
@@ -268,7 +263,7 @@ def test_a_folder_or_a_pipe_in_its_place_is_not_written(file: Path, force: bool)
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everything")
 def test_a_file_that_may_not_be_written_is_not(file: Path) -> None:
     session = session_of(file)
-    ask(session, "text", text=OTHER)
+    send(session, "text", text=OTHER)
     file.chmod(0o444)
     assert "read-only" in error_of(session, "save")
     file.chmod(0o644)
@@ -279,7 +274,7 @@ def test_a_file_that_may_not_be_written_is_not(file: Path) -> None:
 
 def test_a_full_disk_leaves_the_file_as_it_was(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     session = session_of(file)
-    ask(session, "text", text=OTHER)
+    send(session, "text", text=OTHER)
 
     def full(descriptor: int) -> None:
         raise OSError(28, "No space left on device")
@@ -296,27 +291,27 @@ def test_a_full_disk_leaves_the_file_as_it_was(file: Path, monkeypatch: pytest.M
 def test_a_level_is_copied_in_every_form(file: Path) -> None:
     session = session_of("gallery/final-maze")
     level = brl.load("final-maze")
-    made = {form: ask(session, "copy", form=form)["copy"] for form in ("yaml", "drawing", "code")}
+    made = {form: send(session, "copy", form=form)["copy"] for form in ("yaml", "drawing", "code")}
     assert made["yaml"] == session.text
     assert made["drawing"] == level.draw()
     assert brl.load(made["code"]).digest == level.digest
     names: dict[str, Any] = {}
-    exec(ask(session, "copy", form="python")["copy"], names)
+    exec(send(session, "copy", form="python")["copy"], names)
     assert names["level"].digest == level.digest
-    link = ask(session, "copy", form="link")["copy"]
+    link = send(session, "copy", form="link")["copy"]
     assert brl.load(f"https://example.org/play.html{link}").digest == level.digest
 
 
 def test_python_code_holds_every_text() -> None:
     text = TEXT + 'title: \'a \\ b """ c "\'\n'
     names: dict[str, Any] = {}
-    exec(ask(Session(text), "copy", form="python")["copy"], names)
+    exec(send(Session(text), "copy", form="python")["copy"], names)
     assert names["level"].title == 'a \\ b """ c "'
 
 
 def test_a_text_with_errors_is_only_copied_as_it_is() -> None:
     session = Session("version: 1\nsize: [")
-    assert ask(session, "copy", form="yaml")["copy"] == session.text
+    assert send(session, "copy", form="yaml")["copy"] == session.text
     for form in ("drawing", "python", "code", "link"):
         assert "errors" in error_of(session, "copy", form=form)
     assert "not known" in error_of(session, "copy", form="docx")
@@ -327,9 +322,9 @@ def test_a_text_with_errors_is_only_copied_as_it_is() -> None:
 
 def test_unsaved_changes_are_told_before_the_end(file: Path) -> None:
     session = session_of(file)
-    assert ask(session, "quit") == {"id": 1, "ended": True}
-    ask(session, "text", text=OTHER)
-    assert ask(session, "quit")["unsaved"] is True
-    assert ask(session, "quit", force=True)["ended"] is True
-    ask(session, "save")
-    assert ask(session, "quit")["ended"] is True
+    assert send(session, "quit") == {"id": 1, "ended": True}
+    send(session, "text", text=OTHER)
+    assert send(session, "quit")["unsaved"] is True
+    assert send(session, "quit", force=True)["ended"] is True
+    send(session, "save")
+    assert send(session, "quit")["ended"] is True
