@@ -6,6 +6,7 @@ Nothing heavy is imported here before `main` runs, so that Ctrl-C is handled fro
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import signal
 import sys
@@ -18,6 +19,8 @@ def main() -> None:
     """Run the command line. No input of a user ends in a traceback."""
     _handle_interrupts()
     _prepare_streams()
+    # Nothing that a command makes lives in circles for long: looking for them can wait.
+    gc.set_threshold(100_000, 50, 50)
     # Levels make many small matrices, over which the threads of BLAS only wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # To find pydantic's plugins, the metadata of every package that is installed would be read.
@@ -29,15 +32,11 @@ def main() -> None:
 
 
 def _run() -> None:
-    import gc
-
     from babyrobot_levels.cli.commands import app
     from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
     from babyrobot_levels.parallel.executor import ExecutorError
     from babyrobot_levels.text.errors import BabyRobotError, LevelError
 
-    # Nothing that a command makes lives in circles for long: looking for them can wait.
-    gc.set_threshold(100_000, 50, 50)
     try:
         app(prog_name="babyrobot")
     except LevelError as error:

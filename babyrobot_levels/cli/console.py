@@ -140,7 +140,7 @@ def save(path: Path, data: str | bytes, *, force: bool | None = None) -> None:
 
 
 _PNG, _GIF = b"\x89PNG\r\n\x1a\n", b"GIF89a"
-_SVG_SIZE = re.compile(rb'<svg [^>]*?width="([\d.]+)" height="([\d.]+)"')
+_SVG_SIZE = rb'<svg [^>]*?width="([\d.]+)" height="([\d.]+)"'
 
 
 def _facts_of(data: bytes) -> str:
@@ -158,7 +158,7 @@ def _pixels(data: bytes) -> tuple[float, float] | None:
     if data.startswith(_GIF):
         width, height = struct.unpack("<HH", data[6:10])
         return width, height
-    found = _SVG_SIZE.match(data)
+    found = re.match(_SVG_SIZE, data)
     return (round(float(found[1])), round(float(found[2]))) if found else None
 
 

@@ -1,7 +1,5 @@
 """The building blocks of all models: strict scalars, cells, sides, and the frozen base."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
@@ -12,6 +10,7 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    GetCoreSchemaHandler,
     StrictBool,
     StrictFloat,
     StrictInt,
@@ -20,7 +19,7 @@ from pydantic import (
     Tag,
     WithJsonSchema,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import CoreSchema, PydanticCustomError
 
 MAX_SIZE = 1024
 """The most cells that a level is wide or high."""
@@ -33,6 +32,20 @@ FORM_PREFIX = "form:"
 """Marks the segment that pydantic puts into an error's location for the form of a union."""
 
 _OF_PYDANTIC = frozenset(dir(BaseModel))
+
+
+class Once:
+    """As the last part of a type: pydantic makes its schema once, however many fields have it."""
+
+    def __init__(self) -> None:
+        self._schema: CoreSchema | None = None
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        if self._schema is None:
+            self._schema = handler(source)
+        return {**self._schema}
 
 
 class Model(BaseModel):
@@ -62,7 +75,7 @@ def _whole(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-Integer = Annotated[StrictInt, BeforeValidator(_whole, json_schema_input_type=int)]
+Integer = Annotated[StrictInt, BeforeValidator(_whole, json_schema_input_type=int), Once()]
 
 
 def _number(value: Any) -> Any:
@@ -76,13 +89,14 @@ def _number(value: Any) -> Any:
         raise PydanticCustomError("finite_number", "must be a finite number") from None
 
 
-Number = Annotated[StrictFloat, BeforeValidator(_number, json_schema_input_type=float)]
+Number = Annotated[StrictFloat, BeforeValidator(_number, json_schema_input_type=float), Once()]
 Probability = Annotated[Number, Field(ge=0, le=1)]
 Text = StrictStr
 Flag = StrictBool
 Slug = Annotated[StrictStr, StringConstraints(pattern=SLUG, max_length=100)]
 
-Coordinate = Annotated[Integer, Field(ge=0, lt=MAX_SIZE)]
+# Bounds before the function are checked by pydantic's core, behind it by functions in Python.
+Coordinate = Annotated[StrictInt, Field(ge=0, lt=MAX_SIZE), BeforeValidator(_whole)]
 
 
 def _pair(what: str) -> Callable[[Any], Any]:
@@ -102,14 +116,16 @@ def _pair_schema(item: dict[str, Any]) -> WithJsonSchema:
 Cell = Annotated[
     tuple[Coordinate, Coordinate],
     BeforeValidator(_pair("a cell, `[x, y]`")),
+    Once(),
     _pair_schema({"type": "integer", "minimum": 0, "exclusiveMaximum": MAX_SIZE}),
 ]
 """A cell, `(x, y)`: x grows to the east, y to the south, `(0, 0)` is the top-left cell."""
 
-_Extent = Annotated[Integer, Field(ge=1, le=MAX_SIZE)]
+_Extent = Annotated[StrictInt, Field(ge=1, le=MAX_SIZE), BeforeValidator(_whole)]
 Size = Annotated[
     tuple[_Extent, _Extent],
     BeforeValidator(_pair("`[width, height]`")),
+    Once(),
     _pair_schema({"type": "integer", "minimum": 1, "maximum": MAX_SIZE}),
 ]
 

@@ -1,7 +1,5 @@
 """What a step meets: puddles, areas, blocked cells, skids, warps and wind, and what it pays."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 from functools import cache
 from typing import Annotated, Any, Literal, NamedTuple

@@ -3,8 +3,6 @@
 Each is valid by itself; `LevelSpec` adds what only the whole level shows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from enum import Enum, auto
 from functools import cache

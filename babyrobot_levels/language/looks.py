@@ -1,7 +1,5 @@
 """How a level looks: themes and display."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from typing import Annotated, Any, Literal
@@ -9,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field, StrictStr, StringConstraints, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from babyrobot_levels.language.base import Flag, Model, Number, form, forms
+from babyrobot_levels.language.base import Flag, Model, Number, Once, form, forms
 
 _NAMES = """
 aliceblue antiquewhite aqua aquamarine azure beige bisque black blanchedalmond blue blueviolet
@@ -72,6 +70,7 @@ Color = Annotated[
     StrictStr,
     StringConstraints(max_length=LONGEST_COLOR),
     COLOR_CHECK,
+    Once(),
     WithJsonSchema({"type": "string", "format": "color"}),
 ]
 """A CSS colour: a name in small letters, `#rgb`, `#rrggbb` (or with alpha), `rgb(…)`, `rgba(…)`,

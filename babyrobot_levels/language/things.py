@@ -1,7 +1,5 @@
 """Things, whose state changes during an episode: items, doors, switches, movers."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """Walls, openings, and the maze that they begin with."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import IO
 
 _RESET = "\x1b[0m"
-_TOKEN = re.compile(r"\x1b\[[0-9;]*m|.")
+_TOKEN = r"\x1b\[[0-9;]*m|."
 _ROOM = os.terminal_size((80, 24))
 _PROCESSED_AND_VIRTUAL = 0x1 | 0x4
 """The modes in which a Windows console processes control characters and escape sequences."""
@@ -110,7 +110,7 @@ def _cut(line: str, left: int, width: int) -> str:
     """Return `width` columns of a line from `left`; every character takes one."""
     style, column = "", 0
     kept: list[str] = []
-    for token in _TOKEN.findall(line):
+    for token in re.findall(_TOKEN, line):
         if token.startswith("\x1b"):
             style = token
             if kept:

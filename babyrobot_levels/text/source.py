@@ -38,8 +38,8 @@ START = Position(1, 1)
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
-_RELATIVE_SCHEMA = re.compile(
-    r"^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*(?:\n|\Z)", re.M
+_RELATIVE_SCHEMA = (
+    r"(?m)^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*(?:\n|\Z)"
 )
 
 
@@ -177,4 +177,4 @@ def with_schema(text: str, schema: str | None = None) -> str:
         schema: the schema that its comment for editors names instead; None for no comment.
     """
     line = f"\\g<1>{schema}\n" if schema else ""
-    return _RELATIVE_SCHEMA.sub(line, text, count=1)
+    return re.sub(_RELATIVE_SCHEMA, line, text, count=1)

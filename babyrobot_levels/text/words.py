@@ -32,10 +32,10 @@ class Words(NamedTuple):
     place: tuple[int, int] | None = None
 
 
-_NO_SPACE = re.compile(r"\s*[a-z_]+:(?=[^\s:/])")
-_DRAWING = re.compile(r"[+|]")
-_BLOCK_MAP = re.compile(r"\s*map:\s*\|[-+]?\s*(#.*)?")
-_COMMENT_COLOR = re.compile(r"[:,\[{]\s+(#[0-9a-fA-F]{3,8})(?=\s*(?:[,\]}]|$))")
+_NO_SPACE = r"\s*[a-z_]+:(?=[^\s:/])"
+_DRAWING = r"[+|]"
+_BLOCK_MAP = r"\s*map:\s*\|[-+]?\s*(#.*)?"
+_COMMENT_COLOR = r"[:,\[{]\s+(#[0-9a-fA-F]{3,8})(?=\s*(?:[,\]}]|$))"
 
 
 def plain_words(problem: str, context: str, lines: Sequence[str], line: int, column: int) -> Words:
@@ -63,9 +63,9 @@ def plain_words(problem: str, context: str, lines: Sequence[str], line: int, col
 def _unindented_drawing(lines: Sequence[str], line: int) -> Words | None:
     """Recognise a drawing that is not indented below its `map: |`."""
     for number in range(min(line, len(lines)), 1, -1):
-        if not _DRAWING.match(lines[number - 1]):
+        if not re.match(_DRAWING, lines[number - 1]):
             continue
-        if _BLOCK_MAP.fullmatch(lines[number - 2]):
+        if re.fullmatch(_BLOCK_MAP, lines[number - 2]):
             help_text = "indent the drawing below `map: |`, for example by two spaces"
             return Words("the drawing is not indented", help_text, place=(number, 1))
     return None
@@ -77,7 +77,7 @@ def _comment_for_color(complaint: str, lines: Sequence[str], line: int) -> Words
         return None
     for number in range(min(line, len(lines)), max(line - LINES_BACK, 0), -1):
         text = lines[number - 1]
-        found = _COMMENT_COLOR.search(text)
+        found = re.search(_COMMENT_COLOR, text)
         before = text[: found.start() + 1] if found is not None else ""
         is_open = sum(map(before.count, "[{")) > sum(map(before.count, "]}"))
         if found is not None and is_open:
@@ -92,7 +92,7 @@ def _missing_space(problem: str, lines: Sequence[str], line: int) -> Words | Non
         return None
     for number in (line, line - 1):
         text = lines[number - 1] if 0 < number <= len(lines) else ""
-        found = _NO_SPACE.match(text)
+        found = re.match(_NO_SPACE, text)
         if found is not None:
             message = "missing space after `:`"
             return Words(message, "add a space after `:`", place=(number, found.end()))
