@@ -19,6 +19,7 @@ TESTS = Path(__file__).parent
 
 SLOW = {
     "cli/test_edit.py",
+    "cli/test_play.py",
     "cli/test_terminals.py",
     "docs/test_notebooks.py",
     "editor/test_forms.py",

@@ -178,6 +178,7 @@ def test_files_that_hold_no_level(name: str) -> None:
     assert shown.err.startswith("<stdin>:")
 
 
+@pytest.mark.slow
 def test_many_files_are_formatted_quickly() -> None:
     walls = "".join(f"- at: [{number}, 1]\n  side: E # {number}\n" for number in range(10))
     for number in range(200):
@@ -210,6 +211,7 @@ from {module} import {function} as go
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 @pytest.mark.parametrize("is_command", [True, False])

@@ -68,6 +68,7 @@ def test_the_folder_of_the_levels_is_not_replaced() -> None:
     assert "mine is a folder that is not a gallery" in done.err
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("jobs", "number"),

@@ -134,6 +134,7 @@ def test_a_file_that_is_no_rows_is_left_alone() -> None:
     assert Path("rows.jsonl").read_bytes() != before
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_an_interrupted_call_can_be_continued() -> None:
     written("many.yaml", SUITE.replace("30", "2000"))
@@ -252,6 +253,7 @@ main()
 """The command where files can have so many bytes: like a full disk."""
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 @pytest.mark.skipif(sys.platform == "win32", reason="needs limits of files")
 def test_a_full_disk_leaves_whole_rows_or_what_was_there() -> None:
