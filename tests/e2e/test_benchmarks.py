@@ -67,26 +67,6 @@ def test_the_table_shows_ratios_round_by_round_and_aims() -> None:
     )
 
 
-def test_an_aim_that_is_not_reached_is_said() -> None:
-    from report import Row
-
-    assert Row("x", "ours", [2.0], "peer", [1.0], aim=2.1).cells[-2:] == ("≥ 2.1", "no")
-    assert Row("x", "ours", [2.0], aim=2.0).cells[-2:] == ("≥ 2", "yes")
-
-
-def test_an_aim_beside_no_peer_has_a_row_of_its_own() -> None:
-    from report import rows
-    from timing import Comparison
-
-    aims = {("ours", "lake"): 3, ("ours", None): 25}
-    found = Comparison("steps", {"ours": [30.0], "others": [20.0]}, {"lake": [10.0]}, aims=aims)
-    assert [(row.ours, row.peer, row.aim) for row in rows(found)] == [
-        ("ours", "lake", 3),
-        ("ours", None, 25),
-        ("others", "lake", None),
-    ]
-
-
 def test_what_needs_numba_is_missing_without_it(monkeypatch: pytest.MonkeyPatch) -> None:
     import timing
 
@@ -114,23 +94,6 @@ def test_a_missing_peer_is_named_and_the_others_are_measured() -> None:
     found = compare_in_turns("steps", {"ours": lambda: 2.0}, {"pool": gone}, 3)
     assert (found.ours, found.peers) == ({"ours": [2.0] * 3}, {"pool": []})
     assert found.missing == {"pool": "pool cannot be installed"}
-
-
-def test_a_peer_that_cannot_be_installed_is_missing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import peers
-    from timing import MissingPeer
-
-    # Where a file stands, no environment can be made.
-    (tmp_path / "file").touch()
-    monkeypatch.setattr(peers, "FOLDER", tmp_path / "file")
-    monkeypatch.setitem(peers.INSTALLS, "nobody", ((),))
-    peer = peers.Peer("nobody", "peer_nobody.py")
-    assert peer.version == {}
-    with pytest.raises(MissingPeer, match="nobody cannot be installed"):
-        peer.ask()
-    peer.close()
 
 
 def test_the_page_keeps_it_all(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -190,18 +153,6 @@ def test_an_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
     assert [line for line in text.splitlines() if line.startswith("- not run")] == [
         f"- not run: {name}" for name in run.BENCHMARKS[2:]
     ]
-
-
-def test_an_unknown_name_is_answered_with_the_known_ones(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    import run
-
-    with pytest.raises(SystemExit) as ended:
-        run.main(["--only", "steps"])
-    assert ended.value.code == 2
-    told = capsys.readouterr().err
-    assert all(name in told for name in run.BENCHMARKS)
 
 
 def test_each_name_is_a_script_that_compares() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import re
-import signal
 import tomllib
 from pathlib import Path
 
@@ -12,7 +11,6 @@ import pytest
 from mutants import Mutant, mutants_of
 from support.each import for_each
 from support.places import ROOT
-from support.subprocesses import python
 
 SOURCE = '''\
 """A docstring with 1 + 1."""
@@ -106,33 +104,6 @@ def test_slow_and_flaky_places_are_places(pytestconfig: pytest.Config) -> None:
     shared = next(plugin for plugin in plugins if hasattr(plugin, "FLAKY"))
     for place in (*shared.SLOW, *shared.FLAKY):
         assert (ROOT / "tests" / place).exists(), place
-
-
-@pytest.mark.slow
-def test_only_what_is_flaky_is_tried_again_and_ctrl_c_reaches_it(tmp_path: Path) -> None:
-    test = """
-import signal
-from pathlib import Path
-
-def test_every_second_time() -> None:
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    tried = Path(f"{__file__}.tried")
-    was_there = tried.exists()
-    tried.touch()
-    assert was_there
-"""
-    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n  flaky\n  libraries\n  slow\n")
-    (tmp_path / "conftest.py").write_text((ROOT / "tests/conftest.py").read_text("utf-8"), "utf-8")
-    for name in ("test_edit.py", "test_show.py"):
-        (tmp_path / "cli").mkdir(exist_ok=True)
-        (tmp_path / "cli" / name).write_text(test, "utf-8")
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        done = python("-m", "pytest", "-rR", "-p", "no:cacheprovider", tmp_path, cwd=tmp_path)
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert "1 failed, 1 passed" in done.stdout
-    assert "RERUN cli/test_edit.py::" in done.stdout
 
 
 def test_the_lowest_versions_are_those_that_the_project_allows() -> None:
