@@ -6,7 +6,13 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError, put_exits, put_starts
+from babyrobot_levels.editor.changes.draft import (
+    PUDDLES,
+    Draft,
+    RefusedError,
+    put_exits,
+    put_starts,
+)
 from babyrobot_levels.editor.changes.erasing import GROUND, STANDING, as_cell, erase, forget_missing
 from babyrobot_levels.editor.changes.shapes import (
     Box,
@@ -24,6 +30,7 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.geometry import Cell, blocked_cells, is_inside, show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.mdp.grid import BIT, grid_with_doors
 
 MAX_CELLS = 1 << 16
@@ -88,10 +95,7 @@ def _cells_of(level: Level, gesture: Paint) -> list[Cell]:
         _check_inside(level, cell)
     cells = [*dict.fromkeys(gesture.cells)]
     if gesture.rectangle:
-        (left, right), (top, bottom) = (
-            sorted((cells[0][axis], cells[-1][axis])) for axis in (0, 1)
-        )
-        box = Box(left, top, right - left + 1, bottom - top + 1)
+        box = Box.between(cells[0], cells[-1])
         _check_count(box.columns * box.rows)
         cells = [*box.cells]
     _check_count(len(cells))
@@ -158,7 +162,7 @@ def _paint_puddles(draft: Draft, cells: list[Cell], size: str) -> None:
         if not free:
             raise RefusedError("a drawing shows one thing in a cell: move the start or exit first")
         for cell in free:
-            draft.canvas.put(cell, d.SMALL if size == "small" else d.LARGE)
+            draft.canvas.put(cell, PUDDLES[size])
         forget_missing(draft)
         return
     _unblock(draft, cells)
@@ -270,16 +274,13 @@ def _alike(level: Level, first: Cell) -> list[Cell]:
     while waiting:
         x, y = waiting.popleft()
         walls = grid.wall_bits[y * grid.width + x]
-        for side, (dx, dy) in _STEPS.items():
+        for side, (dx, dy) in zip(SIDES, DELTAS.values(), strict=True):
             cell = (x + dx, y + dy)
             if not walls & BIT[side] and cell not in found and ground(cell) == ground(first):
                 found[cell] = None
                 waiting.append(cell)
         _check_count(len(found))
     return sorted(found, key=lambda cell: (cell[1], cell[0]))
-
-
-_STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
 
 
 def _ground(level: Level) -> Callable[[Cell], Any]:

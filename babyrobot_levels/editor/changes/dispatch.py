@@ -21,7 +21,7 @@ from babyrobot_levels.editor.gestures import (
 from babyrobot_levels.language.geometry import blocked_cells
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.grid import BIT, build_grid
+from babyrobot_levels.mdp.grid import BIT
 
 _THINGS = {kind.name for kind in NEEDED}
 """The brushes that add a thing with a name."""
@@ -78,7 +78,8 @@ def is_regrown(before: Level, after: Level, gesture: Gesture) -> bool:
         return False
     if before.has_random_maze or after.has_random_maze:
         return False
-    if _grown_from(before) == _grown_from(after):
+    grown_from = [(level.size, level.starts[0], level.blocked) for level in (before, after)]
+    if grown_from[0] == grown_from[1]:
         return False
     across, down = gesture.shift if isinstance(gesture, Resize) else (0, 0)
     old, new = _walls(before), _walls(after)
@@ -86,20 +87,16 @@ def is_regrown(before: Level, after: Level, gesture: Gesture) -> bool:
     return any(new.get(place, wall) != wall for place, wall in shifted)
 
 
-def _grown_from(level: Level) -> object:
-    return level.size, level.starts[0], level.blocked
-
-
 def _walls(level: Level) -> dict[tuple[int, int, str], bool]:
     """Return for each inner side of cells that are not blocked whether the maze has a wall."""
-    grid = build_grid(level.model_copy(update={"walls": (), "openings": ()}))
+    grid = walls.bare_grid(level)
     width, height = level.size
     is_blocked = blocked_cells(level)
-    walls = {}
+    found = {}
     for y in range(height):
         for x in range(width):
             for side, other in (("E", (x + 1, y)), ("S", (x, y + 1))):
                 is_inside = other[0] < width and other[1] < height
                 if is_inside and not is_blocked((x, y)) and not is_blocked(other):
-                    walls[x, y, side] = bool(grid.wall_bits[y * width + x] & BIT[side])
-    return walls
+                    found[x, y, side] = bool(grid.wall_bits[y * width + x] & BIT[side])
+    return found

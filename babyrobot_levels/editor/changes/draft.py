@@ -10,7 +10,7 @@ from babyrobot_levels.editor.changes.shapes import Run
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.formatting import NOTHING, Fields, fields_of
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.kinds import NAMED, NEEDED
+from babyrobot_levels.language.kinds import KIND, NAMED, NEEDED
 from babyrobot_levels.language.things import DRAWN_NAMES, as_names
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
@@ -43,8 +43,9 @@ class Draft:
 
     def result(self) -> dict[str, Any]:
         """Return the fields as they are now, in order, without those that became empty."""
-        if self.canvas is not None and self.canvas.drawing() != self.level.drawing:
-            self.data["map"] = self.canvas.text()
+        drawing = None if self.canvas is None else self.canvas.drawing()
+        if drawing is not None and drawing != self.level.drawing:
+            self.data["map"] = d.compose(drawing)
         before = self.document.data
         data = _in_order(self.data, fields_of(Level))
         return {
@@ -73,6 +74,10 @@ def _in_order(value: Any, fields: Fields) -> Any:
 # -- the drawing -------------------------------------------------------------------------
 
 
+PUDDLES = {given["size"]: mark for mark, given in KIND["puddle"].marks.items()}
+"""The marks of puddles, by their sizes."""
+
+
 class Canvas:
     """A drawing whose cells and sides can be changed; see `language.drawing.Drawing`.
 
@@ -90,10 +95,6 @@ class Canvas:
         rows = (self.cells, self._east, self._south)
         cells, east, south = (tuple("".join(row) for row in part) for part in rows)
         return d.Drawing(cells, east, south)
-
-    def text(self) -> str:
-        """Return the drawing as the text of `map`."""
-        return d.compose(self.drawing())
 
     def at(self, cell: Cell) -> str:
         """Return the character of a cell."""

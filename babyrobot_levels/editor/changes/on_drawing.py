@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from babyrobot_levels.editor.changes.draft import Canvas, Draft, RefusedError
+from babyrobot_levels.editor.changes.draft import PUDDLES, Canvas, Draft, RefusedError
 from babyrobot_levels.editor.changes.erasing import forget_missing
 from babyrobot_levels.editor.changes.routes import Route, get, shown
 from babyrobot_levels.editor.changes.shapes import Entry, Run
@@ -15,8 +15,6 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.language.walls import GLASS_PASS
-
-_PUDDLES = {"small": d.SMALL, "large": d.LARGE}
 
 
 def is_drawn(route: Route) -> bool:
@@ -31,8 +29,8 @@ def set_drawn(draft: Draft, route: Route, value: Any) -> Route | None:
     match place["kind"], field:
         case kind, [name, *more] if KIND[kind].legend and name != "at":
             return ["legend", canvas.at((x, y)), kind if name == "name" else name, *more]
-        case "puddle", ["size"] if isinstance(value, str) and value in _PUDDLES:
-            canvas.put((x, y), _PUDDLES[value])
+        case "puddle", ["size"] if isinstance(value, str) and value in PUDDLES:
+            canvas.put((x, y), PUDDLES[value])
         case "wall", ["pass"] if value in (None, 0, GLASS_PASS):
             canvas.mark(Run.of_entry(place["fields"]), d.GLASS if value else d.SOLID)
         case "wall", ["pass" | "color" | "width" | "fit" as name]:

@@ -121,12 +121,11 @@ class Box(NamedTuple):
         (x, y), (columns, rows) = entry["at"], entry.get("size", (1, 1))
         return cls(int(x), int(y), int(columns), int(rows))
 
-    def __contains__(self, cell: object) -> bool:
-        """Tell whether a cell is in the rectangle."""
-        if not isinstance(cell, tuple):
-            return False
-        x, y = cell
-        return bool(0 <= x - self.x < self.columns and 0 <= y - self.y < self.rows)
+    @classmethod
+    def between(cls, one: Cell, other: Cell) -> Box:
+        """Return the rectangle of which two cells are opposite corners."""
+        (left, right), (top, bottom) = (sorted(pair) for pair in zip(one, other, strict=True))
+        return cls(left, top, right - left + 1, bottom - top + 1)
 
     @property
     def cells(self) -> Iterator[Cell]:
@@ -135,12 +134,8 @@ class Box(NamedTuple):
             for x in range(self.x, self.x + self.columns):
                 yield x, y
 
-    def meets(self, other: Box) -> bool:
-        """Tell whether two rectangles have a cell in common."""
-        return self.within(other) is not None
-
     def within(self, other: Box) -> Box | None:
-        """Return what two rectangles have in common."""
+        """Return what two rectangles have in common; None if they have no cell."""
         x, y = max(self.x, other.x), max(self.y, other.y)
         columns = min(self.x + self.columns, other.x + other.columns) - x
         rows = min(self.y + self.rows, other.y + other.rows) - y
@@ -227,7 +222,7 @@ def _beside(
         union = box.joined(other)
         if union is not None and traits_of(entries[index]) == traits_of(fields):
             return index, union
-        if in_order and box.meets(other):
+        if in_order and box.within(other) is not None:
             return None
     return None
 

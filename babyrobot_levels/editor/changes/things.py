@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
 
 from babyrobot_levels.editor.changes.draft import Draft, RefusedError, unused_name
 from babyrobot_levels.editor.changes.routes import ordered, plain_value
+from babyrobot_levels.editor.changes.shapes import Box
 from babyrobot_levels.editor.gestures import Paint, Path, Warp
 from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.language.kinds import KIND, NEEDED
@@ -52,7 +52,9 @@ def add_warp(draft: Draft, gesture: Warp) -> None:
 def add_mover(draft: Draft, gesture: Path) -> None:
     """Add a guard on a path, or a wanderer in a rectangle."""
     if gesture.rectangle:
-        draft.entries("movers").append({"within": _rectangle(gesture.cells[0], gesture.cells[-1])})
+        x, y, columns, rows = Box.between(gesture.cells[0], gesture.cells[-1])
+        within = {"at": [x, y], "size": [columns, rows]}
+        draft.entries("movers").append({"within": within})
         return
     path = [*_joined(gesture.cells)]
     if len(path) > 1 and path[0] == path[-1]:
@@ -60,12 +62,6 @@ def add_mover(draft: Draft, gesture: Path) -> None:
     is_loop = _distance(path[-1], path[0]) <= 1
     back = {} if is_loop else {"back": True}
     draft.entries("movers").append({"path": [[*cell] for cell in path], **back})
-
-
-def _rectangle(one: Cell, other: Cell) -> dict[str, Any]:
-    columns, rows = (sorted(pair) for pair in zip(one, other, strict=True))
-    size = [columns[1] - columns[0] + 1, rows[1] - rows[0] + 1]
-    return {"at": [columns[0], rows[0]], "size": size}
 
 
 def _joined(cells: list[Cell]) -> Iterator[Cell]:

@@ -166,7 +166,7 @@ def _maze_walls(level: Level, run: Run) -> list[int]:
         return []
     if level.has_random_maze:
         return [*range(run.first, run.stop)]
-    bare, is_blocked = _bare_grid(level), blocked_cells(level)
+    bare, is_blocked = bare_grid(level), blocked_cells(level)
     return [
         place
         for place, cell in enumerate(run.cells, run.first)
@@ -178,11 +178,12 @@ def _is_of_maze(level: Level, run: Run) -> bool:
     """Tell whether the maze has a wall at each side of a run."""
     if level.maze is None or level.has_random_maze:
         return False
-    bare = _bare_grid(level)
+    bare = bare_grid(level)
     return all(_has_wall(bare, run, cell) for cell in run.cells)
 
 
-def _bare_grid(level: Level) -> Grid:
+def bare_grid(level: Level) -> Grid:
+    """Return the grid of a level's maze alone."""
     return build_grid(level.model_copy(update={"walls": (), "openings": ()}))
 
 
