@@ -118,7 +118,9 @@ class ObservationOptions(TypedDict, total=False):
 
 _DEFAULTS: dict[str, Any] = {
     "observation": "position",
+    "image_size": None,
     "grayscale": False,
+    "view_radius": None,
     "see_through": False,
     "channels_last": False,
     "planes_dtype": DTYPES[0],
@@ -128,7 +130,6 @@ takes_observation = takes(ObservationOptions, **_DEFAULTS)
 """Lets a function take `ObservationOptions` by name."""
 
 
-@takes_observation
 def checked_observation(**options: Unpack[ObservationOptions]) -> Observation:
     """Return the observation that the arguments of an environment choose.
 
@@ -136,27 +137,30 @@ def checked_observation(**options: Unpack[ObservationOptions]) -> Observation:
         TypeError: there is no such option.
         ValueError: there is no such observation, or it does not have such an option.
     """
-    given: dict[str, Any] = {**options}
-    observation = given.pop("observation")
+    given = {**_DEFAULTS, **options}
+    for name in given.keys() - _DEFAULTS.keys():
+        raise TypeError(f"unexpected option {name!r}{did_you_mean(name, _DEFAULTS)}")
+    observation = given["observation"]
     names = checked_names(observation)
     check_choice("planes_dtype", given["planes_dtype"], DTYPES)
+    changed = {name for name, default in _DEFAULTS.items() if _differs(given[name], default)}
     for kind, observer in OBSERVATIONS.items():
-        if kind not in names and any(_is_given(given, name) for name in observer.options):
+        if kind not in names and not changed.isdisjoint(observer.options):
             raise ValueError(f"{' and '.join(observer.options)} need observation={kind!r}")
     return Observation(
         observation if isinstance(observation, str) else names,
-        checked_image_size(given.get("image_size")),
+        checked_image_size(given["image_size"]),
         bool(given["grayscale"]),
-        checked_view_radius(given.get("view_radius")),
+        checked_view_radius(given["view_radius"]),
         bool(given["see_through"]),
         bool(given["channels_last"]),
         given["planes_dtype"],
     )
 
 
-def _is_given(options: Mapping[str, Any], name: str) -> bool:
-    value, default = options.get(name), _DEFAULTS.get(name)
-    return value is not None if default is None else bool(value != default)
+def _differs(value: Any, default: Any) -> bool:
+    """Return whether a value is not the default, which it may equal: 0 is False."""
+    return value is not default and (default is None or bool(value != default))
 
 
 def checked_names(observation: Any) -> tuple[str, ...]:
