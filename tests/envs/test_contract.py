@@ -16,7 +16,6 @@ import pytest
 from gymnasium import error, spaces
 from gymnasium.envs.registration import EnvSpec, registry
 from gymnasium.utils.env_checker import check_env
-from gymnasium.wrappers import FlattenObservation, RecordEpisodeStatistics, TimeLimit
 from support.playing import (
     Env,
     each_level_and,
@@ -237,41 +236,6 @@ class EnvContract:
         again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
         assert again.observation_space == env.observation_space
         assert episodes(again, 13) == episodes(env, 13)
-
-    def test_several_at_once(self, name: str, observation: str, actions: str) -> None:
-        given = {**arguments(observation, actions), **self.named(name)}
-        envs: Any = gymnasium.make_vec(num_envs=4, vectorization_mode="sync", **given)
-        single = self.make(name, observation, actions)
-        count = count_of(actions)
-        observations, infos = envs.reset(seed=[14, 15, 16, 14])
-        assert observations in envs.observation_space
-        assert plain(observations[0]) == plain(observations[3])
-        expected, _ = single.reset(seed=14)
-        for action in (1, 2, 3 % count, 0):
-            assert infos["action_mask"].shape == (4, count)
-            assert np.array_equal(observations[0], expected)
-            observations, rewards, *_, infos = envs.step(np.full(4, action))
-            expected, reward, terminated, truncated, _ = single.step(action)
-            assert rewards[0] == rewards[3] == reward
-            if terminated or truncated:
-                break
-        envs.close()
-
-    def test_gymnasiums_wrappers_fit(self, env: Env) -> None:
-        wrapped = FlattenObservation(RecordEpisodeStatistics(TimeLimit(env, 12)))
-        observation, _ = wrapped.reset(seed=17)
-        total, truncated, terminated = 0.0, False, False
-        for step in range(1, 13):
-            assert observation in wrapped.observation_space
-            observation, reward, terminated, truncated, info = wrapped.step(
-                wrapped.action_space.sample()
-            )
-            total += float(reward)
-            assert truncated is (step == 12)
-            if terminated or truncated:
-                break
-        assert info["episode"]["l"] == step
-        assert info["episode"]["r"] == pytest.approx(total)
 
 
 def count_of(actions: str) -> int:

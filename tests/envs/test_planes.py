@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from support.each import for_each
 from support.fleets import levels
-from support.playing import FEATURES, GALLERY, level_named
+from support.playing import FEATURES, level_named
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.observations import make_batch_observer
@@ -329,16 +329,3 @@ def test_a_table_that_is_full_paints_anew(monkeypatch: pytest.MonkeyPatch) -> No
         assert np.array_equal(wanted, found)
     painted = [table._grounds.nbytes for table in (free, full)]  # type: ignore[attr-defined]
     assert painted[1] < painted[0]
-
-
-@pytest.mark.sweep
-@for_each("name", [*GALLERY])
-def test_planes_and_vectors_of_the_gallery_are_in_their_spaces(name: str) -> None:
-    env = level_named(name).make(observation=("planes", "vector"))
-    env.action_space.seed(1)
-    env.reset(seed=1)
-    for _ in range(20):
-        observed, _, terminated, truncated, _ = env.step(env.action_space.sample())
-        assert observed in env.observation_space
-        if terminated or truncated:
-            env.reset()

@@ -7,17 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
-from gymnasium.envs.registration import load_env_creator, registry
-from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import HumanRendering, RecordVideo, RenderCollection
 from PIL import Image
 from support.playing import level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.rendering import RENDER_MODES
 
 EAST, SOUTH = brl.Action.EAST, brl.Action.SOUTH
 
@@ -44,21 +40,6 @@ def play(pygame: Any) -> Any:
         from gymnasium.utils.play import play
     pygame.init()
     return play
-
-
-@pytest.mark.parametrize("mode", RENDER_MODES)
-@pytest.mark.parametrize("name", ["default", "frozen-lake", "random-maze"])
-def test_gymnasiums_checker_is_content_with_every_mode(name: str, mode: str) -> None:
-    env = gymnasium.make("babyrobot/Level-v0", level=level_named(name), render_mode=mode)
-    check_env(env.unwrapped)
-    env.close()
-
-
-@pytest.mark.parametrize("mode", RENDER_MODES)
-def test_the_modes_are_known_to_gymnasium(mode: str) -> None:
-    for name in ("Level", "final-maze"):
-        creator: Any = load_env_creator(str(registry[f"babyrobot/{name}-v0"].entry_point))
-        assert mode in creator.metadata["render_modes"]
 
 
 @pytest.mark.parametrize("mode", ["rgb_array", "ansi", "svg"])
@@ -159,27 +140,6 @@ def test_it_can_be_played(actions: str, pygame: Any, play: Any) -> None:
     moves = [2 - first, 2 - first, 3 - first, 3 - first]
     cells = [[1, 0], [2, 0], [2, 1], [2, 2]]
     assert told == list(zip(cells, moves, [False, False, False, True], strict=True))
-
-
-def test_playing_needs_no_frames_per_second(pygame: Any, play: Any) -> None:
-    env = level_named("default").make(render_mode="rgb_array")
-    pygame.event.post(pygame.event.Event(pygame.QUIT))
-    play(env)
-
-
-@pytest.mark.parametrize("limit", [None, 7])
-def test_making_environments_warns_of_nothing(limit: int | None) -> None:
-    # Warnings are errors in all tests; this one says so of Gymnasium's own, too.
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        for mode in (None, *RENDER_MODES):
-            env = level_named("default").make(render_mode=mode, max_episode_steps=limit)
-            env.reset(seed=0)
-            env.step(EAST)
-            if mode is not None:
-                env.render()
-            env.close()
-    assert [str(each.message) for each in caught] == []
 
 
 def test_frames_can_be_saved_by_anyone(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import pickle
 import random
 import re
 from collections.abc import Callable
@@ -13,7 +12,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.wrappers import RenderCollection
 from support.playing import CORNERS, Env, level_named, noted, plain
 
 import babyrobot_levels as brl
@@ -338,7 +336,7 @@ def test_the_same_seed_gives_the_same_sequence_of_mazes(mazes: LevelEnv) -> None
     assert seeds(25) == seeds(25) != seeds(26)
 
 
-@pytest.mark.parametrize("seed", [0, 7, 2**31 - 1])
+@pytest.mark.parametrize("seed", [0, np.int64(7), 2**31 - 1])
 def test_a_maze_can_be_asked_for(mazes: LevelEnv, seed: int) -> None:
     before = mazes.observation_space, mazes.action_space
     _, info = mazes.reset(options={"maze_seed": seed})
@@ -358,23 +356,10 @@ def test_an_asked_for_maze_draws_nothing(mazes: LevelEnv) -> None:
     assert mazes.reset()[1]["maze_seed"] == follows
 
 
-def test_the_maze_that_was_played_can_be_played_again(mazes: LevelEnv) -> None:
-    _, info = mazes.reset(seed=28)
-    table = mazes.P
-    mazes.reset()
-    assert table != mazes.P
-    mazes.reset(options={"maze_seed": info["maze_seed"]})
-    assert table == mazes.P
-
-
 @pytest.mark.parametrize("seed", ["random", "7", 1.5, [1], True])
 def test_maze_seeds_that_are_none_are_refused(mazes: LevelEnv, seed: Any) -> None:
     with pytest.raises(ValueError, match=r"options\['maze_seed'\] must be"):
         mazes.reset(options={"maze_seed": seed})
-
-
-def test_a_maze_seed_may_be_numpys(mazes: LevelEnv) -> None:
-    assert mazes.reset(options={"maze_seed": np.int64(5)})[1]["maze_seed"] == 5
 
 
 ALL_KINDS: dict[str, Callable[[], Any]] = {
@@ -426,11 +411,6 @@ def test_options_that_there_are_not_are_refused(kind: str, options: Any, message
     env.reset(options={"start": None, "maze_seed": None})
 
 
-def test_a_level_whose_maze_is_fixed_takes_no_maze_seed() -> None:
-    with pytest.raises(ValueError, match="seed: random"):
-        play(level_named("final-maze")).reset(options={"maze_seed": 1})
-
-
 @pytest.mark.parametrize("mode", RETURNED)
 def test_pictures_show_the_maze_of_the_episode(mode: str) -> None:
     env = play(level_named("random-maze"), observation="image", render_mode=mode)
@@ -456,16 +436,6 @@ def test_a_level_can_be_rendered_before_the_first_reset(name: str, mode: str) ->
     assert plain(through_level) == plain(through_gymnasium)
 
 
-def test_what_is_rendered() -> None:
-    shown = {mode: play(level_named("default"), render_mode=mode).render() for mode in RETURNED}
-    picture = shown["rgb_array"]
-    assert picture.dtype == np.uint8
-    assert picture.ndim == 3
-    assert picture.shape[2] == 3
-    assert shown["svg"].startswith("<svg")
-    assert shown["ansi"].count("\n") >= 7
-
-
 @pytest.mark.parametrize("mode", RETURNED)
 def test_the_picture_changes_when_the_robot_moves_and_only_then(mode: str) -> None:
     env = play(level_named("default"), render_mode=mode)
@@ -484,18 +454,6 @@ def test_a_frame_belongs_to_the_user() -> None:
     before = frame.copy()
     frame[:] = 0
     assert (env.render() == before).all()
-
-
-@pytest.mark.parametrize("mode", RETURNED)
-def test_lists_of_pictures_are_collected(mode: str) -> None:
-    env = level_named("default").make(render_mode=f"{mode}_list")
-    assert isinstance(env, RenderCollection)
-    env.reset()
-    env.step(EAST)
-    env.step(SOUTH)
-    frames: Any = env.render()
-    assert len(frames) == 3
-    assert len({str(plain(frame)) for frame in frames}) == 3
 
 
 def test_render_without_a_mode_warns_and_says_how() -> None:
@@ -546,7 +504,7 @@ def images(**kwargs: Any) -> Env:
 
 
 @pytest.mark.parametrize("gray", [False, True])
-@pytest.mark.parametrize("size", [(1, 1), (36, 36), (50, 91), (84, 84)])
+@pytest.mark.parametrize("size", [(1, 1), (50, 91)])
 def test_images_have_the_size_that_was_asked_for(size: tuple[int, int], gray: bool) -> None:
     env = images(image_size=size, grayscale=gray)
     observation, _ = env.reset()
@@ -615,69 +573,6 @@ def test_unknown_levels_are_refused() -> None:
         gymnasium.make("babyrobot/Level-v0", level={"size": [3, 3]})
 
 
-# -- time limits -----------------------------------------------------------------------------
-
-
-def makers(level: Level, name: str) -> dict[str, Env]:
-    return {
-        "gallery id": gymnasium.make(f"babyrobot/{name}-v0"),
-        "name": gymnasium.make("babyrobot/Level-v0", level=name),
-        "level": gymnasium.make("babyrobot/Level-v0", level=level),
-        "make": level.make(),
-    }
-
-
-def first_truncation(env: Env, most: int) -> int | None:
-    """Return the step that is truncated; whatever happens after an episode's end counts too."""
-    env.reset(seed=29)
-    for step in range(1, most + 1):
-        if env.step(env.action_space.sample())[3]:
-            return step
-    return None
-
-
-@pytest.mark.parametrize("name", ["frozen-lake", "gridworld-3-5", "image-maze", "random-maze"])
-def test_an_episode_is_truncated_after_max_steps(name: str) -> None:
-    level = level_named(name)
-    assert level.max_steps is not None
-    for way, env in makers(level, name).items():
-        assert env.spec is not None
-        assert env.spec.max_episode_steps == level.max_steps, way
-        for _ in range(2):
-            assert first_truncation(env, level.max_steps + 5) == level.max_steps, way
-
-
-def test_without_max_steps_nothing_is_truncated() -> None:
-    level = level_named("final-maze").replace(max_steps=None)
-    env = level.make()
-    assert env.spec is not None
-    assert env.spec.max_episode_steps is None
-    assert first_truncation(env, 600) is None
-
-
-def test_a_shorter_limit_can_be_asked_for() -> None:
-    for env in (
-        level_named("frozen-lake").make(max_episode_steps=7),
-        level_named("default").make(max_episode_steps=7),
-        gymnasium.make("babyrobot/frozen-lake-v0", max_episode_steps=7),
-    ):
-        assert first_truncation(env, 20) == 7
-
-
-def test_a_gallery_ids_limit_can_be_made_longer_and_taken_away() -> None:
-    longer = gymnasium.make("babyrobot/frozen-lake-v0", max_episode_steps=150)
-    assert first_truncation(longer, 200) == 150
-    without = gymnasium.make("babyrobot/frozen-lake-v0", max_episode_steps=-1)
-    assert first_truncation(without, 300) is None
-
-
-def test_limits_hold_in_vectors_too() -> None:
-    envs = gymnasium.make_vec("babyrobot/Level-v0", 2, "sync", level="gridworld-3-5")
-    envs.reset(seed=30)
-    truncated = [envs.step(np.zeros(2, np.int64))[3].all() for _ in range(1000)]
-    assert truncated == [False] * 999 + [True]
-
-
 # -- the level by any other name -------------------------------------------------------------
 
 
@@ -717,21 +612,3 @@ def test_the_spec_as_json_makes_the_same_game(way: str, tmp_path: Any) -> None:
     assert ours.level.name == theirs.level.name
     assert ours.level.max_steps == theirs.level.max_steps
     assert plain(env.render()) == plain(again.render())
-
-
-def test_a_pickled_environment_keeps_its_pictures() -> None:
-    env = play(level_named("final-maze"), observation="image", render_mode="rgb_array")
-    env.reset(seed=32)
-    before = plain(env.render())
-    again = pickle.loads(pickle.dumps(env))
-    assert plain(again.render()) == before
-    assert plain(again.step(EAST)[0]) == plain(env.step(EAST)[0])
-
-
-@pytest.mark.parametrize(("limit", "steps"), [(None, 100), (7, 7), (130, 130), (-1, 200)])
-def test_a_limit_that_make_is_given_takes_the_levels_place(limit: int | None, steps: int) -> None:
-    level = brl.load({"version": 1, "size": [3, 3], "max_steps": 100})
-    env = level.make(max_episode_steps=limit)
-    env.reset()
-    taken = next((n for n in range(1, 201) if env.step(STAY)[3]), 200)
-    assert taken == steps

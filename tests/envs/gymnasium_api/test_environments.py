@@ -12,26 +12,15 @@ from gymnasium.utils.env_checker import check_env, data_equivalence
 from gymnasium.wrappers import (
     NormalizeObservation,
     NormalizeReward,
-    PassiveEnvChecker,
     TimeAwareObservation,
-    TimeLimit,
 )
 from support.each import for_each
-from support.ids import FEW, IDS, KINDS
+from support.ids import FEW, IDS
 
 from babyrobot_levels.envs.single import LevelEnv
 
 each_id = for_each("env_id", IDS)
 few_ids = for_each("env_id", FEW)
-
-
-def wrappers_of(env: Any) -> list[type[Any]]:
-    """Return the classes of the wrappers around an environment."""
-    found = []
-    while isinstance(env, gymnasium.Wrapper):
-        found.append(type(env))
-        env = env.env
-    return found
 
 
 def assert_same_steps(one: Any, other: Any, steps: int = 50) -> None:
@@ -104,28 +93,6 @@ def test_a_pickled_stack_of_wrappers_goes_on(env_id: str) -> None:
 # -- make ------------------------------------------------------------------------------------
 
 
-@each_id
-def test_the_time_limit_is_the_one_that_the_spec_tells(env_id: str) -> None:
-    for asked in (None, 7, -1):
-        limit: dict[str, Any] = {} if asked is None else {"max_episode_steps": asked}
-        env = gymnasium.make(env_id, **IDS[env_id], **limit)
-        assert env.spec is not None
-        told = env.spec.max_episode_steps
-        if asked is not None:
-            assert told == (None if asked == -1 else asked)
-        elif not IDS[env_id]:
-            assert told == gymnasium.spec(env_id).max_episode_steps
-        assert (TimeLimit in wrappers_of(env)) is (told is not None)
-        assert not told or env.get_wrapper_attr("_max_episode_steps") == told
-
-
-@few_ids
-def test_the_checker_is_around_it_unless_it_is_disabled(env_id: str) -> None:
-    assert PassiveEnvChecker in wrappers_of(gymnasium.make(env_id, **FEW[env_id]))
-    bare = gymnasium.make(env_id, disable_env_checker=True, **FEW[env_id])
-    assert PassiveEnvChecker not in wrappers_of(bare)
-
-
 @few_ids
 def test_making_again_from_the_spec(env_id: str) -> None:
     env = gymnasium.make(env_id, render_mode="rgb_array", max_episode_steps=30, **FEW[env_id])
@@ -144,13 +111,6 @@ def test_making_again_from_the_spec(env_id: str) -> None:
     assert_same_steps(env, again)
 
 
-@each_id
-def test_specs_equal_themselves_after_json(env_id: str) -> None:
-    env = gymnasium.make(env_id, **IDS[env_id])
-    assert env.spec is not None
-    assert EnvSpec.from_json(env.spec.to_json()) == env.spec
-
-
 @few_ids
 def test_specs_of_all_kinds_equal_themselves_and_are_told(env_id: str) -> None:
     env = gymnasium.make(env_id, **FEW[env_id])
@@ -161,10 +121,3 @@ def test_specs_of_all_kinds_equal_themselves_and_are_told(env_id: str) -> None:
             told = spec.pprint(disable_print=True, **options)
             assert told is not None
             assert told.startswith(f"id={env_id}")
-
-
-@for_each("kind", KINDS)
-def test_the_checker_is_content_with_every_kind(kind: str) -> None:
-    for env_id, given in FEW.items():
-        env = gymnasium.make(env_id, **given, **KINDS[kind])
-        check_env(env.unwrapped, skip_render_check=True)

@@ -39,13 +39,6 @@ def test_the_entry_point_is_the_default(env_id: str) -> None:
 
 
 @few_ids
-def test_there_are_as_many_as_asked_for(env_id: str) -> None:
-    for mode in MODES:
-        for num_envs in (1, SIZE):
-            assert many(env_id, mode, num_envs=num_envs).num_envs == num_envs
-
-
-@few_ids
 def test_making_again_from_the_spec(env_id: str) -> None:
     for arguments in (
         {},
@@ -145,31 +138,3 @@ def test_processes_do_as_one_process_does() -> None:
         actions = one.action_space.sample()
         assert data_equivalence(other.step(actions), one.step(actions))
     other.close()
-
-
-# -- pictures and attributes -----------------------------------------------------------------
-
-
-@few_ids
-def test_render_gives_a_frame_of_each_environment(env_id: str) -> None:
-    for mode in MODES:
-        envs = many(env_id, mode, render_mode="rgb_array")
-        assert envs.render_mode == "rgb_array"
-        envs.reset(seed=1)
-        frames = envs.render()
-        assert isinstance(frames, tuple)
-        assert len(frames) == SIZE
-        assert len({frame.shape for frame in frames}) == 1
-        assert all(frame.dtype == np.uint8 for frame in frames)
-
-
-@few_ids
-def test_calls_give_a_value_of_each_environment(env_id: str) -> None:
-    for mode in MODES:
-        envs = many(env_id, mode)
-        envs.reset(seed=1)
-        for name in ("level", "action_masks"):
-            values = envs.call(name)
-            assert isinstance(values, tuple)
-            assert len(values) == SIZE
-        assert envs.get_attr("render_mode") == (None,) * SIZE

@@ -182,15 +182,6 @@ def test_what_cannot_be_made(arguments: dict[str, Any], message: str) -> None:
         LevelVectorEnv(**arguments)
 
 
-def test_what_suite_cannot_be_played() -> None:
-    with pytest.raises(ValueError, match="there is no split 'dev'"):
-        make("dry", split="dev")
-    with pytest.raises(ValueError, match="no levels"):
-        make("dry", suite=load_suite(DRY)[5:5])
-    with pytest.raises(brl.SuiteNotFoundError):
-        make("dry", suite="no-such-suite")
-
-
 # -- playing ---------------------------------------------------------------------------------
 
 
@@ -259,42 +250,6 @@ def test_each_environment_plays_the_level_that_it_says(
                 shadows.step(number, actions[number], shown[number], told, info)
         over = ends & (mode is not AutoresetMode.SAME_STEP)
     assert len(played) > 3 * SIZE
-
-
-@combined(2, family=["wet", "cornered"], mode=MODES, engine=ENGINES)
-def test_what_chance_brings_is_in_the_tables_of_the_level(
-    family: str, mode: AutoresetMode, engine: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # Each level takes the slot of another one, which may have had more outcomes.
-    monkeypatch.setattr(level_slots, "KEPT_STATES", 1)
-    envs: Any = make(family, 40, observation="index", autoreset_mode=mode, engine=engine)
-    width = envs.levels.largest[0] if isinstance(envs.levels, Suite) else 4
-    shown, _ = envs.reset(seed=1)
-    rng, over, slips = np.random.default_rng(3), np.zeros(40, np.bool_), 0
-    for _ in range(100):
-        if mode is AutoresetMode.DISABLED and over.any():
-            shown, _ = envs.reset(options={"reset_mask": over})
-            over[:] = False
-        before, levels = shown.tolist(), envs.call("level")
-        actions = rng.integers(0, 5, 40)
-        shown, rewards, terminated, truncated, info = envs.step(actions)
-        ends = terminated | truncated
-        for number in np.flatnonzero(~over):
-            after = shown[number]
-            if mode is AutoresetMode.SAME_STEP and ends[number]:
-                after = info["final_obs"][number]
-            columns = levels[number].size[0]
-            state, end = (
-                y * columns + x
-                for y, x in (divmod(before[number], width), divmod(int(after), width))
-            )
-            possible = {
-                outcome[1:] for outcome in levels[number].compile().outcomes(state, actions[number])
-            }
-            assert (end, rewards[number], terminated[number]) in possible
-            slips += len(possible) > 1
-        over = ends & (mode is not AutoresetMode.SAME_STEP)
-    assert slips > 100
 
 
 @combined(1, family=FAMILIES, mode=MODES, observation=["walls", "image"])
@@ -443,12 +398,6 @@ def test_a_refused_reset_changes_no_level(
     assert envs.action_masks().tolist() == masks
 
 
-def test_a_start_that_is_asked_for() -> None:
-    envs = make("wet", observation="position")
-    observations, _ = envs.reset(seed=1, options={"start": [1, 0]})
-    assert observations.tolist() == [[1, 0]] * SIZE
-
-
 def test_a_start_need_not_be_in_the_levels_of_those_that_stay() -> None:
     sizes = [level.size for level in load_suite(DRY)]
     wide, narrow = sizes.index((5, 3)), sizes.index((3, 3))
@@ -457,11 +406,6 @@ def test_a_start_need_not_be_in_the_levels_of_those_that_stay() -> None:
     mask = np.array([False] * 4 + [True])
     observations, _ = envs.reset(options={"index": wide, "start": [4, 1], "reset_mask": mask})
     assert observations.tolist() == [*before[:4].tolist(), [4, 1]]
-
-
-def test_other_levels_have_no_seeds_for_mazes() -> None:
-    with pytest.raises(ValueError, match="for levels that say"):
-        LevelVectorEnv("maze").reset(options={"maze_seed": 1})
 
 
 @each_engine

@@ -245,18 +245,6 @@ def test_drawn_levels_and_starts_are_all_there_are_evenly() -> None:
     assert counts / counts.sum() == pytest.approx(1 / len(four.starts), abs=0.02)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_chances_are_those_of_the_level(engine: str) -> None:
-    level = level_named("frozen-lake")
-    mdp = level.compile()
-    envs = LevelVectorEnv(level, num_envs=50_000, observation="index", engine=engine)
-    envs.reset(seed=3)
-    seen, *_ = envs.step(np.full(50_000, brl.Action.SOUTH))
-    start = int(mdp.start.argmax())
-    for chance, state, _, _ in mdp.outcomes(start, brl.Action.SOUTH):
-        assert (seen == state).mean() == pytest.approx(chance, abs=0.01)
-
-
 # -- which engine ----------------------------------------------------------------------------
 
 

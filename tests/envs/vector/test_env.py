@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import pickle
 import random
-import warnings
 from typing import Any
 
 import gymnasium
@@ -15,7 +14,6 @@ from gymnasium import error, spaces
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
-from gymnasium.wrappers import vector as wrappers
 from support.combinations import combined
 from support.fleets import (
     ENGINES,
@@ -59,25 +57,6 @@ def test_every_id_of_the_gallery_makes_one() -> None:
         assert envs.single_observation_space == single.observation_space, name
         assert envs.single_action_space == single.action_space, name
         envs.close()
-
-
-def test_the_levels_limit_counts_and_another_takes_its_place() -> None:
-    def steps_of(**given: Any) -> int:
-        envs = gymnasium.make_vec(num_envs=2, **given)
-        envs.reset(seed=1)
-        for step in range(1, 300):
-            *_, truncated, _ = envs.step([0, 0])
-            if truncated.all():
-                return step
-        return 0
-
-    level = level_named("final-maze").replace(max_steps=7)
-    assert steps_of(id=LEVEL_ID, level=level) == 7
-    assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=9) == 9
-    assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=-1) == 0
-    assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=2**70) == 0
-    assert steps_of(id="babyrobot/frozen-lake-v0") == level_named("frozen-lake").max_steps
-    assert steps_of(id="babyrobot/frozen-lake-v0", max_episode_steps=3) == 3
 
 
 def test_the_name_in_the_package_makes_one() -> None:
@@ -136,16 +115,6 @@ def test_each_environment_is_a_single_one(name: str, mode: AutoresetMode, engine
     assert_same_walks(envs, single([level], observation="index"), SEEDS, 30)
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_modes_by_name_and_by_value(mode: AutoresetMode) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for told in (mode, mode.value):
-            envs = make(autoreset_mode=told)
-            assert envs.autoreset_mode is envs.metadata["autoreset_mode"] is mode
-    assert make().autoreset_mode is AutoresetMode.NEXT_STEP
-
-
 def test_the_spec_as_json_makes_the_same_game() -> None:
     for given in (
         {"level": level_named("all at once")},
@@ -194,27 +163,6 @@ def test_some_of_the_mazes_of_a_level_that_grows_them() -> None:
 # -- playing ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("engine", ENGINES)
-def test_the_same_seed_gives_the_same_episodes(engine: str, mode: AutoresetMode) -> None:
-    envs = make("all at once", engine=engine, autoreset_mode=mode)
-    told = walked(envs, 60, seed=4)
-    assert same(walked(envs, 60, seed=4), told)
-    assert same(walked(make("all at once", engine=engine, autoreset_mode=mode), 60, seed=4), told)
-    assert not same(walked(envs, 60, seed=5), told)
-
-
-def test_lists_of_seeds() -> None:
-    def starts(seed: Any) -> Any:
-        envs = LevelVectorEnv("ice-rink", num_envs=2, observation="index")
-        envs.reset(seed=seed)
-        return [envs.step([2, 3])[0].tolist() for _ in range(20)]
-
-    assert starts([1, 2]) == starts([1, 2]) == starts(np.array([1, 2]))
-    assert starts([1, 2]) != starts([1, 3])
-    assert starts([1, 2]) != starts([3, 2])
-
-
 @pytest.mark.parametrize("seed", [[1], [1, 2, 3], [1, -2], [1, 2.5], [None, -1], [[1, 2]]])
 def test_what_is_no_seed(seed: Any) -> None:
     envs = LevelVectorEnv("maze", num_envs=2)
@@ -228,17 +176,6 @@ def test_a_reset_without_a_seed_goes_on_with_the_generator() -> None:
     generator = envs.np_random
     assert len({tuple(envs.reset()[0].tolist()) for _ in range(30)}) > 5
     assert envs.np_random is generator
-
-
-def test_starts_are_drawn_for_each_environment_at_each_beginning() -> None:
-    envs = LevelVectorEnv("four-corners", num_envs=300, observation="index", max_episode_steps=1)
-    first, _ = envs.reset(seed=1)
-    envs.step(np.zeros(300, int))
-    second, *_ = envs.step(np.zeros(300, int))
-    width = level_named("four-corners").size[0]
-    corners = {y * width + x for x, y in level_named("four-corners").starts}
-    assert set(first) == set(second) == corners
-    assert (first != second).any()
 
 
 def test_a_start_that_is_asked_for() -> None:
@@ -356,9 +293,7 @@ def test_numbers_of_all_sorts_are_actions(engine: str, count: int) -> None:
     assert all(same(each, told[0]) for each in told)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("observation", [*OBSERVATIONS])
+@combined(1, observation=[*OBSERVATIONS], mode=MODES, engine=ENGINES)
 def test_what_is_returned_belongs_to_the_user(
     observation: str, mode: AutoresetMode, engine: str
 ) -> None:
@@ -565,34 +500,6 @@ def test_masks_and_probabilities_that_are_given(actions: str) -> None:
 
 
 # -- being used ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("mode", MODES[:2])
-def test_statistics_are_those_of_the_episodes(mode: AutoresetMode) -> None:
-    envs = wrappers.RecordEpisodeStatistics(make("frozen-lake", autoreset_mode=mode))
-    envs.reset(seed=1)
-    returns = np.zeros(SIZE)
-    for _ in range(200):
-        _, rewards, terminated, _, info = envs.step(envs.action_space.sample())
-        returns += rewards
-        if terminated.any():
-            assert info["episode"]["r"][terminated].tolist() == returns[terminated].tolist()
-        returns[terminated] = 0
-    assert envs.episode_count > 20
-
-
-def test_gymnasiums_wrappers_fit() -> None:
-    envs = wrappers.DictInfoToList(
-        wrappers.NormalizeReward(wrappers.FlattenObservation(make("all at once")))
-    )
-    observations, infos = envs.reset(seed=1)
-    assert observations in envs.observation_space
-    assert len(infos) == SIZE
-    for _ in range(40):
-        observations, rewards, _, _, infos = envs.step(envs.action_space.sample())
-        assert observations in envs.observation_space
-        assert infos[0]["action_mask"].shape == (5,)
-    assert rewards.shape == (SIZE,)
 
 
 def test_attributes() -> None:

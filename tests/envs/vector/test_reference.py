@@ -92,22 +92,3 @@ def test_each_of_several_levels_is_what_it_is_alone(
         level for level in data.draw(st.lists(levels(4), max_size=30)) if level.size == first.size
     ]
     assert_same_walk([first, *others], mode, engine, seed)
-
-
-def test_one_robot_walks_as_a_single_environment_with_its_seed() -> None:
-    level = level_named("deep-puddles")
-    assert len(level.starts) == 1
-    single, envs = level.make(), LevelVectorEnv(level, engine="numpy")
-    single.reset(seed=11)
-    envs.reset(seed=11)
-    rng = np.random.default_rng(1)
-    for _ in range(300):
-        action = int(rng.integers(5))
-        observation, reward, terminated, truncated, info = single.step(action)
-        observations, rewards, *flags, infos = envs.step([action])
-        assert np.array_equal(observations[0], observation)
-        assert (rewards[0], flags[0][0], flags[1][0]) == (reward, terminated, truncated)
-        assert infos["skidded"][0] == info["skidded"]
-        if terminated or truncated:
-            single.reset()
-            envs.step([0])

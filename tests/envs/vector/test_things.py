@@ -213,14 +213,6 @@ def test_items_are_told_in_the_order_of_the_level_for_as_many_as_the_richest_lev
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_levels_without_things_say_nothing_of_them(engine: str) -> None:
-    envs = LevelVectorEnv("final-maze", engine=engine)
-    _, info = envs.reset(seed=1)
-    *_, later = envs.step([0])
-    assert {"held", "hit"}.isdisjoint({*info, *later})
-
-
-@pytest.mark.parametrize("engine", ENGINES)
 def test_only_environments_that_are_reset_tell_what_is_held(engine: str) -> None:
     level = {
         "version": 1,
@@ -331,16 +323,6 @@ def test_random_mazes_with_things_are_walked_as_alone(engine: str, actions: str)
     level = level_named("random mazes with things").replace(max_steps=8)
     envs = LevelVectorEnv(level, num_envs=SIZE, engine=engine, actions=actions)
     assert_same_walks(envs, single([level], actions=actions), SEEDS, 150)
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize("mode", MODES)
-def test_both_engines_walk_suites_with_things_the_same_way(mode: AutoresetMode) -> None:
-    ways = [
-        walked(SuiteVectorEnv(SUITE, num_envs=6, engine=engine, autoreset_mode=mode), 100)
-        for engine in ENGINES
-    ]
-    assert same(*ways)
 
 
 # -- policies --------------------------------------------------------------------------------
