@@ -29,6 +29,9 @@ def main() -> None:
         _run()
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
+    finally:
+        # As Python ends, it would look for circles among all that was imported, more than once.
+        gc.freeze()
 
 
 def _run() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -88,6 +87,8 @@ def outcome_of(function: Callable[[Item], Result], index: int, item: Item) -> Re
 def portable(failure: Failure) -> Failure:
     """Return a failure whose error another process can read."""
     try:
+        import pickle
+
         pickle.loads(pickle.dumps(failure.error))
     except Exception:
         error = RuntimeError(f"{type(failure.error).__name__}: {failure.error}")

@@ -13,6 +13,7 @@ session knows `cat`, `ls`, `mkdir` and `touch`; a command may begin with `NAME=v
 from __future__ import annotations
 
 import contextlib
+import gc
 import io
 import os
 import re
@@ -100,6 +101,8 @@ def run_here(arguments: list[str], variables: dict[str, str], given: bytes = b""
         except SystemExit as end:
             status = end.code or 0
         finally:
+            # The command ends here, and not the process.
+            gc.unfreeze()
             with contextlib.suppress(ValueError):
                 signal.signal(signal.SIGINT, handler)
     out, err = (stream.getvalue().decode() for stream in raw)
