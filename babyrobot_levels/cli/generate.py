@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -36,15 +35,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.suites.batch import Batch, Target
 
 MAX_FILES = 1_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class Naming:
-    """The patterns of names and titles, None for the default, and the index of the first level."""
-
-    names: str | None
-    title: str | None
-    first: int
 
 
 @with_conditions
@@ -137,7 +127,7 @@ def generate(
     if any(output.resolve().is_relative_to(folder.resolve()) for folder in exclude or []):
         fail("--exclude contains the folder to write to", "write to another folder")
     excluded = _digests_in(exclude or [], workers)
-    batch = _batch(suite, conditions, Naming(names, title, first), excluded)
+    batch = _batch(suite, conditions, excluded, names, title, first)
     target = Target(batch, output, resume, force)
     try:
         _write(target, workers, keep_going=keep_going)
@@ -146,30 +136,35 @@ def generate(
 
 
 def _batch(
-    suite: str | None, conditions: dict[str, Any], naming: Naming, excluded: frozenset[str]
+    suite: str | None,
+    conditions: dict[str, Any],
+    excluded: frozenset[str],
+    names: str | None,
+    title: str | None,
+    first: int,
 ) -> Batch:
-    from babyrobot_levels.suites.batch import DEFAULT_NAMES, Batch, is_pattern, is_title
+    from babyrobot_levels.suites.batch import Batch, is_pattern, is_title
     from babyrobot_levels.suites.generate import described
+    from babyrobot_levels.suites.sources import name_pattern
     from babyrobot_levels.text.errors import LevelError
 
     if suite is None:
         if conditions["count"] is None:
             fail("the number of levels is missing", "add --count N, or the name of a suite")
         fields, description = suite_of(conditions), command_line(conditions)
-        pattern = DEFAULT_NAMES
     else:
-        fields, pattern = _suite_named(suite, conditions)
+        fields = _suite_named(suite, conditions)
         description = described(fields)
     if fields.count > MAX_FILES:
         fail(f"--count must be at most {MAX_FILES:,}, not {fields.count:,}")
-    pattern = naming.names or pattern
+    pattern = names or name_pattern(fields)
     if not is_pattern(pattern):
         fail(f"--name: invalid pattern {pattern!r}", "expected a name such as 'maze-{index:02}'")
-    if naming.title is not None and not is_title(naming.title):
-        fail(f"--title: invalid pattern {naming.title!r}", "expected a text such as 'Maze {index}'")
+    if title is not None and not is_title(title):
+        fail(f"--title: invalid pattern {title!r}", "expected a text such as 'Maze {index}'")
     if excluded:
         description += f", without {len(excluded):,} games"
-    batch = Batch(fields, pattern, description, excluded, naming.first, naming.title)
+    batch = Batch(fields, pattern, description, excluded, first, title)
     try:
         batch.maker().draw(0, 0)
     except LevelError as error:
@@ -178,11 +173,10 @@ def _batch(
     return batch
 
 
-def _suite_named(suite: str, conditions: dict[str, Any]) -> tuple[SuiteFields, str]:
-    """Return a suite's fields, with the given count, and the pattern of its levels' names."""
+def _suite_named(suite: str, conditions: dict[str, Any]) -> SuiteFields:
+    """Return a suite's fields, with the given count."""
     from babyrobot_levels.language.suite import SuiteFields
     from babyrobot_levels.suites.generate import fields_to_generate
-    from babyrobot_levels.suites.sources import name_pattern
     from babyrobot_levels.suites.suite import load_suite
 
     given = [name for name in given_options(conditions) if name != "--count"]
@@ -196,10 +190,9 @@ def _suite_named(suite: str, conditions: dict[str, Any]) -> tuple[SuiteFields, s
             "generate a suite that grows mazes, or copy the files of these levels",
         )
     try:
-        fields = fields_to_generate(fields, loaded.folder, conditions["count"])
+        return fields_to_generate(fields, loaded.folder, conditions["count"])
     except ValueError as error:
         fail(f"--{error}")
-    return fields, name_pattern(fields)
 
 
 def _digests_in(folders: list[Path], workers: Workers) -> frozenset[str]:

@@ -292,6 +292,7 @@ PIXELS = 64
 """How wide and high a tile is."""
 
 _NOT_PROPERTIES = SPATIAL | {"version", "name"}
+_LAYER = {"opacity": 1, "visible": True, "x": 0, "y": 0}
 
 
 def write_tiled(level: Level) -> Conversion:
@@ -380,16 +381,13 @@ def _tile_layer(
     numbers = {name: index for index, name in enumerate(CLASSES, 1)}
     cells = ((x, y) for y in range(size[1]) for x in range(size[0]))
     return {
+        **_LAYER,
         "data": [numbers[tiles[cell]] if cell in tiles else 0 for cell in cells],
         "height": size[1],
         "id": number,
         "name": name,
-        "opacity": 1,
         "type": "tilelayer",
-        "visible": True,
         "width": size[0],
-        "x": 0,
-        "y": 0,
     }
 
 
@@ -415,15 +413,12 @@ def _wall_layer(number: int, walls: dict[Edge, dict[str, Any]]) -> dict[str, Any
             wall["properties"] = [_property(name, given[name]) for name in sorted(given)]
         objects.append(wall)
     return {
+        **_LAYER,
         "draworder": "topdown",
         "id": number,
         "name": "walls",
         "objects": objects,
-        "opacity": 1,
         "type": "objectgroup",
-        "visible": True,
-        "x": 0,
-        "y": 0,
     }
 
 

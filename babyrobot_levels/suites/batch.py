@@ -25,8 +25,6 @@ from babyrobot_levels.text.files import SUFFIXES, write_text
 FORMAT_VERSION = 1
 """Increases when the same options would generate other files."""
 
-DEFAULT_NAMES = "level-{index:05}"
-
 _NAMES = re.compile(r"([a-z0-9-]*)\{index(:0[1-9])?\}([a-z0-9-]*)")
 _HEADER = re.compile(r"# Level (\d+) of the order ([0-9a-f]{12}), try (\d+):\n")
 _FOR_PEOPLE = ("name", "title", "description", "author", "license", "source", "tags")

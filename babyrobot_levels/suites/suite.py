@@ -105,14 +105,6 @@ class Suite(Sequence[Level]):
         return self.bounds.has_movers
 
     @property
-    def radices(self) -> tuple[int, ...]:
-        """For each thing that a level can have, the most values that it can have in any level.
-
-        They are in the order of `Things.radices`.
-        """
-        return self.bounds.radices
-
-    @property
     def groups(self) -> Groups:
         """How many levels follow one another, and the weight of each: how often it is drawn."""
         return groups_of(self._source.groups, self.numbers)

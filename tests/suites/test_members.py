@@ -116,7 +116,7 @@ def test_most_things_of_all_levels() -> None:
         level.compile().num_configurations for level in levels
     )
     assert not load_suite(listed("maze", "three-gems")).has_guards
-    assert load_suite(listed("maze", "final-maze")).radices == ()
+    assert load_suite(listed("maze", "final-maze")).bounds.radices == ()
 
 
 # -- splits ----------------------------------------------------------------------------------

@@ -282,8 +282,8 @@ def test_levels_of_a_suite_with_different_things_are_walked_as_alone(
     assert len(configurations) > 5
     for level in envs._slots.levels:
         radices = level.things().radices if level else ()
-        assert all(map(int.__le__, radices, envs.suite.radices))
-        assert len(radices) <= len(envs.suite.radices)
+        assert all(map(int.__le__, radices, envs.suite.bounds.radices))
+        assert len(radices) <= len(envs.suite.bounds.radices)
 
 
 @cache
