@@ -10,6 +10,7 @@ import pytest
 from support.places import DOCS, ROOT
 
 import babyrobot_levels as brl
+from babyrobot_levels.language.cells import ADDED, Rewards
 
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 SECTIONS = dict(
@@ -35,8 +36,16 @@ def rows(page: str) -> set[str]:
 
 def test_the_lists_are_those_of_the_house() -> None:
     assert list(SECTIONS) == [
-        "field", "rule", "command", "painter", "maze algorithm", "format", "observation"
-    ]  # fmt: skip
+        "field",
+        "reward",
+        "thing with a state",
+        "rule",
+        "command",
+        "painter",
+        "maze algorithm",
+        "format",
+        "observation",
+    ]
 
 
 @pytest.mark.parametrize("section", SECTIONS)
@@ -61,6 +70,11 @@ def test_the_scripts_accept_what_is_shown() -> None:
 def test_the_fields_are_those_of_the_reference() -> None:
     fields = set(registry("field").model_fields)
     assert fields <= rows((DOCS / "level-format.md").read_text(encoding="utf-8"))
+
+
+def test_the_rewards_and_their_order_are_those_of_the_language() -> None:
+    of_things = {"hit", "warp", "item"}
+    assert {*registry("reward"), *ADDED} - of_things == set(Rewards.model_fields)
 
 
 def test_each_rule_has_a_function_and_a_page() -> None:
