@@ -12,14 +12,19 @@ from collections.abc import Iterable, Sequence
 from random import Random
 from typing import Any
 
-from babyrobot_levels.language.cells import Rewards
+from support.values import fields_of
+
+from babyrobot_levels.language.base import Model
+from babyrobot_levels.language.cells import Area, LargePuddle, Puddle, Rewards, SmallPuddle, Warp
+from babyrobot_levels.language.fields import LevelFields, Role, fields_with
+from babyrobot_levels.language.things import Door, Hit, Item, Mover, Switch
+from babyrobot_levels.language.walls import Wall
 
 Cell = tuple[int, int]
 Side = frozenset[Cell]
 Fields = dict[str, Any]
 
 STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
-REWARDS = (-10, -3, -2.5, -1, -0.1, 0, 0.5, 1, 2, 5)
 ITEM_NAMES = ("key", "coin", "gem", "red-key", "box")
 SWITCH_NAMES = ("lever", "plate", "lamp")
 MOVER_NAMES = ("guard", "bat", "ghost")
@@ -76,19 +81,13 @@ class _Maker:
     def chance(self, probability: float) -> bool:
         return self.random.random() < probability
 
-    def number(self) -> float:
-        return self.random.choice(REWARDS)
-
-    def probability(self) -> float:
-        return self.random.choice((0, 0.1, 0.25, 0.3, 0.5, 0.8, 1))
-
-    def skid(self) -> Any:
-        if self.chance(0.4):
-            return self.probability()
-        skid: Fields = {"probability": self.probability()}
-        if self.chance(0.85):
-            skid["to"] = self.random.choice(("open", "sides", "others"))
-        return skid
+    def some(self, model: type[Model], share: float, *without: str) -> Fields:
+        """Draw fields of a model that stand for themselves, each with a probability."""
+        return {
+            name: self.random.choice(values)
+            for name, values in fields_of(model).items()
+            if name not in without and self.chance(share)
+        }
 
     def sample(self, cells: Iterable[Cell], most: int) -> list[Cell]:
         """Draw up to so many cells, in random order."""
@@ -160,16 +159,13 @@ class _Maker:
         self.areas(free)
         if self.chance(0.35):
             fields["puddles"] = [
-                {"at": at(cell)} | random.choice(({}, {"size": "small"}, {"size": "large"}))
+                {"at": at(cell)} | self.some(Puddle, 0.6)
                 for cell in self.sample(free, random.randint(1, 3))
             ]
             if self.chance(0.5):
-                fields["puddle_types"] = {
-                    size: {}
-                    | ({"reward": self.number()} if self.chance(0.5) else {})
-                    | ({"skid": self.skid()} if self.chance(0.6) else {})
-                    for size in random.sample(("small", "large"), random.randint(1, 2))
-                }
+                types = {"small": SmallPuddle, "large": LargePuddle}
+                sizes = random.sample((*types,), random.randint(1, 2))
+                fields["puddle_types"] = {size: self.some(types[size], 0.5) for size in sizes}
 
     def areas(self, free: set[Cell]) -> None:
         """Lay areas; where one would end the episode on a start, a later one takes that back."""
@@ -179,10 +175,7 @@ class _Maker:
         ending: set[Cell] = set()
         for _ in range(self.random.randint(1, 3)):
             covered, entry = self.rectangle()
-            if self.chance(0.6):
-                entry["reward"] = self.number()
-            if self.chance(0.4):
-                entry["skid"] = self.skid()
+            entry |= self.some(Area, 0.5, "ends")
             if self.chance(0.3) and len(covered) <= len(free) / 3:
                 entry["ends"] = self.chance(0.85)
                 ending = ending | set(covered) if entry["ends"] else ending - set(covered)
@@ -210,9 +203,7 @@ class _Maker:
             entry: Fields = {"at": at(cell), "side": side}
             if length > 1 or self.chance(0.1):
                 entry["length"] = length
-            if self.chance(0.35):
-                entry["pass"] = round(self.random.uniform(0.2, 0.9), 2)
-            entries.append(entry)
+            entries.append(entry | self.some(Wall, 0.4))
             self.walls |= set(run_of(cell, side, length))
         self.fields["walls"] = entries
 
@@ -253,11 +244,9 @@ class _Maker:
             }
             if when == "leave" or self.chance(0.3):
                 entry["when"] = when
-            if self.chance(0.4):
-                entry["reward"] = self.number()
             if when == "enter":
                 self.enter[cell] = target
-            entries.append(entry)
+            entries.append(entry | self.some(Warp, 0.4, "when"))
         self.fields["warps"] = entries
 
     def circles(self, cell: Cell, target: Cell) -> bool:
@@ -278,11 +267,10 @@ class _Maker:
                     wind[name] = [random.choice((0, 0, 1, 1, 2)) for _ in range(count)]
             if wind:
                 fields["wind"] = wind
-        if self.chance(0.3):
-            fields["skid"] = self.skid()
+        others = {*fields_of(LevelFields)} - {*fields_with(Role.DYNAMICS, Role.REWARD)}
+        fields |= self.some(LevelFields, 0.3, *others, "heading")
         if self.chance(0.6):
-            names = Rewards.model_fields
-            fields["rewards"] = {name: self.number() for name in names if self.chance(0.4)}
+            fields["rewards"] = self.some(Rewards, 0.4)
 
     # Things.
 
@@ -310,18 +298,11 @@ class _Maker:
             lies = [at(places.pop()) for _ in range(count)]
             item: Fields = {"name": name}
             item |= {"at": lies[0]} if count == 1 else {"one_of": lies}
-            if self.chance(0.5):
-                item["reward"] = self.number()
-            items.append(item)
+            items.append(item | self.some(Item, 0.5))
         for name in SWITCH_NAMES[: random.choice((0, 0, 1, 1, 2))]:
             if not places or not self.spend(2):
                 continue
-            switch: Fields = {"name": name, "at": at(places.pop())}
-            if self.chance(0.4):
-                switch["once"] = self.chance(0.8)
-            if self.chance(0.4):
-                switch["on"] = self.chance(0.8)
-            switches.append(switch)
+            switches.append({"name": name, "at": at(places.pop())} | self.some(Switch, 0.6))
         if items:
             self.fields["items"] = items
         if switches:
@@ -352,7 +333,7 @@ class _Maker:
                 door["needs"] = self.some_names(2)
             if kind in ("unless", "both"):
                 door["unless"] = self.some_names(2)
-            entries.append(door)
+            entries.append(door | self.some(Door, 0.4))
             self.doors |= set(sides)
         if entries:
             self.fields["doors"] = entries
@@ -413,18 +394,13 @@ class _Maker:
             if outcomes * options > MOST_OUTCOMES or not self.spend(radix):
                 continue
             outcomes *= options
-            movers.append(({"name": name} if self.chance(0.7) else {}) | mover)
+            made_up = self.some(Mover, 0.4, "back")
+            movers.append(({"name": name} if self.chance(0.7) else {}) | mover | made_up)
         if not movers:
             return
         self.fields["movers"] = movers
         if self.chance(0.65):
-            hit: Fields = {}
-            if self.chance(0.7):
-                hit["reward"] = self.number()
-            if self.chance(0.7):
-                hit["ends"] = self.chance(0.35)
-            if hit:
-                self.fields["hit"] = hit
+            self.fields["hit"] = self.some(Hit, 0.7)
 
     def needs_of_exits(self) -> None:
         """Let the exits need something."""

@@ -119,7 +119,7 @@ def contrasts(where: str) -> Iterator[tuple[Level, Level]]:
 @cache
 def contrasts_of(where: str) -> list[tuple[Level, Level]]:
     """Return the first of the contrasts of a field."""
-    return [*islice(contrasts(where), 3)]
+    return [*islice(contrasts(where), 6)]
 
 
 PLAYING = sorted(

@@ -8,25 +8,20 @@ from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.cells import Rewards
+from babyrobot_levels.language.base import Model
+from babyrobot_levels.language.cells import Area, LargePuddle, Puddle, Rewards, SmallPuddle, Warp
+from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.language.validation import parse as parse_text
+from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.drawn import resolved_fields
 from babyrobot_levels.text.source import SourceFile
+from support.values import fields_of
 
 World = dict[str, Any]
 Cell = tuple[int, int]
 
 LEGEND: World = {"~": {"reward": -3, "color": "gold"}, "x": {"ends": True}, "9": {"skid": 0.25}}
-CHANCES = (0.0, 0.1, 0.25, 1 / 3, 0.5, 0.8, 1.0)
-REWARDS = (-10, -2.5, -1, 0, 0.1, 1, 7)
-COLORS = ("red", "#abc", "rgb(1, 2, 3)", "hsl(120, 50%, 50%)")
-
-numbers = st.sampled_from(REWARDS)
-chances = st.sampled_from(CHANCES)
-skids = chances | st.fixed_dictionaries(
-    {"probability": chances}, optional={"to": st.sampled_from(["open", "sides", "others"])}
-)
 
 
 def level_of(world: World) -> Level:
@@ -55,6 +50,14 @@ def level_of_text(text: str) -> Level:
     level, diagnostics = parse_text(SourceFile("level.yaml", text), Level)
     assert level is not None, "\n".join(map(str, diagnostics))
     return level
+
+
+def optional(model: type[Model], *without: str, looks: bool = False) -> SearchStrategy[World]:
+    """Return strategies for some of the fields of a model: those of `values`."""
+    fields = fields_of(model, looks)
+    return st.fixed_dictionaries(
+        {}, optional={name: st.sampled_from(fields[name]) for name in fields if name not in without}
+    )
 
 
 def sometimes(draw: DrawFn, share: int = 2) -> bool:
@@ -106,12 +109,10 @@ def add_walls(draw: DrawFn, world: World, width: int, height: int) -> None:
         for wall in draw(st.lists(sides(width, height, inner=True), max_size=10))
         if wall is not None
     ]
-    for wall in walls:
-        if draw(st.booleans()):
-            wall["pass"] = draw(chances)
+    walls = [wall | draw(optional(Wall)) for wall in walls]
     if sometimes(draw, 4):
         outer = draw(sides(width, height, inner=False))
-        walls += [{**outer, "color": "red", "width": 2, "fit": True}] if outer else []
+        walls += [outer | draw(optional(Wall, looks=True))] if outer else []
     if walls:
         world["walls"] = walls
     openings = draw(st.lists(sides(width, height, inner=True), max_size=4))
@@ -122,26 +123,16 @@ def add_walls(draw: DrawFn, world: World, width: int, height: int) -> None:
 def add_cells(draw: DrawFn, world: World, width: int, height: int, free: list[Cell]) -> None:
     if sometimes(draw):
         cells = draw(st.lists(st.sampled_from(free), max_size=4, unique=True))
-        world["puddles"] = [
-            {"at": list(cell)} | draw(st.sampled_from([{}, {"size": "small"}, {"size": "large"}]))
-            for cell in cells
-        ]
+        world["puddles"] = [{"at": list(cell)} | draw(optional(Puddle)) for cell in cells]
     if sometimes(draw):
-        kind = st.fixed_dictionaries({}, optional={"reward": numbers, "skid": skids})
-        world["puddle_types"] = draw(st.fixed_dictionaries({"small": kind, "large": kind}))
+        kinds = {"small": optional(SmallPuddle), "large": optional(LargePuddle)}
+        world["puddle_types"] = draw(st.fixed_dictionaries(kinds))
     if sometimes(draw):
-        traits = st.fixed_dictionaries(
-            {},
-            optional={
-                "reward": numbers,
-                "skid": skids,
-                "ends": st.booleans(),
-                "color": st.sampled_from(COLORS),
-                "label": st.sampled_from(["ice", "", "lava: hot"]),
-            },
-        )
         areas = [
-            draw(rectangles(width, height)) | draw(traits) for _ in range(draw(st.integers(1, 3)))
+            draw(rectangles(width, height))
+            | draw(optional(Area))
+            | draw(optional(Area, looks=True))
+            for _ in range(draw(st.integers(1, 3)))
         ]
         for area in areas:
             if area.get("ends") and inside(area) & set(starts_of(world)):
@@ -166,8 +157,7 @@ def add_warps(draw: DrawFn, world: World, free: list[Cell], exits: list[Cell]) -
             taken[cell] = goal
         warp: World = {"at": list(cell), "to": list(goal) if goal != "start" else goal}
         warp |= {"when": when} if when else {}
-        warp |= {"reward": draw(numbers)} if draw(st.booleans()) else {}
-        warps.append(warp)
+        warps.append(warp | draw(optional(Warp, "when")))
     world["warps"] = warps
 
 
@@ -211,11 +201,9 @@ def worlds(draw: DrawFn, largest: int = 8) -> World:
     if sometimes(draw, 3):
         add_wind(draw, world, width, height)
     if sometimes(draw):
-        world["skid"] = draw(skids)
-    if sometimes(draw):
-        optional = dict.fromkeys(Rewards.model_fields, numbers)
-        world["rewards"] = draw(st.fixed_dictionaries({}, optional=optional))
-    return world
+        world["rewards"] = draw(optional(Rewards))
+    others = {*fields_of(LevelFields)} - {*fields_with(Role.DYNAMICS, Role.REWARD)}
+    return world | draw(optional(LevelFields, *others, "heading"))
 
 
 @st.composite
