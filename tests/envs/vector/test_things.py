@@ -69,7 +69,7 @@ def assert_same_everywhere(level: Level, actions: str, mode: AutoresetMode, step
         assert_same_rollout(level, actions, engine, steps)
 
 
-@pytest.mark.parametrize("actions", ["all", "turns"])
+@pytest.mark.parametrize("actions", ["all", pytest.param("turns", marks=pytest.mark.slow)])
 @for_each("name", THINGS)
 def test_levels_of_the_gallery_look_the_same_everywhere(name: str, actions: str) -> None:
     level = level_named(name).replace(max_steps=30)
@@ -124,7 +124,7 @@ def test_many_random_levels_are_walked_the_same_way_everywhere(
     assert_same_everywhere(random_named(seed), ACTIONS[seed % 3], mode, 40)
 
 
-@pytest.mark.parametrize("actions", ["all", "turns"])
+@pytest.mark.parametrize("actions", ["all", pytest.param("turns", marks=pytest.mark.slow)])
 @for_each("name", THINGS)
 def test_levels_of_the_gallery_are_walked_the_same_way_everywhere(name: str, actions: str) -> None:
     level = level_named(name).replace(max_steps=30)
@@ -294,6 +294,7 @@ def two_small_and_a_large() -> tuple[int, int, int]:
     return first, second, int(np.argmax(size))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_an_episode_goes_on_while_the_tables_grow_for_a_larger_level(engine: str) -> None:
     suite = brl.load_suite(SUITE)
