@@ -189,11 +189,8 @@ def checked_view_radius(radius: Any) -> int:
     """
     if radius is None:
         return DEFAULT_RADIUS
-    try:
-        number = 0 if isinstance(radius, bool) else operator.index(radius)
-    except TypeError:
-        number = 0
-    if not 1 <= number <= MAX_RADIUS:
+    number = None if isinstance(radius, bool) else whole_number(radius)
+    if number is None or not 1 <= number <= MAX_RADIUS:
         raise ValueError(
             f"view_radius must be a whole number of cells, 1 to {MAX_RADIUS}, not {radius!r}"
         )
@@ -385,14 +382,10 @@ def checked_maze_seed(maze_seed: Any) -> int | None:
     """
     if maze_seed is None:
         return None
-    try:
-        if isinstance(maze_seed, bool):
-            raise TypeError
-        return operator.index(maze_seed)
-    except TypeError:
-        raise ValueError(
-            f"options['maze_seed'] must be a whole number, not {maze_seed!r}"
-        ) from None
+    number = None if isinstance(maze_seed, bool) else whole_number(maze_seed)
+    if number is None:
+        raise ValueError(f"options['maze_seed'] must be a whole number, not {maze_seed!r}")
+    return number
 
 
 def checked_index(index: Any, count: int) -> int | None:
@@ -403,11 +396,8 @@ def checked_index(index: Any, count: int) -> int | None:
     """
     if index is None:
         return None
-    try:
-        number = operator.index(index)
-    except TypeError:
-        number = -1
-    if not 0 <= number < count:
+    number = whole_number(index)
+    if number is None or not 0 <= number < count:
         raise ValueError(f"options['index'] must be a whole number below {count:,}, not {index!r}")
     return number
 
@@ -439,11 +429,8 @@ def checked_action(action: Any, count: int) -> int:
     Raises:
         InvalidAction: it is anything else.
     """
-    try:
-        number = operator.index(action)
-    except TypeError:
-        number = -1
-    if not 0 <= number < count:
+    number = whole_number(action)
+    if number is None or not 0 <= number < count:
         raise error.InvalidAction(f"{action!r} is not an action; the actions are 0 to {count - 1}")
     return number
 

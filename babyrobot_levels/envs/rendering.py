@@ -347,7 +347,17 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
 
     def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
         """Return the action of each key for `gymnasium.utils.play.play`: arrows, W, A, S, D."""
-        return _keys_of_actions(self._actions)
+        if self._actions.turns:
+            numbers = {action: int(turn) for action, turn in _TURNS.items()}
+        else:
+            first = self._actions.first
+            numbers = {action: action - first for action in _KEYS if action >= first}
+        return {
+            (key,): number
+            for action, number in numbers.items()
+            for key in (ord(_KEYS[action][0]), _KEYS[action][1])
+            if key is not None
+        }
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         return self._picture().mimebundle()
@@ -403,20 +413,6 @@ _KEYS = {
 
 _TURNS = {Action.WEST: Turn.LEFT, Action.EAST: Turn.RIGHT, Action.NORTH: Turn.FORWARD}
 """Whose keys turn the robot, and let it go."""
-
-
-def _keys_of_actions(actions: ActionSet) -> dict[tuple[int, ...], int]:
-    """Return the number of the action of each key, by pygame's number of the key."""
-    if actions.turns:
-        numbers: dict[Action, int] = {action: int(turn) for action, turn in _TURNS.items()}
-    else:
-        numbers = {action: action - actions.first for action in _KEYS if action >= actions.first}
-    return {
-        (key,): number
-        for action, number in numbers.items()
-        for key in (ord(_KEYS[action][0]), _KEYS[action][1])
-        if key is not None
-    }
 
 
 def show_wrapped_environments() -> None:
