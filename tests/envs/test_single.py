@@ -506,7 +506,7 @@ def images(**kwargs: Any) -> Env:
 @pytest.mark.parametrize("gray", [False, True])
 @pytest.mark.parametrize("size", [(1, 1), (50, 91)])
 def test_images_have_the_size_that_was_asked_for(size: tuple[int, int], gray: bool) -> None:
-    env = images(image_size=size, grayscale=gray)
+    env = images(image_size=np.array(size) if gray else size, grayscale=gray)
     observation, _ = env.reset()
     assert observation.shape == env.observation_space.shape == (*size, 1 if gray else 3)
     assert observation.dtype == env.observation_space.dtype == np.uint8
