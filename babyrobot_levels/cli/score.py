@@ -23,10 +23,10 @@ from babyrobot_levels.cli.console import (
     write_json,
     write_table,
 )
-from babyrobot_levels.cli.inputs import levels_named, load_level
+from babyrobot_levels.cli.inputs import SplitOption, levels_named, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
-from babyrobot_levels.cli.solve import ActionSet
+from babyrobot_levels.cli.solve import ActionSet, ActionsOption
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -59,10 +59,7 @@ def score(
             show_default=False,
         ),
     ] = None,
-    split: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Only this split of a suite.", show_default=False),
-    ] = None,
+    split: SplitOption = None,
     within: Annotated[
         int | None,
         typer.Option(
@@ -86,13 +83,7 @@ def score(
             metavar="NAMES", help="What a model observes; several names with commas: a dict."
         ),
     ] = "position",
-    actions: Annotated[
-        ActionSet,
-        typer.Option(
-            help="The actions of the robot: stay and the four moves; the moves; or turn left, turn "
-            "right and forward."
-        ),
-    ] = ActionSet.ALL,
+    actions: ActionsOption = ActionSet.ALL,
     stochastic: Annotated[
         bool,
         typer.Option("--stochastic", help="Let a model sample, not take its likeliest action."),

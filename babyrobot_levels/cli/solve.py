@@ -58,6 +58,15 @@ class ActionSet(StrEnum):
     TURNS = "turns"
 
 
+ActionsOption = Annotated[
+    ActionSet,
+    typer.Option(
+        help="The actions of the robot: stay and the four moves; the moves; or turn left, turn "
+        "right and forward."
+    ),
+]
+
+
 def solve(
     levels: LevelsArgument,
     discount: Annotated[
@@ -68,13 +77,7 @@ def solve(
             show_default=False,
         ),
     ] = None,
-    actions: Annotated[
-        ActionSet,
-        typer.Option(
-            help="The actions of the robot: stay and the four moves; the moves; or turn left, turn "
-            "right and forward."
-        ),
-    ] = ActionSet.ALL,
+    actions: ActionsOption = ActionSet.ALL,
     within: Annotated[
         str | None,
         typer.Option(

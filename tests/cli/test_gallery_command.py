@@ -11,14 +11,10 @@ import time
 from pathlib import Path
 
 import pytest
-from support.sessions import Result, environment, run_here
+from support.sessions import Result, babyrobot, environment
 
 GOOD = "version: 1\nsize: [4, 4]\n"
 BAD = "version: 1\nsize: [4, 4]\nexit: [9, 9]\n"
-
-
-def babyrobot(*arguments: str, given: bytes = b"") -> Result:
-    return run_here([*arguments], environment(Path.cwd()), given)
 
 
 def written(name: str, text: str = GOOD) -> None:

@@ -40,6 +40,7 @@ BYTES = {
     "number": b"version: " + b"9" * 10_000,
     "tag": b"version: !!python/object/apply:os.system ['touch owned']",
     "cr": b"version: 2\rsize: 3\r",
+    "surrogate": b"version: 1\ntitle: \xed\xa0\x80\n",
 }
 
 

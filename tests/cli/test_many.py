@@ -12,16 +12,12 @@ import time
 from pathlib import Path
 
 import pytest
-from support.sessions import Result, environment, run_here
+from support.sessions import Result, babyrobot, environment
 
 import babyrobot_levels as brl
 
 SUITE = "version: 1\nkind: suite\nname: few\ncount: 30\nsize: [5, 5]\n"
 BAD = "version: 1\nsize: [4, 4]\nexit: [9, 9]\n"
-
-
-def babyrobot(*arguments: str, given: bytes = b"") -> Result:
-    return run_here([*arguments], environment(Path.cwd()), given)
 
 
 def written(name: str, text: str = "version: 1\nsize: [4, 4]\n") -> str:

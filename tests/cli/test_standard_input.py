@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from support.sessions import Result, environment, prepared_folder, run_here
+from support.sessions import Result, babyrobot, prepared_folder
 
 COMMANDS = {
     "preview": ("preview", "-", "--values"),
@@ -29,10 +29,6 @@ LEVEL = b"version: 1\nname: piped\nsize: [4, 3]\nmaze: {seed: 4}\ntheme: green  
 def folder() -> Iterator[Path]:
     with prepared_folder() as path:
         yield path
-
-
-def babyrobot(*arguments: str, given: bytes = b"") -> Result:
-    return run_here([*arguments], environment(Path.cwd()), given)
 
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)

@@ -79,6 +79,11 @@ def environment(folder: Path, **more: str) -> dict[str, str]:
     }
 
 
+def babyrobot(*arguments: str, given: bytes = b"") -> Result:
+    """Run the command in this process, for the current folder."""
+    return run_here([*arguments], environment(Path.cwd()), given)
+
+
 def run_here(arguments: list[str], variables: dict[str, str], given: bytes = b"") -> Result:
     """Run the command in this process, from the current folder: much faster."""
     from babyrobot_levels.cli.app import main
