@@ -13,7 +13,7 @@ from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_layers, overlay_shapes
 from babyrobot_levels.render.scene.layout import CELL, STRIP, Layout, layout_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay import AtHand, Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, shifted, toned
 from babyrobot_levels.render.scene.slots import Slots
@@ -47,9 +47,6 @@ _SPRITES = 1024
 
 _BYTES = 32 * 1024 * 1024
 """The memory for cached grounds."""
-
-_AtHand = tuple[int | None, int | None]
-"""The configuration and heading of an overlay that depends on them."""
 
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
@@ -124,9 +121,9 @@ class Backdrops:
         )
         self._slots = Slots(level, layout, overlay or Overlay())
         self._base, self._grid = layers["base"], layers["grid"]
-        self._bare: dict[_AtHand | None, NDArray[np.uint8]] = {}
+        self._bare: dict[AtHand | None, NDArray[np.uint8]] = {}
         self._sprites: dict[Hashable, Sprite] = {}
-        self._overlays: dict[_AtHand, tuple[Scene, Scene, Translucent]] = {}
+        self._overlays: dict[AtHand, tuple[Scene, Scene, Translucent]] = {}
         self._grounds: dict[Hashable, Backdrop] = {}
         self._limit = max(4, _BYTES // (6 * size[0] * size[1]))
 
@@ -142,7 +139,7 @@ class Backdrops:
             heading: that of a robot that turns, for an overlay that depends on it.
         """
         situation, overlay = situation_of(self._level, configuration), self._overlay
-        at_hand: _AtHand = (None, None)
+        at_hand: AtHand = (None, None)
         if overlay is not None and overlay.parts is not None:
             at_hand = configuration, heading
         name = situation.standing, at_hand
@@ -152,7 +149,7 @@ class Backdrops:
             remember(self._grounds, name, ground, self._limit)
         return ground
 
-    def _painted_ground(self, name: Hashable, situation: Situation, at_hand: _AtHand) -> Backdrop:
+    def _painted_ground(self, name: Hashable, situation: Situation, at_hand: AtHand) -> Backdrop:
         heat, under, above = self._painted_overlay(at_hand)
         if self._level.has_things:
             below = self._with_things(situation, heat, at_hand)
@@ -162,9 +159,7 @@ class Backdrops:
             below = self._painted(_joined(self._base, heat, self._grid, under), self.size)
         return Backdrop(name, below, above, below if above is None else composite(above, below))
 
-    def _with_things(
-        self, situation: Situation, heat: Scene, at_hand: _AtHand
-    ) -> NDArray[np.uint8]:
+    def _with_things(self, situation: Situation, heat: Scene, at_hand: AtHand) -> NDArray[np.uint8]:
         key = at_hand if heat.shapes else None
         bare = self._bare.get(key)
         if bare is None:
@@ -176,7 +171,7 @@ class Backdrops:
             picture[rows, columns] = composite(image, picture[rows, columns])
         return picture
 
-    def _painted_overlay(self, at_hand: _AtHand) -> tuple[Scene, Scene, Translucent | None]:
+    def _painted_overlay(self, at_hand: AtHand) -> tuple[Scene, Scene, Translucent | None]:
         """Return the heat map, what else of the overlay is below the robot, and what is above."""
         whole = self._layout.width, self._layout.height
         if self._overlay is None:

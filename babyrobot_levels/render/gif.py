@@ -243,8 +243,7 @@ class _Painter:
         figures = [(self._robot(shot.pose), shot.place), *self._moving(shot)]
         for image, place in figures:
             patch = self._laid(picture, image, place)
-            height, width = patch.pixels.shape[:2]
-            picture[patch.top : patch.top + height, patch.left : patch.left + width] = patch.pixels
+            picture[patch.place] = patch.pixels
             yield patch
 
     def _moving(self, shot: _Shot) -> Iterator[tuple[Translucent, Point]]:
@@ -356,11 +355,14 @@ def _picture(
 
 def _difference(ground: NDArray[np.uint8], other: NDArray[np.uint8]) -> Iterator[Patch]:
     """Yield the part of a picture that differs from the ground, if any."""
-    changed = (ground != other).any(axis=2)
-    rows, columns = changed.any(axis=1).nonzero()[0], changed.any(axis=0).nonzero()[0]
-    if rows.size:
-        top, left = int(rows[0]), int(columns[0])
-        yield Patch(left, top, other[top : rows[-1] + 1, left : columns[-1] + 1])
+    if box := _box((ground != other).any(axis=2)):
+        yield Patch(box[1].start, box[0].start, other[box])
+
+
+def _box(changed: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+    """Return the rows and columns in which something has changed; None for none."""
+    rows, columns = (changed.any(axis=axis).nonzero()[0].tolist() for axis in (1, 0))
+    return (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)) if rows else None
 
 
 # -- the file -------------------------------------------------------------------------------
@@ -373,6 +375,12 @@ class Patch:
     left: int
     top: int
     pixels: NDArray[np.uint8]
+
+    @property
+    def place(self) -> tuple[slice, slice]:
+        """Its rows and columns."""
+        height, width = self.pixels.shape[:2]
+        return slice(self.top, self.top + height), slice(self.left, self.left + width)
 
 
 @dataclass(frozen=True, slots=True)
@@ -407,9 +415,7 @@ def encoded(ground: NDArray[np.uint8], frames: Sequence[Frame]) -> bytes:
         for frame in frames:
             pixels = base.copy()
             for patch in frame.patches:
-                part = parts[id(patch)]
-                height, width = part.shape
-                pixels[patch.top : patch.top + height, patch.left : patch.left + width] = part
+                pixels[patch.place] = parts[id(patch)]
             yield pixels, frame.time
 
     return b"".join(_file(base.shape, _unpacked(palette).astype(np.uint8), pictures()))
@@ -429,14 +435,13 @@ def _file(
     left, top, image = 0, 0, last
     for pixels, next_time in pictures:
         changed = pixels != last
-        rows, columns = changed.any(axis=1).nonzero()[0], changed.any(axis=0).nonzero()[0]
-        if not rows.size:
+        box = _box(changed)
+        if box is None:
             time += next_time
             continue
         yield _image(image, left, top, time)
-        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
         image = np.where(changed[box], pixels[box], np.uint8(_TRANSPARENT))
-        left, top, last, time = int(columns[0]), int(rows[0]), pixels, next_time
+        left, top, last, time = box[1].start, box[0].start, pixels, next_time
     yield _image(image, left, top, time)
     yield b";"
 

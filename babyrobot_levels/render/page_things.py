@@ -18,6 +18,7 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import door_name, door_sides
+from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.page_format import BAR, Group, Palette, length, pack
 from babyrobot_levels.render.scene.build import (
     Lengths,
@@ -27,7 +28,6 @@ from babyrobot_levels.render.scene.build import (
 )
 from babyrobot_levels.render.scene.heat import (
     Heat,
-    ink_on,
     legend_bar,
     legend_plate,
     legend_texts,
@@ -126,7 +126,7 @@ class Marks:
         if key not in self._numbers:
             ground = color if cell in self._covered else None
             box = box.moved(*self._layout.corner(*cell))
-            shapes = number_shapes(value, self._form, box, ink_on(color), ground)
+            shapes = number_shapes(value, self._form, box, rim_on([color]), ground)
             self._add(key, cell, shapes, self._palette.place(color))
         return self._numbers[key]
 

@@ -12,7 +12,7 @@ import time
 from collections.abc import Sequence
 from typing import IO
 
-_RESET = "\x1b[0m"
+RESET = "\x1b[0m"
 _TOKEN = r"\x1b\[[0-9;]*m|."
 _ROOM = os.terminal_size((80, 24))
 _PROCESSED_AND_VIRTUAL = 0x1 | 0x4
@@ -119,7 +119,7 @@ def _cut(line: str, left: int, width: int) -> str:
         if left <= column < left + width:
             kept += [token] if kept else [style, token]
         column += 1
-    return "".join(kept) + (_RESET if style else "")
+    return "".join(kept) + (RESET if style else "")
 
 
 def _encodable(text: str, stream: IO[str]) -> str:

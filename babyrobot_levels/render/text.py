@@ -11,13 +11,12 @@ from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat, Scale
 from babyrobot_levels.render.scene.layout import layout_of
-from babyrobot_levels.render.scene.overlay import Overlay, Rows
+from babyrobot_levels.render.scene.overlay import AtHand, Overlay, Rows
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import Form, form_of
 from babyrobot_levels.render.situation import place_of, situation_of
-from babyrobot_levels.render.terminal import cut_out
+from babyrobot_levels.render.terminal import RESET, cut_out
 from babyrobot_levels.render.text_plan import (
-    RESET,
     USUAL,
     WINDS,
     Palette,
@@ -53,10 +52,6 @@ _ARROWS, _PLAIN_ARROWS = "·↑→↓←", ".^>v<"
 _BLACK = (0, 0, 0)
 _BAR = 24
 """The columns of the bar in the legend of a scale."""
-
-
-_AtHand = tuple[int | None, int | None]
-"""The configuration and heading of an overlay that depends on them."""
 
 
 class _Drawn(NamedTuple):
@@ -107,7 +102,7 @@ class TextPainter:
         self._arrows = _PLAIN_ARROWS if plain else _ARROWS
         self._drawing = drawing_without_things(level)
         self._grounds: TextGrounds | None = None
-        self._drawn: tuple[tuple[_AtHand, int, int | None], _Drawn] | None = None
+        self._drawn: tuple[tuple[AtHand, int, int | None], _Drawn] | None = None
 
     def lines(
         self,

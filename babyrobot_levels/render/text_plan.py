@@ -17,7 +17,7 @@ from babyrobot_levels.render.scene.icons import thing_color
 from babyrobot_levels.render.scene.things import door_color
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.situation import Situation
-from babyrobot_levels.render.terminal import ALL_COLORS, PALETTE
+from babyrobot_levels.render.terminal import ALL_COLORS, PALETTE, RESET
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.level import LevelSpec
@@ -280,8 +280,6 @@ def _lines(drawing: d.Drawing, contents: Sequence[Sequence[str]]) -> Iterator[It
 
 Style = tuple[Rgb, Rgb]
 """The colours of a character and its background."""
-
-RESET = "\x1b[0m"
 
 _PAPER = (255, 255, 255)
 _WATER = "white"

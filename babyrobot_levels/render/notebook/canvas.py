@@ -19,6 +19,7 @@ from babyrobot_levels.render.scene.shapes import (
     Scene,
     Shape,
     Text,
+    rounded,
     screen_scale,
 )
 from babyrobot_levels.render.svg import FONT
@@ -100,22 +101,11 @@ class _Brush:
     def rect(self, rect: Rect) -> None:
         if not self._ink("fill_style", rect.fill, rect.opacity):
             return
-        x, y, width, height = _rounded(rect.x, rect.y, rect.width, rect.height)
-        radius = min(rect.radius, width / 2, height / 2)
-        if radius <= 0:
-            self._canvas.fill_rect(x, y, width, height)
+        box = rect.x, rect.y, rect.width, rect.height
+        if min(rect.radius, rect.width, rect.height) <= 0:
+            self._canvas.fill_rect(*_rounded(*box))
             return
-        right, bottom = x + width, y + height
-        self._canvas.begin_path()
-        self._canvas.move_to(x + radius, y)
-        for corner, end in (
-            ((right, y), (right, bottom)),
-            ((right, bottom), (x, bottom)),
-            ((x, bottom), (x, y)),
-            ((x, y), (right, y)),
-        ):
-            self._canvas.arc_to(*_rounded(*corner, *end, radius))
-        self._canvas.close_path()
+        self._trace(rounded(*box, rect.radius))
         self._canvas.fill()
 
     def ellipse(self, ellipse: Ellipse) -> None:

@@ -11,7 +11,7 @@ from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
-from babyrobot_levels.render.scene.heat import Heat, ink_on
+from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell, layout_of
 from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -265,7 +265,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             color = heat.scale.color(value)
             box = slots.plan(cell).number.moved(*layout.corner(*cell))
             ground = color if cell in covered else None
-            yield from number_shapes(value, form, box, ink_on(color), ground)
+            yield from number_shapes(value, form, box, rim_on([color]), ground)
     form = form_of(heat.visits.values(), 0, CELL / 2 - 7 if slots.shown.second else CELL - 8)
     if form.is_readable(layout):
         for cell, count in heat.visits.items():
@@ -275,7 +275,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             if tile is None:
                 ink, ground = colors.text_fg, colors.text_bg
             else:
-                ink, ground = ink_on(tile), tile if cell in covered else None
+                ink, ground = rim_on([tile]), tile if cell in covered else None
             yield from number_shapes(count, form, box, ink, ground, anchor=anchor)
     yield from _action_labels(heat, covered)
 
@@ -314,7 +314,7 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
                 ground = color if cell in covered or top > _NARROW else None
                 is_best = value >= best - _TIE * abs(best) if math.isfinite(best) else value == best
                 yield from number_shapes(
-                    value, form, box, ink_on(color), ground, anchor=anchor, bold=is_best
+                    value, form, box, rim_on([color]), ground, anchor=anchor, bold=is_best
                 )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.drawing import rectangles, runs
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.render.colors import GRAPHICS, contrast, ink_on, mixed, rim_on
+from babyrobot_levels.render.colors import BLACK, GRAPHICS, WHITE, contrast, ink_on, mixed, rim_on
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     Command,
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.language.cells import Puddle
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_PAPER = "#ffffff"
-
 
 class CellGrounds:
     """The ground of the cells, as it is painted: base, areas, blocked cells, starts and exits.
@@ -47,7 +45,7 @@ class CellGrounds:
 
     def __init__(self, level: GridWorld) -> None:
         colors = level.resolved_theme.colors
-        self.base = mixed(colors.base, _PAPER)
+        self.base = mixed(colors.base, WHITE)
         self.own: dict[Cell, str] = {}
         for area in level.areas:
             if area.color is not None:
@@ -114,7 +112,7 @@ def pad_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Sh
 def flag_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
     """Yield the flag that marks an exit."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-    yield Ellipse(x - 8, y + 13, 9, 2.4, "#000000", 0.25)
+    yield Ellipse(x - 8, y + 13, 9, 2.4, BLACK, 0.25)
     yield Path(polyline([(x - 8, y - 22), (x - 8, y + 13)]), stroke=color, width=3, cap="round")
     cloth: Commands = (
         ("M", (x - 7, y - 21)),
@@ -147,10 +145,10 @@ def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
         below = blocked[(y + 1) * columns : (y + 2) * columns] or b"\1" * columns
         for x, length in runs(map(gt, row, above), True):
             left, top = layout.corner(x, y)
-            yield Rect(left, top, length * CELL, _EDGE, "#ffffff", opacity=0.22)
+            yield Rect(left, top, length * CELL, _EDGE, WHITE, opacity=0.22)
         for x, length in runs(map(gt, row, below), True):
             left, bottom = layout.corner(x, y + 1)
-            yield Rect(left, bottom - _EDGE, length * CELL, _EDGE, "#000000", opacity=0.3)
+            yield Rect(left, bottom - _EDGE, length * CELL, _EDGE, BLACK, opacity=0.3)
 
 
 def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:
@@ -179,8 +177,6 @@ _HALF_HEIGHT = {"small": 18.0, "large": 24.0}
 """How far puddles reach up and down, at most, but for drops."""
 _WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
 """The waves of the outline: how many in one turn, and their height as a share of the radius."""
-_WHITE = "#ffffff"
-_SHORE = "#000000"
 _SHORE_WIDTH = 1.5
 
 
@@ -199,13 +195,13 @@ def puddle_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Sh
         outline = _puddle_outline(x, y, radius)
         if puddle.size == "small":
             yield from _drops(x, y, centre_x, centre_y, radius, fill)
-        shore, strength = _SHORE, 0.22
+        shore, strength = BLACK, 0.22
         if contrast(fill, ground := grounds[puddle.at]) < GRAPHICS:
             shore, strength = rim_on([ground, fill]), 1.0
         for scale, colour, opacity in (
             (1.06, shore, strength),
             (1.0, fill, 1.0),
-            (0.74, _WHITE, 0.16),
+            (0.74, WHITE, 0.16),
         ):
             points = [(centre_x + scale * dx, centre_y + scale * dy) for dx, dy in outline]
             yield Path(smooth(points), fill=colour, opacity=opacity)
@@ -215,7 +211,7 @@ def puddle_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Sh
             centre_y + 0.3 * radius,
             0.09 * radius,
             0.07 * radius,
-            _WHITE,
+            WHITE,
             0.7,
         )
 
@@ -288,7 +284,7 @@ def _highlight(centre_x: float, centre_y: float, radius: float) -> Path:
     end = (centre_x - 0.02 * radius, centre_y - 0.47 * radius)
     control = (centre_x - 0.5 * radius, centre_y - 0.42 * radius)
     return Path(
-        curve(start, control, end), stroke=_WHITE, width=0.1 * radius, cap="round", opacity=0.75
+        curve(start, control, end), stroke=WHITE, width=0.1 * radius, cap="round", opacity=0.75
     )
 
 

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import DELTAS, Action
-from babyrobot_levels.render.colors import contrast, is_gray, plate_for, rgba
+from babyrobot_levels.render.colors import BLACK, WHITE, contrast, is_gray, plate_for, rgba
 from babyrobot_levels.render.scene.ground import CellGrounds, shore_shapes
 from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 
 STEPS = 64
 """The number of steps of a scale: equal neighbours are painted as one."""
-
-BLACK, WHITE = "#000000", "#ffffff"
 
 _NOISE = 1e-9
 """The share of the larger side up to which the other sign of a value is rounding."""
@@ -131,10 +129,6 @@ class Scale:
             return [self.colors[round(STEPS * share)] for share in shares]
         return [self.color(self.low + share * (self.high - self.low)) for share in shares]
 
-    def ink(self, value: float) -> str:
-        """Return black or white, whichever is readable on the colour of a number."""
-        return ink_on(self.color(value))
-
     def _share(self, value: float) -> float:
         """Return where a number is between the ends, 0 to 1."""
         if self.is_diverging:
@@ -172,12 +166,6 @@ def ramps_of(colors: Colors) -> Ramps:
     if is_gray(colors):
         return _LIGHT_GRAYS if is_light else _DARK_GRAYS
     return _LIGHT if is_light else _DARK
-
-
-@lru_cache(maxsize=4096)
-def ink_on(color: str) -> str:
-    """Return black or white, whichever has the higher contrast on a colour: 4.58 or more."""
-    return WHITE if contrast(WHITE, color) > contrast(BLACK, color) else BLACK
 
 
 @lru_cache(maxsize=16)

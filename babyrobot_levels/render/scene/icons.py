@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.things import Item, Mover, Switch
-from babyrobot_levels.render.colors import gray, is_gray, mixed
+from babyrobot_levels.render.colors import BLACK, WHITE, gray, is_gray, mixed
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Commands,
@@ -30,10 +30,9 @@ from babyrobot_levels.render.scene.shapes import (
 INK = "#232c38"
 """The colour of outlines: that of the robot's."""
 
-RIM = "#ffffff"
+RIM = WHITE
 """The colour around the outlines."""
 
-_LIGHT, _DARK = "#ffffff", "#000000"
 _OUTLINE, _RIM = 2.2, 1.6
 """The widths of outline and rim in pixels."""
 
@@ -142,15 +141,15 @@ def _key(color: str, spot: Spot) -> Iterator[Shape]:
     yield from spot.wire((*bow, *shaft, *teeth), color, 5.4)
     yield spot.fill(circle(-6.5, -6.5, 4.0), INK)
     shine = curve((-13.2, -8.0), (-12.0, -12.0), (-8.0, -13.2))
-    yield spot.line(shine, _LIGHT, 1.8, 0.85)
+    yield spot.line(shine, WHITE, 1.8, 0.85)
 
 
 def _coin(color: str, spot: Spot) -> Iterator[Shape]:
     yield from spot.body(circle(0, 0, 14.5), color)
-    yield spot.line(circle(0, 0, 9.8), _DARK, 1.8, 0.28)
-    yield spot.line(polyline([(0, -4.2), (0, 4.2)]), _DARK, 3.6, 0.55)
+    yield spot.line(circle(0, 0, 9.8), BLACK, 1.8, 0.28)
+    yield spot.line(polyline([(0, -4.2), (0, 4.2)]), BLACK, 3.6, 0.55)
     shine = curve((-11.6, -3.6), (-9.6, -9.6), (-3.6, -11.6))
-    yield spot.line(shine, _LIGHT, 2.2, 0.9)
+    yield spot.line(shine, WHITE, 2.2, 0.9)
 
 
 def _gem(color: str, spot: Spot) -> Iterator[Shape]:
@@ -158,10 +157,10 @@ def _gem(color: str, spot: Spot) -> Iterator[Shape]:
     crown_left, crown_right, foot = (-9.5, -13.5), (9.5, -13.5), (0.0, 16.0)
     yield from spot.body(polygon([left, crown_left, crown_right, right, foot]), color)
     inner_left, inner_right = (-6.0, -4.0), (6.0, -4.0)
-    yield spot.fill(polygon([left, inner_left, foot]), _DARK, 0.16)
-    yield spot.fill(polygon([right, inner_right, foot]), _DARK, 0.30)
-    yield spot.fill(polygon([crown_left, crown_right, inner_right, inner_left]), _LIGHT, 0.5)
-    yield spot.fill(polygon([left, crown_left, inner_left]), _LIGHT, 0.25)
+    yield spot.fill(polygon([left, inner_left, foot]), BLACK, 0.16)
+    yield spot.fill(polygon([right, inner_right, foot]), BLACK, 0.30)
+    yield spot.fill(polygon([crown_left, crown_right, inner_right, inner_left]), WHITE, 0.5)
+    yield spot.fill(polygon([left, crown_left, inner_left]), WHITE, 0.25)
 
 
 def _star(color: str, spot: Spot) -> Iterator[Shape]:
@@ -173,14 +172,14 @@ def _star(color: str, spot: Spot) -> Iterator[Shape]:
     yield from spot.body(polygon(points), color)
     # The facets that look to the lower right lie in the shade.
     shade = [(0.0, 1.4), *points[2:6]]
-    yield spot.fill(polygon(shade), _DARK, 0.16)
+    yield spot.fill(polygon(shade), BLACK, 0.16)
 
 
 def _box(color: str, spot: Spot) -> Iterator[Shape]:
     yield from spot.body(rounded(-15, -13, 30, 27, 2.5), color)
-    yield spot.fill(rounded(-15, -13, 30, 8.5, 2.5), _LIGHT, 0.3)
+    yield spot.fill(rounded(-15, -13, 30, 8.5, 2.5), WHITE, 0.3)
     yield spot.line(polyline([(-15, -4.5), (15, -4.5)]), INK, 2.0)
-    yield spot.fill(polygon([(-3.5, -13), (3.5, -13), (3.5, 0.5), (-3.5, 0.5)]), _DARK, 0.45)
+    yield spot.fill(polygon([(-3.5, -13), (3.5, -13), (3.5, 0.5), (-3.5, 0.5)]), BLACK, 0.45)
 
 
 _PICTURES: dict[str, Callable[[str, Spot], Iterator[Shape]]] = {
@@ -233,7 +232,7 @@ def _guard(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
     )
     yield from spot.body(body, color)
     shine = curve((-11.4, -4.0), (-10.6, -11.4), (-4.4, -13.6))
-    yield spot.line(shine, _LIGHT, 2.2, 0.6)
+    yield spot.line(shine, WHITE, 2.2, 0.6)
     yield from _eyes(spot, -2.5, 5.6, 4.4, 5.2, look)
 
 
@@ -257,7 +256,7 @@ def _wanderer(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
     ]
     figure = (*wings, *ears, *head)
     yield from spot.body(figure, color)
-    yield spot.fill(wings, _DARK, 0.3)
+    yield spot.fill(wings, BLACK, 0.3)
     yield spot.line(circle(0, 1, 11.5, 11.5), INK, 1.8)
     yield spot.fill(head, color)
     yield from _eyes(spot, -0.5, 4.6, 3.6, 4.2, look)
@@ -266,7 +265,7 @@ def _wanderer(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
 
 def _eyes(spot: Spot, y: float, apart: float, rx: float, ry: float, look: Cell) -> Iterator[Shape]:
     for side in (-1, 1):
-        yield spot.fill(circle(apart * side, y, rx, ry), _LIGHT)
+        yield spot.fill(circle(apart * side, y, rx, ry), WHITE)
         yield spot.line(circle(apart * side, y, rx, ry), INK, 1.2)
         x, down = apart * side + 0.42 * rx * look[0], 0.42 * ry * look[1]
         yield spot.fill(circle(x, y + 0.6 + down, 0.54 * rx, 0.54 * ry), INK)

@@ -11,6 +11,10 @@ Rows = Sequence[Sequence[Content]]
 """Something for each cell, `[height][width]`."""
 
 
+AtHand = tuple[int | None, int | None]
+"""The configuration and heading of what depends on them; None for none at hand."""
+
+
 @dataclass(frozen=True, slots=True)
 class Note:
     """A text anywhere on the grid.

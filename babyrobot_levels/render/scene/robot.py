@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.render.colors import BLACK, WHITE
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Ellipse,
@@ -31,8 +32,6 @@ OUTLINE = "#232c38"
 VISOR = "#17202b"
 GLOW = "#8af3ff"
 LAMP = "#ffd54a"
-_WHITE = "#ffffff"
-_BLACK = "#000000"
 
 _TURN = {Action.EAST: 1, Action.WEST: -1}
 _BOB = 1.5
@@ -73,7 +72,7 @@ def _shapes(colors: Colors, left: float, top: float, pose: Pose) -> Iterator[Sha
     elif pose.mood is Mood.CHEER:
         lean, lift = 0.0, _HOP
     figure = Figure(left, top, lean, lift)
-    yield ground.disc(32, 50.5, 16 - lift, 3 - 0.2 * lift, _BLACK, 0.28)
+    yield ground.disc(32, 50.5, 16 - lift, 3 - 0.2 * lift, BLACK, 0.28)
     if pose.mood is Mood.SLIP:
         yield from _splash(ground, colors.puddle)
     yield from _wheels(figure, turn)
@@ -95,7 +94,7 @@ def _pointer(left: float, top: float, heading: int, color: str) -> Iterator[Shap
         (x + along * dx - across * dy, y + along * dy + across * dx)
         for along, across in ((29.5, 0), (21, 10), (21, -10))
     ]
-    for ink, width in ((OUTLINE, 5.6), (_WHITE, 3.2)):
+    for ink, width in ((OUTLINE, 5.6), (WHITE, 3.2)):
         yield Path(polygon(points), stroke=ink, width=width)
     yield Path(polygon(points), fill=color, stroke=color, width=0.8)
 
@@ -106,10 +105,10 @@ def _wheels(figure: Figure, turn: int) -> Iterator[Shape]:
         if turn:
             middle = x + (3 if x < 32 else -3)
             yield figure.disc(middle, 46, 5.6, 5.6, OUTLINE)
-            yield figure.disc(middle, 46, 2.1, 2.1, _WHITE, 0.55)
+            yield figure.disc(middle, 46, 2.1, 2.1, WHITE, 0.55)
         else:
             yield figure.bar(x - 4.5, 41, 9, 10, 4.5, OUTLINE)
-            yield figure.disc(x, 46, 1.8, 1.8, _WHITE, 0.55)
+            yield figure.disc(x, 46, 1.8, 1.8, WHITE, 0.55)
 
 
 def _arms(figure: Figure, body: str, pose: Pose, turn: int) -> Iterator[Shape]:
@@ -131,7 +130,7 @@ def _arms(figure: Figure, body: str, pose: Pose, turn: int) -> Iterator[Shape]:
 def _trunk(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Shape]:
     yield figure.bar(20.5, 32, 23, 17, 8, OUTLINE)
     yield figure.bar(22, 33, 20, 14.5, 6.5, body)
-    yield figure.bar(22, 33, 20, 6, 3, _BLACK, 0.18)
+    yield figure.bar(22, 33, 20, 6, 3, BLACK, 0.18)
     if facing is Action.NORTH:
         yield figure.bar(27, 40.2, 10, 5, 2, OUTLINE)
         yield figure.bar(28.2, 41.4, 5.4, 2.6, 1, LAMP)
@@ -153,13 +152,13 @@ def _head(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Shap
             yield figure.bar(28.5 + 20 * side, 19, 7, 11, 3.5, OUTLINE)
     yield figure.bar(11, 10.5, 42, 28, 13.5, OUTLINE)
     yield figure.bar(12.6, 12.1, 38.8, 24.8, 12, body)
-    yield figure.bar(18 + turn, 13.4, 28, 4.4, 2.2, _WHITE, 0.5)
+    yield figure.bar(18 + turn, 13.4, 28, 4.4, 2.2, WHITE, 0.5)
     if facing is Action.NORTH:
         for y in (22.5, 26, 29.5):
             yield figure.bar(25, y, 14, 1.7, 0.85, OUTLINE, 0.75)
     if turn:
         yield figure.disc(18.5 if turn > 0 else 45.5, 25, 3.6, 5, OUTLINE)
-        yield figure.disc(18.5 if turn > 0 else 45.5, 25, 1.7, 2.8, _WHITE, 0.35)
+        yield figure.disc(18.5 if turn > 0 else 45.5, 25, 1.7, 2.8, WHITE, 0.35)
 
 
 def _face(figure: Figure, pose: Pose, turn: int) -> Iterator[Shape]:
@@ -185,7 +184,7 @@ def _eye(
         yield figure.disc(x + turn, y - 0.4, 1.7, 1.9, VISOR)
     else:
         yield figure.disc(x, y, 3.4 * narrow, 4.1, GLOW)
-        yield figure.disc(x + 1.2 * narrow + 0.6 * turn, y - 1.6 + down, 1.2, 1.2, _WHITE)
+        yield figure.disc(x + 1.2 * narrow + 0.6 * turn, y - 1.6 + down, 1.2, 1.2, WHITE)
 
 
 def _mouth(figure: Figure, mood: Mood, x: float, y: float) -> Iterator[Shape]:
@@ -203,7 +202,7 @@ def _mouth(figure: Figure, mood: Mood, x: float, y: float) -> Iterator[Shape]:
 def _splash(ground: Figure, water: str) -> Iterator[Shape]:
     """Yield the water that the robot slips on."""
     yield ground.disc(32, 51, 21, 4.6, water)
-    yield ground.disc(32, 51, 15, 2.6, _WHITE, 0.2)
+    yield ground.disc(32, 51, 15, 2.6, WHITE, 0.2)
     for x, y, r in ((9, 44, 2.2), (13.5, 37.5, 1.5), (55, 43, 2.4), (51.5, 36.5, 1.5)):
         yield ground.disc(x, y, r, 1.25 * r, water)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.things import Door, Switch
 from babyrobot_levels.language.walls import sides_of
-from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed, plate_for, rim_on
+from babyrobot_levels.render.colors import GRAPHICS, WHITE, ink_on, mixed, plate_for, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes
 from babyrobot_levels.render.scene.icons import (
     INK,
@@ -41,7 +41,6 @@ from babyrobot_levels.render.situation import Situation
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_WHITE = "#ffffff"
 _TILE = 5.5
 """The distance of a drawn exit from the edges of its cell, in pixels."""
 
@@ -147,9 +146,9 @@ def _item(
 
 def _question_mark(x: float, y: float) -> Iterator[Shape]:
     """Yield the mark of one of several places."""
-    yield Ellipse(x, y, 8.5, 8.5, _WHITE)
+    yield Ellipse(x, y, 8.5, 8.5, WHITE)
     yield Ellipse(x, y, 7.3, 7.3, INK)
-    yield Text(x, y + 4.1, "?", 11.5, _WHITE, bold=True)
+    yield Text(x, y + 4.1, "?", 11.5, WHITE, bold=True)
 
 
 def thing_label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> Iterator[Shape]:
@@ -179,7 +178,7 @@ def _fixed(level: GridWorld, layout: Layout, entry: Switch, is_on: bool) -> Iter
     plate = rounded(-22.5, -22.5, 45, 45, 9)
     if is_on:
         yield from spot.body(plate, color)
-        yield spot.fill(rounded(-16.5, -16.5, 33, 33, 5), _WHITE, 0.35)
+        yield spot.fill(rounded(-16.5, -16.5, 33, 33, 5), WHITE, 0.35)
         yield spot.line(polyline([(0, -8), (0, 8)]), INK, 6.0)
     else:
         yield from spot.wire(plate, color, 3.0)
@@ -236,7 +235,7 @@ def _door(
             yield spot.line(line, INK, 1.8, 0.7)
         if not {item.name for item in level.items}.isdisjoint(door.keys):
             yield spot.fill(circle(0, 0, 5.2), INK)
-            yield spot.fill(circle(0, 0, 2.0), _WHITE)
+            yield spot.fill(circle(0, 0, 2.0), WHITE)
     else:
         for first, last in ((-25, -17), (17, 25)):
             yield from spot.body(bar(first, last, thick, 2), color)

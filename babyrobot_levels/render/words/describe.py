@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDE_NAMES
-from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Item
 from babyrobot_levels.mdp.configurations import Configuration
@@ -18,8 +18,6 @@ from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
-
-Cell = tuple[int, int]
 
 MOST_CHARACTERS = 400
 """The most characters of a description."""
