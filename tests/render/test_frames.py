@@ -132,12 +132,6 @@ def test_equal_states_give_equal_frames_that_are_the_caller_s_own() -> None:
     assert np.array_equal(FramePainter(WORLD).frame(3), kept)
 
 
-@pytest.mark.parametrize("state", [-1, 20, 10**9])
-def test_states_off_the_level_are_refused(state: int) -> None:
-    with pytest.raises(ValueError, match="not on the level"):
-        FramePainter(WORLD, (80, 64)).frame(state)
-
-
 def test_grayscale_is_one_channel_of_brightness() -> None:
     gray = FramePainter(WORLD, (80, 64), grayscale=True).frame(4)
     color = FramePainter(WORLD, (80, 64)).frame(4)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageSequence
+from support.scenes import CORRIDOR
 from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
@@ -19,7 +21,7 @@ from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.situation import STANDING, pose_of
+from babyrobot_levels.render.situation import STANDING, Mood, Pose, pose_of
 
 PER_STEP = 5
 """Frames of a step: four on the way, and the arrival."""
@@ -188,3 +190,79 @@ def test_the_robot_is_seen_in_a_large_level() -> None:
         changed = np.abs(frame.astype(int) - ground).max(axis=2) > 40
         assert changed[:40, :60].sum() > 150
         assert not changed[50:].any()
+
+
+# -- films with things -----------------------------------------------------------------------------
+
+
+def episode(world: Any, actions: str) -> list[Step]:
+    """Return the steps of an episode without chance."""
+    mdp = world.compile()
+    state, steps = int(mdp.start.argmax()), []
+    for letter in actions:
+        action = ".NESW".index(letter)
+        following = int(mdp.next_state[state, action, 0])
+        steps.append(Step(state, action, following, float(mdp.reward[state, action, 0])))
+        state = following
+    return steps
+
+
+def film(world: Any, steps: list[Step]) -> list[Any]:
+    return [*shown(to_gif(world, steps))[0]]
+
+
+def test_a_film_ends_with_the_pictures_of_its_states() -> None:
+    steps = episode(CORRIDOR, "EE.")
+    frames = film(CORRIDOR, steps)
+    arrivals = [frames[5 * count] for count in range(1, 4)]
+    for step, frame in zip(steps, arrivals, strict=True):
+        pose = Pose(Action(step.action))
+        expected = to_rgb(build_scene(CORRIDOR, state=step.next_state, pose=pose)).astype(int)
+        assert np.abs(frame - expected).mean() < 2.5
+    first = to_rgb(build_scene(CORRIDOR, state=steps[0].state)).astype(int)
+    assert np.abs(frames[0] - first).mean() < 2.5
+
+
+def test_a_thing_is_taken_on_arrival_and_movers_glide() -> None:
+    frames = film(CORRIDOR, episode(CORRIDOR, "E"))
+    key, guard = np.s_[20:50, 75:120], np.s_[10:60, 200:320]
+    assert len(frames) == 6
+    # The door is still closed while the robot is on its way, and the guard between its cells.
+    door = np.s_[24:44, 190:202]
+    assert (frames[4][door] == frames[0][door]).all()
+    assert (frames[5][door] != frames[0][door]).any()
+    places = [
+        np.argwhere((frame[guard] == (255, 93, 115)).all(axis=2))[:, 1].mean() for frame in frames
+    ]
+    assert all(later < earlier for earlier, later in pairwise(places))
+    assert (frames[0][key] != frames[5][key]).any()
+
+
+@pytest.mark.parametrize("display", [{"side_panel": 140}, {"bottom_panel": 44}, {}])
+def test_what_is_held_is_seen_in_films(display: dict[str, Any]) -> None:
+    world = CORRIDOR.replace(display=display)
+    steps = episode(world, "E")
+    last = film(world, steps)[-1].astype(int)
+    scene = build_scene(world, state=steps[0].next_state, pose=Pose(Action.EAST))
+    before = build_scene(world, state=steps[0].state)
+    outside = np.ones(last.shape[:2], bool)
+    outside[:70, :330] = False
+    expected, other = (to_rgb(each).astype(int)[outside] for each in (scene, before))
+    # The score is in the film only.
+    assert np.abs(last[outside] - expected).mean() < np.abs(last[outside] - other).mean()
+
+
+def test_the_robot_cheers_only_at_an_open_exit() -> None:
+    world = level(
+        size=[3, 1],
+        start=[1, 0],
+        items=[{"name": "gem", "at": [0, 0]}],
+        exit_needs="gem",
+    )
+    for actions, cheers in (("E", False), ("WEE", True)):
+        steps = episode(world, actions)
+        last = film(world, steps)[-1].astype(int)
+        cheering = to_rgb(
+            build_scene(world, state=steps[-1].next_state, pose=Pose(mood=Mood.CHEER))
+        )
+        assert (np.abs(last - cheering).mean() < 2.5) == cheers

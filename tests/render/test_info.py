@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
+from support.scenes import CORRIDOR, without_legend
+from support.worlds import level
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.learning import value_iteration
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import Action, Turn
+from babyrobot_levels.mdp.states import initial_configuration
+from babyrobot_levels.render.frames import FramePainter
+from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Text
+from babyrobot_levels.render.text import TextPainter
 
 N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
 
@@ -255,3 +263,111 @@ def test_unknown_keys_are_told_of_known_ones(key: Any, hint: str) -> None:
 def test_what_is_no_mapping_is_refused(told: Any) -> None:
     with pytest.raises(ValueError, match="must be a mapping"):
         overlay_from(told, brl.load("default"))
+
+
+# -- arrays by configuration and heading -----------------------------------------------------------
+
+
+# -- films -----------------------------------------------------------------------------------
+
+
+# -- texts -----------------------------------------------------------------------------------
+
+
+# -- overlays --------------------------------------------------------------------------------
+
+COUNT = CORRIDOR.compile().num_configurations
+
+
+def test_arrays_by_configuration_show_that_at_hand() -> None:
+    values = np.arange(COUNT * 5.0).reshape(COUNT, 1, 5)
+    overlay = overlay_from({"values": values, "visits": values}, CORRIDOR)
+    for number in range(COUNT):
+        assert overlay.at(number).values == values[number].tolist()
+        assert overlay.at(number).visits == values[number].tolist()
+    begin = initial_configuration(CORRIDOR)
+    assert overlay.values == overlay.at(None).values == values[begin].tolist()
+
+
+def test_arrays_of_cells_are_shown_in_all_configurations() -> None:
+    overlay = overlay_from({"values": [[1, 2, 3, 4, 5]], "policy": [["E"] * 5]}, CORRIDOR)
+    assert overlay.at(3) is overlay
+    assert overlay.values == [[1, 2, 3, 4, 5]]
+
+
+def test_policies_by_configuration() -> None:
+    table = np.full((COUNT, 1, 5), -1)
+    table[2, 0, 1] = Action.WEST
+    overlay = overlay_from({"policy": table}, CORRIDOR)
+    assert overlay.at(2).actions == [[(), (Action.WEST,), (), (), ()]]
+    assert overlay.at(1).actions == [[()] * 5]
+    flags = np.zeros((COUNT, 1, 5, 4))
+    flags[2, 0, 1, 3] = 1
+    assert overlay_from({"policy": flags}, CORRIDOR).at(2).actions == overlay.at(2).actions
+
+
+def test_pictures_of_an_overlay_by_configuration_differ() -> None:
+    values = np.arange(COUNT * 5.0).reshape(COUNT, 1, 5)
+    overlay = overlay_from({"values": values}, CORRIDOR)
+    painter = FramePainter(CORRIDOR, overlay=overlay)
+    for number in (0, 1):
+        scene = without_legend(CORRIDOR, state=number * 5, overlay=overlay)
+        expected = to_rgb(scene).astype(int)
+        assert np.abs(painter.frame(number * 5) - expected).mean() < 0.3
+    assert "\n".join(TextPainter(CORRIDOR, overlay=overlay).lines(0)).endswith(
+        "0.00  1.00  2.00  3.00  4.00"
+    )
+
+
+def test_overlays_can_be_pickled_and_copied() -> None:
+    values = np.arange(COUNT * 5.0).reshape(COUNT, 1, 5)
+    overlay = overlay_from({"values": values}, CORRIDOR)
+    for other in (pickle.loads(pickle.dumps(overlay)), copy.deepcopy(overlay)):
+        assert other.at(3).values == overlay.at(3).values
+
+
+def test_an_array_of_another_size_is_refused() -> None:
+    with pytest.raises(ValueError, match=rf"with an axis of {COUNT} configurations before"):
+        overlay_from({"values": np.zeros((COUNT + 1, 1, 5))}, CORRIDOR)
+
+
+PLAIN = level(size=[3, 2])
+
+
+def test_turning_arrays_show_the_heading_at_hand_or_the_largest_value() -> None:
+    values = np.arange(24.0).reshape(4, 2, 3)
+    overlay = overlay_from({"values": values, "visits": values}, PLAIN)
+    assert overlay.at(None, 2).values == values[2].tolist()
+    assert overlay.values == values.max(axis=0).tolist()
+    assert overlay.visits == values.sum(axis=0).tolist()
+
+
+def test_turns_are_shown_as_the_moves_to_where_the_robot_then_looks() -> None:
+    policy = np.full((4, 2, 3), int(Turn.LEFT))
+    policy[1] = Turn.FORWARD
+    policy[1, 0, 0] = -1
+    overlay = overlay_from({"policy": policy}, PLAIN)
+    north, east = (overlay.at(None, heading).actions for heading in (0, 1))
+    assert north == [[(Action.WEST,)] * 3] * 2
+    assert east == [[(), (Action.EAST,), (Action.EAST,)], [(Action.EAST,)] * 3]
+    # Without a heading, the ways in which the robot goes forward.
+    assert overlay.actions == east
+
+
+def test_values_of_turns_are_beside_the_side_to_which_they_lead() -> None:
+    values = np.zeros((4, 2, 3, 3))
+    values[3, 0, 0] = (1, 2, 3)
+    overlay = overlay_from({"action_values": values}, PLAIN)
+    shown = overlay.at(None, 3).action_values
+    assert shown is not None
+    # Looking west, left is south and right is north.
+    assert shown[0][0] == [None, 2, None, 1, 3]
+    assert overlay.action_values is not None
+    assert overlay.action_values[0][0] == [None, 0, 0, 0, 3]
+
+
+def test_turning_arrays_by_configuration() -> None:
+    values = np.arange(COUNT * 20.0).reshape(COUNT, 4, 1, 5)
+    overlay = overlay_from({"values": values}, CORRIDOR)
+    assert overlay.at(2, 1).values == values[2, 1].tolist()
+    assert overlay.at(2).values == values[2].max(axis=0).tolist()

@@ -6,22 +6,31 @@ import base64
 import hashlib
 import json
 import re
+import zlib
 from dataclasses import replace
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support.codes import play_data, play_stream
 from support.markup import Reader
-from support.worlds import level
+from support.worlds import World, decorated_worlds, level, level_of
 
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.analysis.guides import guide_of
+from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1
+from babyrobot_levels.library.catalogue import levels, load
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.page import Guide, facts, to_html
-from babyrobot_levels.render.page_format import CHEER, EVENTS, POSES, playable
+from babyrobot_levels.render.page import MAX_LINK, Guide, facts, link_fragment, page_data, to_html
+from babyrobot_levels.render.page_format import CHEER, EVENTS, POSES, TooLargeError, playable
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.situation import Mood, Pose, pose_of
 from babyrobot_levels.render.templates import embedded_json
+from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"
 
@@ -108,10 +117,6 @@ def test_scripts_and_styles_of_pages_are_without_what_is_only_for_readers() -> N
 def test_a_page_is_small() -> None:
     world = load("final-maze")
     assert len(world.to_html().encode()) < 180_000
-
-
-def test_the_same_level_is_the_same_page() -> None:
-    assert to_html(ROW, guide=GUIDE) == to_html(level(size=[3, 1], title="A row"), guide=GUIDE)
 
 
 def test_too_large_a_level_is_refused() -> None:
@@ -224,11 +229,6 @@ def test_who_is_sent_to_a_start_by_chance_is_carried_there() -> None:
     assert events(world, 1, Action.EAST) == {0: "carried", 1: "stay"}
 
 
-def test_the_wind_carries() -> None:
-    world = load("windy-gridworld")
-    assert events(world, 33, Action.EAST) == {24: "carried"}
-
-
 def test_every_outcome_has_the_pose_of_the_pictures() -> None:
     world = level(size=[3, 3], start=[1, 1], exit=[2, 2], puddles=[{"at": [1, 1]}])
     data = playable(world)
@@ -307,15 +307,115 @@ def test_the_page_knows_the_cells_that_are_good_ends() -> None:
     assert data_of(to_html(world))["good_ends"] == [6]
 
 
-def test_it_says_what_level_it_is() -> None:
-    world = load("final-maze")
-    text = " ".join(Reader(to_html(world)).texts["bdi"])
-    for part in (world.title, world.name, world.digest, world.source):
-        assert str(part) in text
-
-
 def test_panels_are_left_to_the_page() -> None:
     wide = level(size=[3, 1], display={"side_panel": 200, "bottom_panel": 90, "compass": True})
     narrow = level(size=[3, 1])
     boxes = [Reader(to_html(world)).find("svg", role="img")[0] for world in (wide, narrow)]
     assert boxes[0] == boxes[1]
+
+
+# -- style -----------------------------------------------------------------------------------------
+
+
+def test_old_browsers_have_the_light_colours() -> None:
+    style = files("babyrobot_levels.render").joinpath("static", "picture.css").read_text("utf-8")
+    light = dict(re.findall(r"(--[\w-]+): light-dark\((#\w+), #\w+\);", style))
+    assert light
+    assert dict(re.findall(r"(--[\w-]+): (#\w+);", style)) == light
+
+
+# -- links -----------------------------------------------------------------------------------------
+
+NAMES = [info.name for info in levels()]
+SMALL = 25
+"""The most cells of a level that is called small."""
+
+
+def link_of(level: Level) -> str:
+    """Return a link as `babyrobot share --link` makes it."""
+    game = level.with_maze_seed(0) if level.has_random_maze else level
+    return "https://example.org/#" + link_fragment(level, game, guide_of(game))
+
+
+@given(decorated_worlds())
+def test_a_link_is_read_as_its_level(world: World) -> None:
+    level = level_of(world)
+    link = f"play.html#{link_fragment(level, level)}"
+    other = load(link)
+    assert other.digest == level.digest
+    assert other.to_dict(whole=True) == level.to_dict(whole=True)
+    assert play_data(link) == json.loads(json.dumps(page_data(level)))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_links_are_short(name: str) -> None:
+    level = load(name)
+    link = link_of(level)
+    width, height = level.size
+    # Values and actions differ between the configurations of things.
+    longest = 16_000 if level.has_things else 5400
+    assert len(link) < (3400 if width * height <= SMALL and not level.has_things else longest)
+    assert re.fullmatch(r"[A-Za-z0-9._~-]+", link.partition("#")[2])
+    assert load(link).to_dict(whole=True) == level.to_dict(whole=True)
+
+
+@given(st.integers(0, 3000))
+def test_however_much_of_the_play_part_is_missing_the_level_is_read(length: int) -> None:
+    code, mark, part = LINK.partition("~")
+    assert load(code + mark + part[:length]).digest == DIGEST
+    assert load(f"{code}%7E{part[:length]}").digest == DIGEST
+
+
+@given(st.data())
+def test_no_changed_character_of_the_code_goes_unnoticed(data: st.DataObject) -> None:
+    begin, end = LINK.index("brl1."), LINK.index("~")
+    place = data.draw(st.integers(begin + 5, end - 1))
+    character = data.draw(st.sampled_from("AZaz09-_.~"))
+    if LINK[place] != character:
+        with pytest.raises((LevelError, LevelNotFoundError)):
+            load(LINK[:place] + character + LINK[place + 1 :])
+
+
+LINK = link_of(load("two-doors"))
+DIGEST = load("two-doors").digest
+
+
+def test_a_link_says_what_a_page_says() -> None:
+    level = load("final-maze")
+    guide = guide_of(level)
+    assert play_data(link_of(level)) == json.loads(json.dumps(page_data(level, guide=guide)))
+
+
+def test_a_reader_without_dictionaries_can_use_a_stored_block() -> None:
+    size = len(PLAY_DICTIONARY_1)
+    head = b"\0" + size.to_bytes(2, "little") + (size ^ 0xFFFF).to_bytes(2, "little")
+    data = zlib.decompress(head + PLAY_DICTIONARY_1 + play_stream(LINK), -15)[size:]
+    assert json.loads(data) == play_data(LINK)
+
+
+def test_the_dictionary_of_version_1_stays_as_it_is() -> None:
+    told = hashlib.sha256(PLAY_DICTIONARY_1).hexdigest()
+    assert told == "71b860eaddc5c0dfdfd43b4e108bf7dba4bcfc188d6394f03fe27593f06517ec"
+
+
+def test_a_level_that_is_too_large_for_a_link_says_so() -> None:
+    large = Level.from_fields({"version": 1, "size": [128, 128], "maze": {"seed": 1}})
+    with pytest.raises(TooLargeError, match=rf"too large for a link: .* limit is {MAX_LINK:,}"):
+        link_fragment(large, large)
+
+
+def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    level = Level.from_fields({"version": 1, "description": "x" * 10_000})
+    data = json.dumps(page_data(level), ensure_ascii=False, separators=(",", ":"))
+    size = len(data.encode())
+    monkeypatch.setattr("babyrobot_levels.render.page.MAX_UNPACKED", size)
+    assert len(link_fragment(level, level)) < MAX_LINK
+    monkeypatch.setattr("babyrobot_levels.render.page.MAX_UNPACKED", size - 1)
+    with pytest.raises(TooLargeError, match=f"its data has .* the limit is {size - 1:,}"):
+        link_fragment(level, level)
+
+
+def test_a_level_with_more_cells_than_a_page_has_room_for_says_so() -> None:
+    large = Level.from_fields({"version": 1, "size": [129, 128]})
+    with pytest.raises(TooLargeError, match="too large for a page"):
+        link_fragment(large, large)

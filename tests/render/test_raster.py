@@ -11,13 +11,12 @@ from PIL import Image
 from support.work import counted_calls
 from support.worlds import level
 
-from babyrobot_levels.language.looks import BUILTIN_THEMES, NAMES
+from babyrobot_levels.language.looks import NAMES
 from babyrobot_levels.render import raster
-from babyrobot_levels.render.colors import gray, over, rgba
+from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import (
-    Ellipse,
     Path,
     Rect,
     Scene,
@@ -26,8 +25,6 @@ from babyrobot_levels.render.scene.shapes import (
     curve,
     polyline,
 )
-
-WHITE = (255, 255, 255)
 
 
 def painted(*shapes: Shape, side: int = 40) -> np.ndarray[Any, np.dtype[np.uint8]]:
@@ -91,32 +88,6 @@ def test_what_overlaps_itself_is_blended_once() -> None:
     assert set(np.unique(picture[18:22])) == {picture[5, 20, 0]}
 
 
-def test_shapes_stand_where_they_should() -> None:
-    picture = painted(
-        Rect(4, 6, 10, 20, "red"),
-        Ellipse(28, 12, 8, 4, "blue"),
-        Path(polyline([(20, 30), (36, 30)]), stroke="green", width=4),
-    )
-    for color, box, error in (
-        ("red", (4, 6, 14, 26), 0),
-        ("blue", (20, 8, 36, 16), 1),
-        ("green", (20, 28, 36, 32), 0),
-    ):
-        ys, xs = np.nonzero((picture == solid(color)).all(axis=2))
-        found = xs.min(), ys.min(), xs.max() + 1, ys.max() + 1
-        assert found == pytest.approx(box, abs=error), color
-
-
-def test_round_corners_and_caps_are_round() -> None:
-    picture = painted(
-        Rect(0, 0, 20, 20, "red", radius=10),
-        Path(polyline([(10, 30), (30, 30)]), stroke="blue", width=10, cap="round"),
-    )
-    assert tuple(picture[0, 0]) == WHITE
-    assert tuple(picture[30, 6]) == solid("blue")
-    assert tuple(picture[25, 5]) == WHITE
-
-
 def test_dashes_leave_gaps_in_straight_lines_and_in_curves() -> None:
     for line in (
         polyline([(0, 10), (40, 10)]),
@@ -163,32 +134,6 @@ def test_anchors_hold_a_text_at_its_start_middle_and_end() -> None:
 
 
 # -- levels --------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", BUILTIN_THEMES)
-def test_the_theme_s_colours_are_where_they_belong(name: str) -> None:
-    world = level(
-        size=[4, 3],
-        theme=name,
-        walls=[{"at": [1, 1], "side": "E"}],
-        blocked=[{"at": [0, 2]}],
-        areas=[{"at": [2, 2], "color": "plum"}],
-    )
-    colors, margin = BUILTIN_THEMES[name].colors, 3
-    picture = to_rgb(build_scene(world, robot=False))
-    for (x, y), color in {
-        (1.5, 0.5): colors.base,
-        (0.1, 0.1): colors.start,
-        (3.9, 2.2): colors.exit,
-        (2.0, 1.5): colors.walls,
-        (0.0, 1.5): colors.border,
-        (4.0, 1.5): colors.border,
-        (0.5, 2.5): colors.blocked,
-        # In a theme of greys, every colour is a grey.
-        (2.5, 2.5): gray("plum") if name == "print" else "plum",
-    }.items():
-        pixel = tuple(picture[margin + int(64 * y), margin + int(64 * x)])
-        assert pixel == solid(color), (x, y)
 
 
 def test_a_picture_has_the_scene_s_size_or_the_one_asked_for() -> None:

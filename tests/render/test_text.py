@@ -10,8 +10,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.scenes import CORRIDOR, VAULT
 from support.worlds import level
 
+from babyrobot_levels.mdp.states import configuration_with, initial_configuration
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.heat import scale_of
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -421,3 +423,99 @@ def test_blocks_are_the_cells_and_walls_in_their_colours() -> None:
         [""] * 5,
     ]
     assert pixels[1][3] not in (base, wall)
+
+
+# -- things ----------------------------------------------------------------------------------------
+
+
+def test_the_level_as_a_whole_in_unicode() -> None:
+    assert "\n".join([*TextPainter(VAULT).lines(None, held=False), ""]) == (
+        "┌───────────────────┬───────┐\n"
+        "│ S           ¢     │     Ω │\n"
+        "│   ·   ·   ·   ·   │   ·   │\n"
+        "│                   │ ♦     │\n"
+        "│   ·   ·   ·   ·   ╵   ·   │\n"
+        "│         0   1     ┃       │\n"
+        "├───╴━━━╶───────╴   ╷   ·   │\n"
+        "│                   │ ♦ : X │\n"
+        "│   ·   ·   ·   ·   │   ·   │\n"
+        "│ ♀       Ω         │     X │\n"
+        "└───────────────────┴───────┘\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("plain", "heading", "expected"),
+    [
+        (
+            False,
+            None,
+            "┌───────────────────┬───────┐\n"
+            "│ S           ¢     │     Ω │\n"
+            "│   ·   ·   ·   ·   │   ·   │\n"
+            "│                   │ ♦     │\n"
+            "│   ·   ·   ·   ·   ╵   ·   │\n"
+            "│         ☻1  1     :       │\n"
+            "├───╴╴ ╶╶───────╴   ╷   ·   │\n"
+            "│                   │   ┃   │\n"
+            "│   ·   ·   ·   ·   │   ·   │\n"
+            "│         Ω         │     X │\n"
+            "└───────────────────┴───────┘\n"
+            "\n"
+            "held: key",
+        ),
+        (
+            True,
+            1,
+            "+---+---+---+---+---+---+---+\n"
+            "| S           c     |     & |\n"
+            "+   +   +   +   +   +   +   +\n"
+            "|                   | g     |\n"
+            "+   +   +   +   +   +   +   +\n"
+            "|         >1  1     :       |\n"
+            "+---+- -+---+---+   +   +   +\n"
+            "|                   |   /   |\n"
+            "+   +   +   +   +   +   +   +\n"
+            "|         &         |     X |\n"
+            "+---+---+---+---+---+---+---+\n"
+            "\n"
+            "held: key",
+        ),
+    ],
+)
+def test_a_state_as_text(plain: bool, heading: int | None, expected: str) -> None:
+    state = configuration_with(VAULT, ["key", "lever", "plate"]) * 35 + 2 * 7 + 2
+    assert "\n".join(TextPainter(VAULT, plain=plain).lines(state, heading=heading)) == expected
+
+
+def test_nothing_is_held_at_first_and_the_line_can_be_left_out() -> None:
+    painter = TextPainter(CORRIDOR)
+    assert painter.lines(0)[-2:] == ["", "held: nothing"]
+    assert painter.lines(0, held=False)[-1].startswith("└")
+    assert TextPainter(level(size=[3, 1])).lines(0)[-1].startswith("└")
+
+
+def test_arrows_leave_room_for_things_beside_them() -> None:
+    overlay = Overlay(actions=[[(2,), (2,), (2,), (), ()]])
+    painter = TextPainter(CORRIDOR, plain=True, overlay=overlay)
+    assert painter.lines(None, configuration=0, held=False) == [
+        "+---+---+---+---+---+",
+        "| >   >k  >0/     & |",
+        "+---+---+---+---+---+",
+    ]
+
+
+def test_characters_of_things_have_colors_that_are_seen() -> None:
+    state = initial_configuration(CORRIDOR) * 5
+    line = TextPainter(CORRIDOR).lines(state, colors=ALL_COLORS)[1]
+    # The key on its own colour, and the door on that of the key.
+    escapes = re.findall(r"\x1b\[38;2;\d+;\d+;\d+;48;2;(\d+);(\d+);(\d+)m([^\x1b]*)", line)
+    grounds = {text: (red, green, blue) for red, green, blue, text in escapes}
+    assert grounds["♀"] == grounds["┃"] == ("255", "194", "26")
+    assert grounds["Ω"] == ("255", "93", "115")
+
+
+def test_a_small_terminal_shows_the_part_around_the_robot() -> None:
+    lines = TextPainter(VAULT).lines(0, room=os.terminal_size((12, 5)))
+    assert len(lines) == 5
+    assert lines[-1] == "held: nothin"

@@ -7,13 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.golden import FOLDER
-from support.scenes import without_legend
+from support.scenes import VAULT, without_legend
 from support.worlds import level
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
-from babyrobot_levels.language.things import SHAPES
-from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.events import hits_of
 from babyrobot_levels.mdp.states import configuration_with
@@ -28,7 +25,6 @@ from babyrobot_levels.render.scene.shapes import Path, Text
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
 from babyrobot_levels.render.situation import GoodEnds, Pose, place_of, situation_of
 
-VAULT = load(str(FOLDER / "things.yaml"))
 CELLS = 35
 
 
@@ -147,11 +143,6 @@ def test_the_level_as_a_whole_shows_all_places_with_a_question_mark() -> None:
     assert texts(world, state=0).count("EXIT") == 1
 
 
-def test_paths_and_regions_are_shown_of_the_level_as_a_whole_only() -> None:
-    assert ("tracks",) in names(VAULT, None)
-    assert ("tracks",) not in names(VAULT, 0)
-
-
 def test_labels_lie_on_paths() -> None:
     river = {"at": [1, 0], "size": [1, 3], "label": "river"}
     world = level(areas=[river], movers=[{"name": "boat", "path": [[1, 0], [1, 1]], "back": True}])
@@ -161,23 +152,6 @@ def test_labels_lie_on_paths() -> None:
     )
     track = max(place for place, shape in enumerate(shapes) if getattr(shape, "dash", 0) == (2, 7))
     assert track < label
-
-
-def test_doors_open_and_switches_flip() -> None:
-    nothing, lever = (configuration_with(VAULT, on) for on in (["plate"], ["plate", "lever"]))
-    assert {
-        ("door", 0, (4, 2), True),
-        ("door", 1, (1, 2), True),
-        ("door", 2, (5, 3), False),
-        ("switch", 0, False),
-        ("switch", 1, True),
-    } <= names(VAULT, nothing)
-    assert {
-        ("door", 0, (4, 2), True),
-        ("door", 1, (1, 2), False),
-        ("door", 2, (5, 3), True),
-        ("switch", 0, True),
-    } <= names(VAULT, lever)
 
 
 def test_a_long_door_has_a_leaf_on_each_side() -> None:
@@ -197,11 +171,6 @@ def test_a_door_takes_the_color_of_its_key_unless_it_has_one() -> None:
         shapes = build_layers(world)["things"].shapes
         leaves = [shape for shape in shapes if isinstance(shape, Path) and shape.fill == "navy"]
         assert bool(leaves) == (expected == "navy")
-
-
-def test_labels_are_shown() -> None:
-    assert {"the key", "bat"} <= set(texts(VAULT))
-    assert "the key" not in texts(VAULT, configuration=configuration_with(VAULT, ["key", "plate"]))
 
 
 def all_pieces(world: Any) -> Iterator[Piece]:
@@ -438,15 +407,3 @@ def test_a_switch_that_is_on_differs_in_brightness(name: str) -> None:
     # Also where the robot would cover the middle.
     rim = off[4:28, 36:60, 0].astype(int), on[4:28, 36:60, 0].astype(int)
     assert np.abs(rim[0] - rim[1]).mean() > 12
-
-
-def test_all_shapes_of_items_look_different() -> None:
-    frames = {
-        FramePainter(
-            level(size=[3, 1], items=[{"name": "it", "at": [1, 0], "shape": shape}]), (48, 32)
-        )
-        .frame(0)
-        .tobytes()
-        for shape in SHAPES
-    }
-    assert len(frames) == len(SHAPES)

@@ -1,9 +1,10 @@
-"""Overlays: values and arrows over the cells, clear of what else the picture says."""
+"""Scenes: what of a level is in its picture, and where."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -17,8 +18,277 @@ from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene, overlay_shapes
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, layout_of
 from babyrobot_levels.render.scene.overlay import Note, Overlay
-from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import short
+from babyrobot_levels.render.situation import Pose
+from babyrobot_levels.text.errors import LevelError
+
+MARGIN = 3
+"""The default theme's free space: half of its outer wall, in whole pixels."""
+
+
+def corner(x: float, y: float) -> tuple[float, float]:
+    return MARGIN + CELL * x, MARGIN + CELL * y
+
+
+def bounds(shape: Shape) -> tuple[float, float, float, float]:
+    match shape:
+        case Rect():
+            return shape.x, shape.y, shape.x + shape.width, shape.y + shape.height
+        case Ellipse():
+            x, y, rx, ry = shape.x, shape.y, shape.rx, shape.ry
+            return x - rx, y - ry, x + rx, y + ry
+        case Path():
+            points = [point for line, _ in polylines(shape.commands) for point in line]
+            half = shape.width / 2 if shape.stroke else 0
+            xs, ys = [x for x, _ in points], [y for _, y in points]
+            return min(xs) - half, min(ys) - half, max(xs) + half, max(ys) + half
+        case Text():
+            width = 0.7 * shape.size * len(shape.text)
+            left = shape.x - {"start": 0, "middle": width / 2, "end": width}[shape.anchor]
+            return left, shape.y - shape.size, left + width, shape.y
+
+
+def strokes(world: Any, color: str) -> Iterator[Path]:
+    for shape in build_scene(world, robot=False).shapes:
+        if isinstance(shape, Path) and shape.stroke == color:
+            yield shape
+
+
+def lines(path: Path) -> set[tuple[tuple[float, float], ...]]:
+    return {tuple(points) for points, _ in polylines(path.commands)}
+
+
+@pytest.mark.parametrize("size", [[1, 1], [1, 7], [7, 1], [3, 3]])
+@pytest.mark.parametrize("fields", [{}, {"maze": {"seed": 3}}])
+def test_all_shapes_lie_in_the_picture(size: list[int], fields: dict[str, Any]) -> None:
+    ends = {"exit": "none"} if size == [1, 1] else {}
+    display = {"compass": True, "side_panel": 80, "bottom_panel": 20, "coordinates": True}
+    scene = build_scene(level(size=size, display=display, **ends, **fields))
+    for shape in scene.shapes:
+        left, top, right, bottom = bounds(shape)
+        assert left >= 0, shape
+        assert top >= 0, shape
+        assert right <= scene.width, shape
+        assert bottom <= scene.height, shape
+
+
+def test_a_random_maze_must_have_grown() -> None:
+    with pytest.raises(LevelError):
+        build_scene(level(maze={"seed": "random"}))
+
+
+# -- layers --------------------------------------------------------------------------------
+
+OVERLAY = Overlay(
+    values=[[1.0, None, 2.0]] * 2,
+    actions=[[(Action.EAST,), (), (Action.SOUTH,)]] * 2,
+    visits=[[3, 0, 1]] * 2,
+    notes=[Note(1, 1, "here")],
+    side_panel=["beside"],
+    bottom_panel=["below"],
+)
+
+
+@pytest.mark.parametrize("cells_only", [False, True])
+@pytest.mark.parametrize("overlay", [None, OVERLAY])
+def test_layers_painted_one_over_the_other_are_the_scene(
+    overlay: Overlay | None, cells_only: bool
+) -> None:
+    world = level(size=[3, 2], puddles=[{"at": [1, 1]}], display={"compass": True})
+    told: dict[str, Any] = {"state": 4, "pose": Pose(Action.EAST), "overlay": overlay}
+    layers = build_layers(world, cells_only=cells_only, **told)
+    scene = build_scene(world, cells_only=cells_only, **told)
+    assert tuple(layers) == (
+        "base",
+        "heat",
+        "grid",
+        "things",
+        "underlay",
+        "robot",
+        "movers",
+        "overlay",
+        "text",
+    )
+    assert tuple(shape for layer in layers.values() for shape in layer.shapes) == scene.shapes
+    sizes = {(layer.width, layer.height, layer.title) for layer in layers.values()}
+    assert sizes == {(scene.width, scene.height, scene.title)}
+
+
+def test_what_changes_has_a_layer_of_its_own() -> None:
+    world = level(size=[3, 2])
+    panels = Overlay(side_panel=["a"], bottom_panel=["b"])
+    before = build_layers(world, state=1, overlay=panels)
+    moved = build_layers(world, state=2, pose=Pose(Action.EAST), overlay=panels)
+    noted = build_layers(world, state=1, overlay=replace(panels, notes=[Note(1, 1, "a")]))
+    assert {name for name in before if before[name] != moved[name]} == {"robot"}
+    assert {name for name in before if before[name] != noted[name]} == {"text"}
+    told, changed = (
+        build_layers(world, state=1, overlay=replace(OVERLAY, values=[[value, 2, 3], [4, 5, 6]]))
+        for value in (1.0, 7.0)
+    )
+    assert {name for name in told if told[name] != changed[name]} == {"heat", "overlay"}
+    assert build_layers(world, robot=False)["robot"].shapes == ()
+
+
+# -- the robot -----------------------------------------------------------------------------
+
+
+def robot(**options: Any) -> tuple[float, float] | None:
+    """Return the cell that the robot is in."""
+    world = options.pop("world", level(size=[4, 3], start=[[2, 1], [0, 0]]))
+    base = build_scene(world, robot=False).shapes
+    added = [shape for shape in build_scene(world, **options).shapes if shape not in base]
+    if not added:
+        return None
+    boxes = [bounds(shape) for shape in added]
+    left, top = min(box[0] for box in boxes), min(box[1] for box in boxes)
+    return (left - MARGIN) // CELL, (top - MARGIN) // CELL
+
+
+def test_the_robot_stands_where_the_state_says_else_on_the_first_start() -> None:
+    assert robot() == (2, 1)
+    assert robot(state=7) == (3, 1)
+    assert robot(state=0) == (0, 0)
+    assert robot(robot=False) is None
+
+
+def test_a_level_can_hide_the_robot_until_a_state_is_asked_for() -> None:
+    hidden = level(size=[4, 3], display={"robot": {"show": False}})
+    assert robot(world=hidden) is None
+    assert robot(world=hidden, state=5) == (1, 1)
+
+
+# -- the ground ----------------------------------------------------------------------------
+
+
+def texts(world: Any) -> list[str]:
+    return [shape.text for shape in build_scene(world).shapes if isinstance(shape, Text)]
+
+
+def test_starts_and_exits_say_so_unless_told_not_to() -> None:
+    ends = {"start": [[0, 0], [1, 0]], "exit": [[2, 2], [2, 0]]}
+    assert sorted(texts(level(**ends))) == ["EXIT", "EXIT", "START", "START"]
+    assert texts(level(**ends, display={"start_text": False, "exit_text": False})) == []
+
+
+def test_labels_are_cut_where_they_have_no_room() -> None:
+    (label,) = texts(
+        level(
+            size=[5, 2],
+            areas=[{"at": [3, 0], "label": "far too long\nfor a cell"}],
+            display={"start_text": False, "exit_text": False},
+        )
+    )
+    assert label.endswith("…")
+    assert "far too long for a cell".startswith(label[:-1])
+    assert len(label) > 5
+
+
+def test_blocked_cells_are_one_shape_without_lines_inside() -> None:
+    world = level(size=[4, 4], blocked=[{"at": [1, 1], "size": [2, 2]}])
+    colors = world.resolved_theme.colors
+    shapes = build_scene(world, robot=False).shapes
+    assert Rect(*corner(1, 1), 2 * CELL, 2 * CELL, colors.blocked) in shapes
+    (grid_lines,) = strokes(world, colors.lines)
+    for points in lines(grid_lines):
+        for x, y in points:
+            inside = all(MARGIN + CELL < place < MARGIN + 3 * CELL for place in (x, y))
+            assert not inside
+
+
+def test_blocked_cells_that_are_no_rectangle_are_one_shape() -> None:
+    # As several, there would be hairlines between them wherever pixels do not fit to cells.
+    world = level(size=[4, 4], blocked=[{"at": [1, 1]}, {"at": [1, 2], "size": [2, 1]}])
+    color = world.resolved_theme.colors.blocked
+    (block,) = [
+        shape
+        for shape in build_scene(world, robot=False).shapes
+        if not isinstance(shape, Text) and shape.fill == color
+    ]
+    assert isinstance(block, Path)
+    pieces = {tuple(points) for points, _ in polylines(block.commands)}
+    assert len(pieces) == 2
+    assert {corner(1, 1), corner(2, 2)} <= {point for piece in pieces for point in piece}
+    assert corner(3, 3) in {point for piece in pieces for point in piece}
+
+
+# -- walls ---------------------------------------------------------------------------------
+
+
+def test_a_wall_can_have_a_look_of_its_own() -> None:
+    world = level(
+        size=[4, 3],
+        walls=[
+            {"at": [0, 0], "side": "S", "length": 3},
+            {"at": [1, 1], "side": "N", "color": "crimson", "width": 9, "fit": True},
+            {"at": [3, 0], "side": "E", "color": "gold"},
+        ],
+        openings=[{"at": [0, 0], "side": "S"}],
+    )
+    theme = world.resolved_theme
+    (own,) = strokes(world, "crimson")
+    assert (own.width, own.cap) == (9, "butt")
+    assert lines(own) == {(corner(1, 1), corner(2, 1))}
+    (plain,) = (p for p in strokes(world, theme.colors.walls) if p.width == theme.widths.walls)
+    assert lines(plain) == {(corner(2, 1), corner(3, 1))}
+    assert plain.cap == "round"
+    (outer,) = strokes(world, "gold")
+    assert outer.width == theme.widths.border
+    assert lines(outer) == {(corner(4, 0), corner(4, 1))}
+
+
+# -- arrows --------------------------------------------------------------------------------
+
+
+def heads(world: Any) -> list[tuple[float, float, float, float]]:
+    arrows = world.resolved_theme.colors.arrows
+    shapes = build_scene(world, robot=False).shapes
+    return [bounds(s) for s in shapes if isinstance(s, Path) and s.fill == arrows]
+
+
+def test_a_warp_to_the_start_and_one_to_itself_stay_in_their_cell() -> None:
+    ((left, top, right, bottom),) = heads(level(warps=[{"at": [1, 1], "to": "start"}]))
+    assert corner(1, 1) < (left, top)
+    assert (right, bottom) < corner(2, 2)
+    assert heads(level(warps=[{"at": [1, 1], "to": [1, 1], "when": "leave"}])) == []
+
+
+def test_wind_is_as_many_chevrons_as_it_pushes_cells_at_most_three() -> None:
+    world = level(size=[6, 2], start=[0, 1], exit=[5, 1], wind={"north": [0, 1, 2, 9, 1, 0]})
+    (path,) = strokes(world, world.resolved_theme.colors.arrows)
+    columns = [int(points[1][0] // CELL) for points, _ in polylines(path.commands)]
+    assert [columns.count(x) for x in range(6)] == [0, 2, 4, 6, 2, 0]
+    for points, _ in polylines(path.commands):
+        assert points[1][1] < points[0][1] == pytest.approx(points[2][1])
+
+
+def test_winds_against_each_other_are_still() -> None:
+    world = level(size=[2, 2], wind={"north": [1, 1], "south": [1, 1]})
+    assert not list(strokes(world, world.resolved_theme.colors.arrows))
+
+
+# -- beside the grid -----------------------------------------------------------------------
+
+
+def test_panels_take_their_room_and_the_theme_s_colour_or_their_own() -> None:
+    display = {"side_panel": 120, "bottom_panel": {"width": 50, "color": "navy"}}
+    world = level(display=display)
+    scene = build_scene(world)
+    ground = world.resolved_theme.colors.text_bg
+    assert (scene.width, scene.height) == (198 + 120, 198 + 50)
+    assert Rect(198, 0, 120, 198, ground) in scene.shapes
+    assert Rect(0, 198, 318, 50, "navy") in scene.shapes
+
+
+def test_a_compass_has_room_with_and_without_a_panel() -> None:
+    assert build_scene(level(display={"compass": True})).width == 198 + COMPASS
+    both = level(display={"compass": True, "side_panel": 200})
+    assert build_scene(both).width == 198 + 200
+    assert {"N", "E", "S", "W"} <= set(texts(both))
+
+
+# -- overlays --------------------------------------------------------------------------------------
 
 N, E, S, W = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST
 EVERY = tuple(Action)
@@ -119,7 +389,7 @@ def test_nothing_is_answered_where_nobody_can_stand() -> None:
     shapes = shapes_of(world, overlay)
     # The exit has no arrow; a value of an end is told unless it is 0.
     assert set(written(shapes)) == {(0, 0), (1, 0), (2, 0), (3, 0), (0, 1), (3, 1)}
-    assert len(heads(world, overlay.actions)) == 5
+    assert len(arrow_heads(world, overlay.actions)) == 5
     shapes = shapes_of(world, Overlay(values=in_each_cell(world, 0.0)))
     assert (3, 0) not in written(shapes)
     moves = Overlay(action_values=in_each_cell(world, (None, 1.0, 2.0, 3.0, 4.0)))
@@ -167,20 +437,6 @@ def test_where_numbers_could_not_be_read_there_are_colours_alone() -> None:
         assert len([shape for shape in numbers if isinstance(shape, Text)]) == count
 
 
-def test_a_cell_with_a_colour_keeps_a_frame_of_it() -> None:
-    area = {"at": [1, 0], "size": [2, 1], "color": "#123456"}
-    world = level(size=[4, 1], areas=[area])
-    heat, *_ = overlay_shapes(
-        world, Overlay(values=[[1.0, 2.0, 3.0, None]]), layout_of(world, cells_only=True)
-    )
-    (frame,) = (shape for shape in heat if isinstance(shape, Path) and shape.fill == "#123456")
-    assert box_of(points_of(frame)) == (CELL, 0, 3 * CELL, CELL)
-    # Nothing of it lies between its two cells, but at the edges.
-    boxes = [box_of(points) for points, _ in polylines(frame.commands)]
-    assert all(min(box[2] - box[0], box[3] - box[1]) == 5.5 for box in boxes)
-    assert len(boxes) == 6
-
-
 @pytest.mark.parametrize(
     ("values", "texts"),
     [
@@ -204,52 +460,15 @@ def test_a_legend_tells_the_ends_of_the_scale(values: list[float | None], texts:
     assert layout_of(world, overlay=Overlay(actions=[[()] * 4])) == layout_of(world)
 
 
-def test_infinite_values_are_drawn_with_their_signs() -> None:
-    def strokes(value: float) -> list[Path]:
-        world = level(size=[2, 1])
-        layers = overlay_shapes(
-            world, Overlay(values=[[value, None]]), layout_of(world, cells_only=True)
-        )
-        return [shape for shape in layers.overlay if isinstance(shape, Path)]
-
-    (endless,) = strokes(math.inf)
-    below, sign = strokes(-math.inf)
-    assert len(points_of(below)) == len(points_of(endless))
-    assert box_of(points_of(sign))[2] < box_of(points_of(below))[0]
-
-
 # -- arrows --------------------------------------------------------------------------------
 
 
-def heads(world: Any, actions: Any) -> list[Box]:
+def arrow_heads(world: Any, actions: Any) -> list[Box]:
     color = world.resolved_theme.colors.arrows
     for shape in shapes_of(world, Overlay(actions=actions)):
         if isinstance(shape, Path) and shape.fill == color:
             return [box_of(points) for points, _ in polylines(shape.commands)]
     return []
-
-
-@pytest.mark.parametrize(
-    ("action", "towards"), [(N, (0, -1)), (E, (1, 0)), (S, (0, 1)), (W, (-1, 0))]
-)
-def test_an_arrow_points_to_its_side(action: Action, towards: tuple[int, int]) -> None:
-    ((left, top, right, bottom),) = heads(bare(3, 1), [[(), (action,), ()]])
-    across, along = (left + right) / 2 - 1.5 * CELL, (top + bottom) / 2 - 0.5 * CELL
-    assert (round(across / 10), round(along / 10)) == towards
-    tips = {N: top, E: right, S: bottom, W: left}
-    middle = 0.5 * CELL if action in (N, S) else 1.5 * CELL
-    assert abs(tips[action] - middle) < CELL / 2 - 6
-
-
-def test_there_is_an_arrow_for_each_action_and_a_ring_for_stay() -> None:
-    world = bare(3, 1)
-    assert len(heads(world, [[(N, E, S, W), (E,), ()]])) == 5
-    assert heads(world, [[(Action.STAY,), (), ()]]) == []
-    (*_, ring) = shapes_of(world, Overlay(actions=[[(Action.STAY,), (), ()]]))
-    assert isinstance(ring, Path)
-    assert ring.fill is None
-    distances = {round(math.dist(point, (CELL / 2, CELL / 2)), 1) for point in points_of(ring)}
-    assert len(distances) == 1
 
 
 def test_the_more_probable_an_action_the_longer_its_arrow() -> None:
@@ -265,11 +484,6 @@ def test_the_more_probable_an_action_the_longer_its_arrow() -> None:
     boxes = [box_of(points) for points, _ in polylines(tips.commands)]
     north, east, south = (max(abs(place - CELL / 2) for place in box) for box in boxes)
     assert north < south < east
-
-
-def test_where_nothing_is_to_be_done_nothing_is_drawn() -> None:
-    assert shapes_of(bare(2, 1), Overlay(actions=[[(), ()]])) == ()
-    assert shapes_of(level(size=[2, 1]), Overlay()) == ()
 
 
 @pytest.mark.parametrize("theme", BUILTIN_THEMES)
@@ -356,23 +570,6 @@ def test_the_robot_hides_neither_the_arrow_nor_the_value_of_its_cell() -> None:
 # -- action values -------------------------------------------------------------------------
 
 
-def test_values_of_moves_stand_at_their_sides_and_the_best_are_bold() -> None:
-    shapes = shapes_of(bare(1, 2), Overlay(action_values=[[(9, 1, 2, 3, 3)], [()]]))
-    texts = {shape.text: shape for shape in shapes if isinstance(shape, Text)}
-    # For stay there is no room.
-    assert set(texts) == {"1", "2", "3"}
-    assert [texts[text].bold for text in "12"] == [False, False]
-    north, east = texts["1"], texts["2"]
-    south, west = sorted((s for s in shapes if isinstance(s, Text) and s.text == "3"), key=at_top)
-    assert north.y < east.y < south.y
-    assert west.x < north.x == south.x < east.x
-    assert west.y == east.y
-
-
-def at_top(text: Text) -> float:
-    return -text.y
-
-
 def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
     def texts(overlay: Overlay) -> list[Text]:
         return [shape for shape in shapes_of(bare(2, 1), overlay) if isinstance(shape, Text)]
@@ -382,22 +579,6 @@ def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
     beside_arrows = texts(Overlay(action_values=numbers, actions=[[(E,), ()]]))
     assert [text.text for text in beside_arrows] == ["-12", "5"]
     assert min(text.size for text in beside_arrows) > 6
-
-
-def test_the_value_of_an_action_is_the_colour_of_its_side() -> None:
-    world = bare(1, 2)
-    values: list[list[tuple[float, ...]]] = [[(9, 1, 2, 3, 3)], [()]]
-    heat, *_ = overlay_shapes(
-        world, Overlay(action_values=values), layout_of(world, cells_only=True)
-    )
-    middle = (CELL / 2, CELL / 2)
-    sides = {
-        shape.fill: [points for points, _ in polylines(shape.commands)]
-        for shape in heat
-        if isinstance(shape, Path) and shape.fill and middle in points_of(shape)
-    }
-    # 3 is twice the best, to the south and to the west.
-    assert sorted(map(len, sides.values())) == [1, 1, 2]
 
 
 # -- visits --------------------------------------------------------------------------------
@@ -459,14 +640,7 @@ def test_a_note_stays_on_the_grid(text: str, x: float) -> None:
     assert ground.x < text_box(written)[0] < text_box(written)[2] < ground.x + ground.width
 
 
-def test_a_note_has_the_theme_s_colour_or_its_own() -> None:
-    world = level(size=[3, 2])
-    notes = [Note(0, 0, "a"), Note(1, 0, "b", "gold"), Note(2, 0, " ")]
-    texts = [s for s in shapes_of(world, Overlay(notes=notes)) if isinstance(s, Text)]
-    assert [text.fill for text in texts] == [world.resolved_theme.colors.text_fg, "gold"]
-
-
-def lines(world: Any, **panels: Any) -> list[Text]:
+def panel_lines(world: Any, **panels: Any) -> list[Text]:
     scene = build_layers(world, overlay=Overlay(**panels))["text"]
     for text in scene.shapes:
         assert isinstance(text, Text)
@@ -478,7 +652,7 @@ def lines(world: Any, **panels: Any) -> list[Text]:
 
 def test_lines_are_written_into_the_panels_in_their_colours() -> None:
     world = level(display={"side_panel": {"width": 90, "text_color": "ivory"}, "bottom_panel": 50})
-    side, bottom = lines(world, side_panel=["beside"], bottom_panel=["below"])
+    side, bottom = panel_lines(world, side_panel=["beside"], bottom_panel=["below"])
     base = build_scene(world)
     assert (side.text, side.fill) == ("beside", "ivory")
     assert side.x > 198
@@ -489,10 +663,12 @@ def test_lines_are_written_into_the_panels_in_their_colours() -> None:
 
 def test_long_lines_are_broken_and_those_without_room_are_left_out() -> None:
     world = level(display={"side_panel": 120})
-    texts = [text.text for text in lines(world, side_panel=["a line of many words", "", "end"])]
+    texts = [
+        text.text for text in panel_lines(world, side_panel=["a line of many words", "", "end"])
+    ]
     assert " ".join(texts) == "a line of many words end"
     assert len(texts) > 2
-    many = lines(world, side_panel=[str(number) for number in range(99)])
+    many = panel_lines(world, side_panel=[str(number) for number in range(99)])
     assert len(many) < 12
     assert many[-1].text == "…"
 
@@ -506,15 +682,9 @@ def test_a_level_without_panels_is_given_those_that_are_written_into() -> None:
     ground = world.resolved_theme.colors.text_bg
     panels = [s for s in scene.shapes if isinstance(s, Rect) and s.fill == ground]
     assert {(panel.x, panel.y) for panel in panels} == {(198, 0), (0, 198)}
-    assert [text.text for text in lines(world, bottom_panel=["word " * 30])][-1] != "…"
+    assert [text.text for text in panel_lines(world, bottom_panel=["word " * 30])][-1] != "…"
     cells = build_scene(world, cells_only=True, overlay=Overlay(side_panel=["a"]))
     assert cells == build_scene(world, cells_only=True)
-
-
-def test_lines_begin_below_the_compass() -> None:
-    world = level(display={"compass": True})
-    (line,) = lines(world, side_panel=["a"])
-    assert line.y > COMPASS
 
 
 @pytest.mark.parametrize("rows", [[[0.0, 0.0]], [[0.0], [0.0]], [[0.0, 0.0], [0.0]]])

@@ -16,7 +16,7 @@ from support.playing import GALLERY, level_named
 from support.worlds import level
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import (
@@ -37,7 +37,7 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Note, Overlay
-from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
+from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.situation import Mood, Pose
 
 EACH = (
@@ -172,16 +172,6 @@ def test_any_colours_can_be_combined(ground: str, ink: str) -> None:
     assert faint_parts(world, overlay) == []
 
 
-def test_a_note_keeps_its_colour_on_a_plate_that_fits_to_it() -> None:
-    overlay = Overlay(notes=[Note(1, 1, "note", "gold")])
-    shapes = build_scene(level(), overlay=overlay).shapes
-    (place,) = (i for i, s in enumerate(shapes) if isinstance(s, Text) and s.text == "note")
-    plate, note = shapes[place - 1 : place + 1]
-    assert note.fill == "gold"
-    assert isinstance(plate, Rect)
-    assert contrast("gold", plate.fill) >= TEXT
-
-
 def test_walls_have_a_casing_only_where_they_need_one() -> None:
     walls = [{"at": [1, 0], "side": "E"}, {"at": [1, 2], "side": "E"}]
 
@@ -285,3 +275,47 @@ def test_films_of_a_theme_of_greys_are_grey() -> None:
     with Image.open(io.BytesIO(to_gif(world, steps))) as film:
         for frame in ImageSequence.Iterator(film):
             assert is_gray_picture(np.asarray(frame.convert("RGB")))
+
+
+# -- themes ----------------------------------------------------------------------------------------
+
+
+def faint(colors: Colors, bound: float) -> set[str]:
+    """Return what does not stand out from the ground."""
+    parts = ("start", "exit", "robot", "walls", "border", "arrows", "puddle", "blocked")
+    return {part for part in parts if contrast(getattr(colors, part), colors.base) < bound}
+
+
+def test_contrast_is_that_of_the_standard() -> None:
+    assert contrast("white", "black") == pytest.approx(21)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+
+
+@pytest.mark.parametrize("name", BUILTIN_THEMES)
+def test_what_matters_stands_out_from_the_ground(name: str) -> None:
+    colors = BUILTIN_THEMES[name].colors
+    assert faint(colors, GRAPHICS) == set()
+    # Then one of an arrow and its rim stands out from any ground.
+    assert contrast(colors.arrows, rim_on([colors.arrows])) >= GRAPHICS**2
+    for text, ground in (
+        (colors.start_text, colors.start),
+        (colors.exit_text, colors.exit),
+        (colors.text_fg, colors.text_bg),
+    ):
+        assert contrast(text, ground) >= TEXT
+
+
+def test_high_contrast_is_what_it_says() -> None:
+    colors = BUILTIN_THEMES["high_contrast"].colors
+    assert faint(colors, 9) == {"border", "blocked"}
+    assert contrast(colors.lines, colors.base) >= TEXT
+    # The outer wall is seen on the page as well.
+    assert min(contrast(colors.border, page) for page in ("white", "black")) >= GRAPHICS
+
+
+def test_print_is_of_greys_alone() -> None:
+    colors = BUILTIN_THEMES["print"].colors
+    for color in colors.model_dump().values():
+        red, green, blue, alpha = rgba(color)
+        assert red == green == blue
+        assert alpha == 1
