@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.page import Guide
-    from babyrobot_levels.render.scene.overlay import Overlay
+    from babyrobot_levels.render.scene.layout import Overlay
 
 BEST, RANDOM = "best", "random"
 """The policies that have names."""

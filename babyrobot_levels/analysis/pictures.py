@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.render.gif import Step
     from babyrobot_levels.render.page import WatchedPolicy
     from babyrobot_levels.render.raster import Progress
-    from babyrobot_levels.render.scene.overlay import Overlay
+    from babyrobot_levels.render.scene.layout import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
 
 World = TypeVar("World", bound="GridWorld")
@@ -145,7 +145,7 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
 
 
 def _with_rules(overlay: Overlay | None) -> Overlay:
-    from babyrobot_levels.render.scene.overlay import Overlay
+    from babyrobot_levels.render.scene.layout import Overlay
 
     return replace(overlay or Overlay(), rules=True)
 

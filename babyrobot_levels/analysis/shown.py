@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.html import Picture
-    from babyrobot_levels.render.scene.overlay import Overlay
+    from babyrobot_levels.render.scene.layout import Overlay
 
 MAX_SOLVED = 5_000
 """The most states of a level that is solved only to be shown."""

@@ -24,7 +24,7 @@ from babyrobot_levels.text.words import listed
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.render.scene.overlay import Overlay, Rows
+    from babyrobot_levels.render.scene.layout import Overlay, Rows
 
 Name = TypeVar("Name", bound=str)
 
@@ -176,7 +176,7 @@ def solution_text(
         plain: whether to use ASCII in any case.
         configuration: what is where; None is where episodes begin.
     """
-    from babyrobot_levels.render.scene.overlay import Overlay
+    from babyrobot_levels.render.scene.layout import Overlay
 
     number = shown_configuration(level, configuration)
     actions = _actions(solution, number) if policy else None

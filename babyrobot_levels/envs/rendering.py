@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.tables import Mdp
     from babyrobot_levels.render.frames import FramePainter
     from babyrobot_levels.render.notebook.view import LevelView
-    from babyrobot_levels.render.scene.overlay import Overlay
+    from babyrobot_levels.render.scene.layout import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
     from babyrobot_levels.render.terminal import Terminal
     from babyrobot_levels.render.text import TextPainter

@@ -21,14 +21,12 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.publish.sheet_pages import INK, Entry, PageStyle, pages_of
-from babyrobot_levels.render.helvetica import width_of
 from babyrobot_levels.render.notebook.html import picture_of, strip
 from babyrobot_levels.render.page import bare
-from babyrobot_levels.render.pdf import to_pdf
+from babyrobot_levels.render.pdf import to_pdf, width_of
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import floor_shapes
-from babyrobot_levels.render.scene.layout import CELL, layout_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.panels import SampledRule
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text, toned
 from babyrobot_levels.render.scene.slots import Slots

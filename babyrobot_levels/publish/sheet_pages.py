@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from babyrobot_levels.render.helvetica import cut, width_of, wrapped
+from babyrobot_levels.render.pdf import cut, width_of, wrapped
 from babyrobot_levels.render.scene.layout import height_for
 from babyrobot_levels.render.scene.panels import SampledRule, rule_shapes
 from babyrobot_levels.render.scene.shapes import (

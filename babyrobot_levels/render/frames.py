@@ -12,8 +12,7 @@ import numpy as np
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_layers, overlay_shapes
-from babyrobot_levels.render.scene.layout import CELL, STRIP, Layout, layout_of
-from babyrobot_levels.render.scene.overlay import AtHand, Overlay
+from babyrobot_levels.render.scene.layout import CELL, STRIP, AtHand, Layout, Overlay, layout_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, shifted, toned
 from babyrobot_levels.render.scene.slots import Slots

@@ -19,8 +19,7 @@ from babyrobot_levels.render.frames import Backdrops
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import Spot
-from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, Layout, Overlay, layout_of, panel_width
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Point, Scene, Shape, scaled, toned
@@ -361,7 +360,7 @@ def _difference(ground: NDArray[np.uint8], other: NDArray[np.uint8]) -> Iterator
 
 def _box(changed: NDArray[np.bool_]) -> tuple[slice, slice] | None:
     """Return the rows and columns in which something has changed; None for none."""
-    rows, columns = (changed.any(axis=axis).nonzero()[0].tolist() for axis in (1, 0))
+    rows, columns = (np.flatnonzero(changed.any(axis=axis)).tolist() for axis in (1, 0))
     return (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)) if rows else None
 
 

@@ -22,7 +22,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Unpack
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.kinds import NEEDED
@@ -53,8 +53,7 @@ from babyrobot_levels.render.scene.build import (
     sign_shapes,
 )
 from babyrobot_levels.render.scene.heat import BAR_STEPS, STEPS, Heat, frame_shapes
-from babyrobot_levels.render.scene.layout import CELL, layout_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, toned
@@ -77,6 +76,8 @@ from babyrobot_levels.render.words.rules import rules_of
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
+    from markupsafe import Markup
+
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 PLAY_VERSIONS = (1, 2)
@@ -89,36 +90,19 @@ MAX_UNPACKED = 4 << 20
 """The most bytes that a page decompresses."""
 
 
-def to_html(
-    level: GridWorld,
-    *,
-    guide: Guide | None = None,
-    policy: WatchedPolicy = "best",
-    seed: int = 0,
-    values: bool = False,
-    arrows: bool = False,
-    turns: bool = False,
-) -> str:
+def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
     """Return a page on which the level can be played with keys, buttons and touch.
 
     Args:
         level: the level; a maze needs a seed.
-        guide: the solution of the level, if it is known.
-        policy: the policy that can be watched; without a guide there is no best one.
-        seed: the random seed of the first episode.
-        values: whether the values of cells are shown at first.
-        arrows: whether the optimal actions are shown at first.
-        turns: whether the robot turns at first. The page can change between turning and moving
-            if it does, or if the level sets a `heading`.
+        shown: see `PageOptions`.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
         TooLargeError: the level is too large for a page.
     """
     whole, level = level, without_panels(level)
-    data = page_data(
-        level, guide=guide, policy=policy, seed=seed, values=values, arrows=arrows, turns=turns
-    )
+    data = page_data(level, **shown)
     # Without a code, which only a level of a file's size has, a page has no plays to download.
     with suppress(LevelError):
         data["code"] = encode(whole.to_dict(whole=True))
@@ -129,20 +113,17 @@ def to_html(
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
-    style, script = _style(), _script()
     icon = icon_svg(level.resolved_theme)
     return html(
         "render/static/page.html",
         title=title_of(level),
         description=data["description"],
-        policy=as_html(_security_policy(style, script)),
         icon="data:image/svg+xml;base64," + base64.b64encode(icon.encode()).decode(),
-        style=as_html(style),
-        script=as_html(script),
-        picture=as_html(_picture(level, guide, data["shown"])),
+        picture=as_html(_picture(level, shown.get("guide"), data["shown"])),
         facts=facts(level),
         common=embedded_json(common),
         data=embedded_json(data),
+        **_own(),
     )
 
 
@@ -179,25 +160,19 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
 
 
 @cache
-def _style() -> str:
-    return put_together("render/static/page.css")
-
-
-@cache
-def _script() -> str:
-    return f'"use strict";\n{put_together("render/static/page.js")}'
-
-
-def _security_policy(style: str, script: str) -> str:
-    """Return a content security policy that allows this style and script only, and no loading."""
+def _own() -> dict[str, Markup]:
+    """Return style, script, and a content security policy that allows these, and no loading."""
+    style = put_together("render/static/page.css")
+    script = f'"use strict";\n{put_together("render/static/page.js")}'
     style_hash, script_hash = (
         base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         for text in (style, script)
     )
-    return (
+    policy = (
         f"default-src 'none'; img-src data:; style-src 'sha256-{style_hash}'; "
         f"script-src 'sha256-{script_hash}'; base-uri 'none'; form-action 'none'"
     )
+    return {"style": as_html(style), "script": as_html(script), "policy": as_html(policy)}
 
 
 def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = None) -> str:
@@ -312,20 +287,32 @@ def bare(level: World) -> World:
     return level.model_copy(update={"display": level.display.model_copy(update=display)})
 
 
-def page_data(
-    level: GridWorld,
-    *,
-    guide: Guide | None = None,
-    policy: WatchedPolicy = "best",
-    seed: int = 0,
-    values: bool = False,
-    arrows: bool = False,
-    turns: bool = False,
-) -> dict[str, Any]:
-    """Return everything that a page needs to show and play a level.
+class PageOptions(TypedDict, total=False):
+    """What a page shows, and what it shows at first.
 
-    Args and errors are those of `to_html`.
+    Attributes:
+        guide: the solution of the level, if it is known.
+        policy: the policy that can be watched; without a guide there is no best one, which is the
+            default.
+        seed: the random seed of the first episode.
+        values: whether the values of cells are shown at first.
+        arrows: whether the optimal actions are shown at first.
+        turns: whether the robot turns at first. The page can change between turning and moving
+            if it does, or if the level sets a `heading`.
     """
+
+    guide: Guide | None
+    policy: WatchedPolicy
+    seed: int
+    values: bool
+    arrows: bool
+    turns: bool
+
+
+def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
+    """Return everything that a page needs to show and play a level; see `to_html`."""
+    guide, policy = shown.get("guide"), shown.get("policy", "best")
+    at_first = {"policy": shown.get("arrows"), "values": shown.get("values")}
     level = without_panels(level)
     colors = level.resolved_theme.colors
     return {
@@ -334,12 +321,12 @@ def page_data(
         "facts": list(facts(level)),
         **playable(level),
         "robot": [hexadecimal(color) for color in _robot_colors(colors)],
-        **_picture_data(level, guide, turns=turns),
+        **_picture_data(level, guide, turns=shown.get("turns", False)),
         "goal": goal_of(level),
         "alt": describe(level, robot=False),
-        "seed": str(seed),
+        "seed": str(shown.get("seed", 0)),
         "walker": policy if guide is not None or policy == "random" else None,
-        "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
+        "shown": [name for name, is_shown in at_first.items() if is_shown],
         **_answers(level, guide),
     }
 

@@ -34,8 +34,7 @@ from babyrobot_levels.render.scene.heat import (
     scale_of,
 )
 from babyrobot_levels.render.scene.icons import Spot
-from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Layout, Overlay
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import busy_cells, form_of, number_shapes

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat, Scale
-from babyrobot_levels.render.scene.layout import layout_of
-from babyrobot_levels.render.scene.overlay import AtHand, Overlay, Rows
+from babyrobot_levels.render.scene.layout import AtHand, Overlay, Rows, layout_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import Form, form_of
 from babyrobot_levels.render.situation import place_of, situation_of

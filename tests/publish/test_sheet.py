@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import Page
 
 import babyrobot_levels as brl
-from babyrobot_levels.render.helvetica import width_of
+from babyrobot_levels.render.pdf import width_of
 from babyrobot_levels.render.scene.shapes import Ellipse, Rect, Scene, Text
 from babyrobot_levels.render.scene.shapes import Path as Line
 

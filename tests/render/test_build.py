@@ -16,8 +16,7 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene, overlay_shapes
-from babyrobot_levels.render.scene.layout import CELL, COMPASS, layout_of
-from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.layout import CELL, COMPASS, Note, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import short
 from babyrobot_levels.render.situation import Pose

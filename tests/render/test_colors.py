@@ -36,7 +36,7 @@ from babyrobot_levels.render.page import common_data, page_data
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
-from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.situation import Mood, Pose
 

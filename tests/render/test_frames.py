@@ -15,7 +15,7 @@ from babyrobot_levels.render import frames
 from babyrobot_levels.render.frames import FramePainter, default_image_size
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.situation import Mood, Pose
 
 WORLD = level(

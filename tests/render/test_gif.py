@@ -20,7 +20,7 @@ from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.situation import STANDING, Mood, Pose, pose_of
 
 PER_STEP = 5

@@ -22,7 +22,7 @@ from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.info import overlay_from
-from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Text
 from babyrobot_levels.render.text import TextPainter
 

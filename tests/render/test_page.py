@@ -26,7 +26,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import MAX_LINK, Guide, facts, link_fragment, page_data, to_html
 from babyrobot_levels.render.page_format import CHEER, EVENTS, POSES, TooLargeError, playable
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.situation import Mood, Pose, pose_of
 from babyrobot_levels.render.templates import embedded_json

@@ -19,7 +19,7 @@ from babyrobot_levels.render import page_format
 from babyrobot_levels.render.page import Guide, link_fragment, page_data, to_html
 from babyrobot_levels.render.page_format import EVENTS, TooLargeError
 from babyrobot_levels.render.scene.heat import STEPS
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 
 WITH_THINGS = [info.name for info in levels() if load(info.name).has_things]
 VAULT = vault()

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from support.golden import pictures
 
 import babyrobot_levels as brl
-from babyrobot_levels.render.helvetica import CODES, cut, width_of, wrapped
-from babyrobot_levels.render.pdf import to_pdf
+from babyrobot_levels.render.pdf import CODES, cut, to_pdf, width_of, wrapped
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import (

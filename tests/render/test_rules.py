@@ -14,7 +14,7 @@ from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import page_data
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Text
 from babyrobot_levels.render.words.describe import goal_of

@@ -9,8 +9,7 @@ import pytest
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.layout import CELL, layout_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.slots import ICON, Box, Slots, standing_cells
 
 

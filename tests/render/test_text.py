@@ -16,7 +16,7 @@ from support.worlds import level
 from babyrobot_levels.mdp.states import configuration_with, initial_configuration
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.heat import scale_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.terminal import ALL_COLORS
 from babyrobot_levels.render.text import TextPainter
 from babyrobot_levels.render.text_plan import escape

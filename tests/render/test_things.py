@@ -19,8 +19,7 @@ from babyrobot_levels.render.frames import FramePainter, image_cells
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.icons import INK, KINDS, RIM, default_color
-from babyrobot_levels.render.scene.layout import CELL, layout_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Path, Text
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
 from babyrobot_levels.render.situation import GoodEnds, Pose, place_of, situation_of

@@ -15,8 +15,7 @@ from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
-from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, Overlay
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape, Text
 from babyrobot_levels.render.situation import End, effects_of
 

@@ -20,9 +20,8 @@ from babyrobot_levels.render.colors import GRAPHICS, TEXT, ink_on, rgba
 from babyrobot_levels.render.raster import Painter
 from babyrobot_levels.render.scene.build import arrow_lengths, arrow_shapes, build_scene
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes, pad_shapes, puddle_shapes
-from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, layout_of
+from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, Overlay, layout_of
 from babyrobot_levels.render.scene.marks import mark_shapes, warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text, toned
 from babyrobot_levels.render.scene.slots import Slots

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.render.page import Guide, to_html
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 
 KEYS = [" ", "ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft"]
 """The keys of the actions."""

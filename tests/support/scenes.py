@@ -7,8 +7,7 @@ from typing import Any
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.render.scene.build import build_layers
-from babyrobot_levels.render.scene.layout import layout_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Scene
 from support.golden import FOLDER
 from support.worlds import level

@@ -29,8 +29,7 @@ from babyrobot_levels.render.notebook.html import (
     picture_mimebundle,
 )
 from babyrobot_levels.render.scene.build import build_layers, overlay_shapes
-from babyrobot_levels.render.scene.layout import CELL, layout_of
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted, toned
 from babyrobot_levels.render.scene.slots import Slots

@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypedDict, Unpack
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.heat import Heat
-from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell, layout_of
+from babyrobot_levels.render.scene.layout import CELL, Layout, Overlay, each_cell, layout_of
 from babyrobot_levels.render.scene.marks import effect_shapes
-from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import (
     compass_shapes,
     panel_shapes,
@@ -57,21 +56,10 @@ LAYERS = ("base", "heat", "grid", "things", "underlay", "robot", "movers", "over
 """The layers of a picture, from the bottom up."""
 
 
-def build_scene(
-    level: GridWorld,
-    *,
-    state: int | None = None,
-    configuration: int | None = None,
-    heading: int | None = None,
-    pose: Pose = STANDING,
-    robot: bool = True,
-    cells_only: bool = False,
-    overlay: Overlay | None = None,
-) -> Scene:
-    """Return the picture of a level, 64 pixels a cell.
+class SceneOptions(TypedDict, total=False):
+    """What a picture of a level shows.
 
-    Args:
-        level: the level; a maze needs a seed.
+    Attributes:
         state: the configuration and the cell of the robot, `configuration * cells + y * width + x`
             as in `level.compile()`. None shows the robot on the first start, if the level's
             `display` shows it at all.
@@ -79,9 +67,26 @@ def build_scene(
             everything where it begins, and all places of which one is drawn.
         heading: where the robot looks, 0 N, 1 E, 2 S, 3 W; None for one that does not turn.
         pose: the robot's pose.
-        robot: whether the robot is in the picture.
+        robot: whether the robot is in the picture, as it is by default.
         cells_only: whether to leave out the margin around the grid, panels and compass.
         overlay: values, arrows and texts shown over the cells and in the panels.
+    """
+
+    state: int | None
+    configuration: int | None
+    heading: int | None
+    pose: Pose
+    robot: bool
+    cells_only: bool
+    overlay: Overlay | None
+
+
+def build_scene(level: GridWorld, **shown: Unpack[SceneOptions]) -> Scene:
+    """Return the picture of a level, 64 pixels a cell.
+
+    Args:
+        level: the level; a maze needs a seed.
+        shown: see `SceneOptions`.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
@@ -90,32 +95,14 @@ def build_scene(
     # Layers, and frames, have no description.
     from babyrobot_levels.render.words.describe import describe
 
-    layers = build_layers(
-        level,
-        state=state,
-        configuration=configuration,
-        heading=heading,
-        pose=pose,
-        robot=robot,
-        cells_only=cells_only,
-        overlay=overlay,
-    )
+    layers, state = build_layers(level, **shown), shown.get("state")
     shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
-    shown = robot and (state is not None or level.display.robot.show)
-    return replace(layers["base"], shapes=shapes, description=describe(level, state, robot=shown))
+    robot = shown.get("robot", True) and (state is not None or level.display.robot.show)
+    return replace(layers["base"], shapes=shapes, description=describe(level, state, robot=robot))
 
 
 def build_layers(
-    level: GridWorld,
-    *,
-    state: int | None = None,
-    configuration: int | None = None,
-    heading: int | None = None,
-    pose: Pose = STANDING,
-    robot: bool = True,
-    cells_only: bool = False,
-    overlay: Overlay | None = None,
-    layout: Layout | None = None,
+    level: GridWorld, *, layout: Layout | None = None, **shown: Unpack[SceneOptions]
 ) -> dict[str, Scene]:
     """Return the same picture as layers: painted in this order, they give that of `build_scene`.
 
@@ -133,7 +120,8 @@ def build_layers(
 
     Args and errors are those of `build_scene`; `layout` is that of the picture, if it is known.
     """
-    overlay = overlay or Overlay()
+    state, configuration = shown.get("state"), shown.get("configuration")
+    cells_only, overlay = shown.get("cells_only", False), shown.get("overlay") or Overlay()
     layout = layout or layout_of(level, cells_only=cells_only, overlay=overlay)
     slots = Slots(level, layout, overlay)
     coordinates = level.display.coordinates and not overlay.has_colors
@@ -145,12 +133,12 @@ def build_layers(
         ),
         "robot": (),
     }
-    pose = pose.turned(heading)
+    pose = shown.get("pose", STANDING).turned(shown.get("heading"))
     cell = level.starts[0] if level.display.robot.show else None
     if state is not None:
         place = place_of(level, state)
         configuration, cell = place.configuration, place.cell
-    cell = cell if robot else None
+    cell = cell if shown.get("robot", True) else None
     if cell is not None:
         corner = layout.corner(*cell)
         small = slots.is_crowded

@@ -23,8 +23,7 @@ from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import BLACK, WHITE, contrast, is_gray, plate_for, rgba
 from babyrobot_levels.render.scene.ground import CellGrounds, shore_shapes
-from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, Overlay, each_cell
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,

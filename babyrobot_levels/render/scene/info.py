@@ -13,7 +13,7 @@ import numpy as np
 from babyrobot_levels.language.looks import is_color
 from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, Turn, drawn_policy
 from babyrobot_levels.mdp.states import initial_configuration
-from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.scene.texts import short
 from babyrobot_levels.text.words import did_you_mean
 

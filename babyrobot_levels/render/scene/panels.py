@@ -26,6 +26,7 @@ from babyrobot_levels.render.scene.layout import (
     SAMPLE,
     TEXT_LEFT,
     Layout,
+    Overlay,
     bottom_room,
     panel_width,
     rows_in,
@@ -35,7 +36,6 @@ from babyrobot_levels.render.scene.layout import (
     wrapped,
 )
 from babyrobot_levels.render.scene.marks import effect_shapes
-from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
     Path,

@@ -14,8 +14,14 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, each_cell, fit
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import (
+    CELL,
+    CHARACTER_WIDTH,
+    Layout,
+    Overlay,
+    each_cell,
+    fit,
+)
 from babyrobot_levels.render.scene.shapes import Commands
 
 if TYPE_CHECKING:

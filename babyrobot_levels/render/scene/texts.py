@@ -12,9 +12,8 @@ from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.render.colors import ink_on, plate_for
 from babyrobot_levels.render.scene.ground import CellGrounds
-from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
+from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, Note, fit
 from babyrobot_levels.render.scene.marks import crossed_cells
-from babyrobot_levels.render.scene.overlay import Note
 from babyrobot_levels.render.scene.shapes import (
     MAX_SIDE,
     Commands,

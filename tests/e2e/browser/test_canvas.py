@@ -18,7 +18,7 @@ from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
-from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.scene.shapes import screen_scale
 from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg

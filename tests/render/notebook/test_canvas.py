@@ -12,7 +12,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.render.notebook import canvas as stages
 from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.scene.build import LAYERS, build_layers
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
 
 SMALL = brl.Level(version=1, size=(3, 2))

@@ -17,7 +17,7 @@ from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.notebook.html import Frontend
 from babyrobot_levels.render.notebook.view import LevelView
 from babyrobot_levels.render.scene.build import LAYERS, build_layers
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.situation import Mood, Pose
