@@ -120,14 +120,6 @@ def test_the_keys_of_the_game_act_only_while_it_is_seen(own: Page, site: Path) -
     expect(own.locator("#steps")).to_have_text("2")
 
 
-def test_going_to_another_tab_leaves_the_episode_as_it_is(own: Page, site: Path) -> None:
-    show(own, site)
-    press(own, "d", "d")
-    for name in ("Values", "Cite", "Play"):
-        own.get_by_role("tab", name=name).click()
-    expect(own.locator("#steps")).to_have_text("2")
-
-
 # -- what the visitor has reached --------------------------------------------------------------
 
 

@@ -131,12 +131,6 @@ def test_levels_do_not_overlap(per_page: int, landscape: bool, key: bool) -> Non
             assert all(mark.y < top for top in below)
 
 
-def test_a_title_names_the_sheet() -> None:
-    sheet = brl.sheet("final-maze", title="Week 3")
-    assert "Week 3" in texts(sheet)[0]
-    assert sheet.title == "Week 3"
-
-
 def test_pictures_are_grey_unless_another_theme_is_asked_for() -> None:
     def is_grey(sheet: brl.Sheet) -> bool:
         pixels = pdfium.PdfDocument(sheet.to_pdf())[0].render().to_numpy().astype(int)

@@ -598,26 +598,6 @@ def test_the_busier_a_cell_the_stronger_its_colour() -> None:
     assert [shape.text for shape in numbers if isinstance(shape, Text)] == ["1", "200"]
 
 
-@pytest.mark.parametrize("values", [False, True])
-def test_counts_keep_clear_of_texts(values: bool) -> None:
-    world = level(size=[3, 2], areas=[{"at": [1, 0], "size": [2, 1], "label": "a label"}])
-    for coordinates in (False, True):
-        overlay = Overlay(
-            visits=in_each_cell(world, 12),
-            values=in_each_cell(world, 1.5) if values else None,
-            coordinates=coordinates,
-        )
-        layers = build_layers(world, robot=False, cells_only=True, overlay=overlay)
-        boxes = [
-            text_box(shape)
-            for name in ("grid", "overlay", "text")
-            for shape in layers[name].shapes
-            if isinstance(shape, Text)
-        ]
-        assert len(boxes) >= 6 + 6 * coordinates + 6 * values + 1
-        assert not any(touch(a, b) for a, b in combinations(boxes, 2))
-
-
 def test_coordinates_that_the_level_shows_are_not_written_twice() -> None:
     world = level(size=[2, 1], display={"coordinates": True})
     assert shapes_of(world, Overlay(coordinates=True)) == ()

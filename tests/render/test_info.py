@@ -20,10 +20,8 @@ from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.layout import Note, Overlay
-from babyrobot_levels.render.scene.shapes import Text
 from babyrobot_levels.render.text import TextPainter
 
 N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
@@ -102,15 +100,6 @@ def test_precision_is_a_small_number(precision: Any) -> None:
     assert read(precision=0).precision == 0
     with pytest.raises(ValueError, match="`precision` must be 0 to 6"):
         read(precision=precision)
-
-
-def test_numbers_have_as_many_decimals_as_asked_for() -> None:
-    def shown(precision: int) -> list[str]:
-        overlay = read(values=[[1.23456, None, None], [None] * 3], precision=precision)
-        texts = build_layers(LEVEL, overlay=overlay)["overlay"].shapes
-        return [text.text for text in texts if isinstance(text, Text) and text.text[0] == "1"]
-
-    assert [shown(count) for count in (0, 1, 3)] == [["1"], ["1.2"], ["1.235"]]
 
 
 # -- policies ------------------------------------------------------------------------------
@@ -263,15 +252,6 @@ def test_unknown_keys_are_told_of_known_ones(key: Any, hint: str) -> None:
 def test_what_is_no_mapping_is_refused(told: Any) -> None:
     with pytest.raises(ValueError, match="must be a mapping"):
         overlay_from(told, brl.load("default"))
-
-
-# -- arrays by configuration and heading -----------------------------------------------------------
-
-
-# -- films -----------------------------------------------------------------------------------
-
-
-# -- texts -----------------------------------------------------------------------------------
 
 
 # -- overlays --------------------------------------------------------------------------------

@@ -108,12 +108,6 @@ def test_its_policy_allows_its_own_style_and_script_and_nothing_else() -> None:
         assert not [name for name in attributes if name == "style" or name.startswith("on")]
 
 
-def test_scripts_and_styles_of_pages_are_without_what_is_only_for_readers() -> None:
-    page = Reader(to_html(ROW))
-    for text in (page.texts["script"][2], page.texts["style"][0]):
-        assert not [line for line in text.splitlines() if line.startswith((" ", "//", "/*"))]
-
-
 def test_a_page_is_small() -> None:
     world = load("final-maze")
     assert len(world.to_html().encode()) < 180_000
@@ -413,9 +407,3 @@ def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.Monke
     monkeypatch.setattr("babyrobot_levels.render.page.MAX_UNPACKED", size - 1)
     with pytest.raises(TooLargeError, match=f"its data has .* the limit is {size - 1:,}"):
         link_fragment(level, level)
-
-
-def test_a_level_with_more_cells_than_a_page_has_room_for_says_so() -> None:
-    large = Level.from_fields({"version": 1, "size": [129, 128]})
-    with pytest.raises(TooLargeError, match="too large for a page"):
-        link_fragment(large, large)

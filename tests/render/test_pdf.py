@@ -91,11 +91,6 @@ def test_the_table_of_objects_is_exact() -> None:
         assert int(length) == len(packed)
 
 
-def test_the_same_scenes_give_the_same_bytes() -> None:
-    level = brl.load("final-maze")
-    assert to_pdf([build_scene(level)]) == to_pdf([build_scene(level)])
-
-
 # -- shapes ----------------------------------------------------------------------------------
 
 

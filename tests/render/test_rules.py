@@ -21,18 +21,6 @@ from babyrobot_levels.render.words.describe import goal_of
 from babyrobot_levels.render.words.phrases import chance, color_name, ranges
 from babyrobot_levels.render.words.rules import MOST, rules_of
 
-GALLERY = [
-    "frozen-lake",
-    "treasure-chests",
-    "first-key",
-    "river-crossing",
-    "cliff-walking",
-    "four-rooms",
-    "puddle-test",
-    "drawbridge",
-    "large-corridor",
-]
-
 
 def told(world: Level) -> list[str]:
     return [rule.text for rule in rules_of(world)]
@@ -370,16 +358,6 @@ def test_panels_with_hardly_any_room_and_the_column_of_the_compass_show_none() -
         text = shown(build_scene(level(display=display)))
         assert "step" not in text
         assert "…" not in text
-
-
-@pytest.mark.parametrize("name", GALLERY)
-def test_rules_that_are_asked_for_stand_below_the_picture_in_full(name: str) -> None:
-    world = load(name)
-    plain, scene = build_scene(world), build_scene(world, overlay=WITH_RULES)
-    assert scene.width == plain.width
-    box = [shape for shape in scene.shapes if isinstance(shape, Text) and shape.y > plain.height]
-    assert " ".join(shape.text for shape in box) == " ".join(told(world))
-    assert max(shape.y for shape in box) < scene.height - 4
 
 
 def test_a_panel_with_room_for_all_rules_needs_no_box() -> None:

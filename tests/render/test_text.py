@@ -151,12 +151,6 @@ def test_the_terminal_picture_is_joined_up(name: str) -> None:
     assert picture(level(map=drawn)) == expected
 
 
-def test_one_cell() -> None:
-    world = level(size=[1, 1], exit="none")
-    assert picture(world) == "┌───┐\n│ S │\n└───┘\n"
-    assert picture(world, state=0) == "┌───┐\n│ ☻ │\n└───┘\n"
-
-
 def test_warps_and_wind_are_arrows() -> None:
     world = level(
         size=[4, 3],
@@ -177,11 +171,6 @@ def test_warps_and_wind_are_arrows() -> None:
         "│ ←   ←   ↖   E │\n"
         "└───────────────┘\n"
     )
-
-
-def test_a_legend_s_characters_are_shown() -> None:
-    drawn = "+---+---+\n| S   H |\n+---+---+\n"
-    assert "│ S   H │" in picture(level(map=drawn, legend={"H": {"ends": True}}))
 
 
 @given(
@@ -228,10 +217,6 @@ COLORFUL = level(
     blocked=[{"at": [3, 0]}],
     walls=[{"at": [1, 0], "side": "E", "pass": 0.5}],
 )
-
-
-def test_without_colour_there_are_no_escapes() -> None:
-    assert "\x1b" not in picture(COLORFUL, state=2)
 
 
 def test_colours_change_no_character_and_end_with_the_line() -> None:
@@ -513,9 +498,3 @@ def test_characters_of_things_have_colors_that_are_seen() -> None:
     grounds = {text: (red, green, blue) for red, green, blue, text in escapes}
     assert grounds["♀"] == grounds["┃"] == ("255", "194", "26")
     assert grounds["Ω"] == ("255", "93", "115")
-
-
-def test_a_small_terminal_shows_the_part_around_the_robot() -> None:
-    lines = TextPainter(VAULT).lines(0, room=os.terminal_size((12, 5)))
-    assert len(lines) == 5
-    assert lines[-1] == "held: nothin"

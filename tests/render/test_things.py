@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.scenes import VAULT, without_legend
+from support.scenes import VAULT
 from support.worlds import level
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
-from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.mdp.events import hits_of
 from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.colors import contrast, is_gray, rgba
 from babyrobot_levels.render.frames import FramePainter, image_cells
@@ -22,7 +20,7 @@ from babyrobot_levels.render.scene.icons import INK, KINDS, RIM, default_color
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Path, Text
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
-from babyrobot_levels.render.situation import GoodEnds, Pose, place_of, situation_of
+from babyrobot_levels.render.situation import Pose, situation_of
 
 CELLS = 35
 
@@ -47,11 +45,6 @@ def texts(world: Any, **where: Any) -> list[str]:
 # -- states ----------------------------------------------------------------------------------
 
 
-def test_a_state_is_a_configuration_and_a_cell() -> None:
-    assert place_of(VAULT, 3 * CELLS + 2 * 7 + 4) == (3, 4, 2)
-    assert place_of(VAULT, 34).cell == (6, 4)
-
-
 @pytest.mark.parametrize("world", [VAULT, level(size=[7, 5])])
 def test_a_state_that_the_level_does_not_have_is_refused(world: Any) -> None:
     for state in (-1, world.compile().num_states):
@@ -61,50 +54,12 @@ def test_a_state_that_the_level_does_not_have_is_refused(world: Any) -> None:
             FramePainter(world).frame(state)
 
 
-def test_a_configuration_that_the_level_does_not_have_is_refused() -> None:
-    for number in (-1, VAULT.compile().num_configurations):
-        with pytest.raises(ValueError, match=f"configuration {number} is not one of the level's"):
-            build_scene(VAULT, configuration=number)
-    with pytest.raises(ValueError, match="no things"):
-        build_scene(level(size=[2, 2]), configuration=1)
-
-
 def test_a_state_determines_the_configuration() -> None:
     number = configuration_with(VAULT, ["key", "plate"])
     by_state = build_layers(VAULT, state=number * CELLS + 9)
     by_number = build_layers(VAULT, configuration=number)
     assert by_state["things"] == by_number["things"]
     assert by_state["things"] != build_layers(VAULT)["things"]
-
-
-def test_an_episode_ends_well_at_an_exit_when_its_needs_are_met() -> None:
-    world = level(size=[3, 1], exit_needs=["gem"], items=[{"name": "gem", "at": [1, 0]}])
-    before, after = (3 * configuration_with(world, names) for names in ([], ["gem"]))
-    ends = GoodEnds(world)
-    assert not ends.are_reached(before + 1, before + 2)
-    assert ends.are_reached(after + 1, after + 2)
-    assert not ends.are_reached(before, after + 1)
-    assert GoodEnds(level(size=[3, 1])).are_reached(1, 2)
-
-
-def test_an_episode_ends_well_where_areas_end_it_and_pay() -> None:
-    areas = [{"at": [x, 0], "ends": True, "reward": reward} for x, reward in ((0, 5), (2, -5))]
-    ends = GoodEnds(level(size=[4, 1], start=[1, 0], areas=areas))
-    assert [ends.are_reached(1, cell) for cell in range(4)] == [True, False, False, True]
-
-
-@pytest.mark.parametrize(
-    ("path", "is_hit"),
-    [([[2, 0], [1, 0]], True), ([[2, 1], [2, 0]], True), ([[2, 0], [2, 1]], False)],
-)
-def test_a_hit_at_the_exit_is_no_good_end(path: list[list[int]], is_hit: bool) -> None:
-    """The guard comes from the exit to where the robot was, or comes to the exit as well."""
-    world = level(size=[3, 2], start=[1, 0], exit=[2, 0], movers=[{"path": path}])
-    mdp = world.compile()
-    state = int(mdp.start.argmax())
-    assert hits_of(world, mdp)[state, Action.EAST, 0] == is_hit
-    after = int(mdp.next_state[state, Action.EAST, 0])
-    assert GoodEnds(world).are_reached(state, after) == (not is_hit)
 
 
 # -- what is shown ---------------------------------------------------------------------------
@@ -330,17 +285,6 @@ def test_frames_are_what_painting_everything_gives(
         assert np.abs(frame - expected).mean() < 0.3
         again = FramePainter(VAULT, size, grayscale).frame(state, heading=state % 4)
         assert np.array_equal(frame, again)
-
-
-def test_frames_with_an_overlay_are_what_painting_everything_gives() -> None:
-    overlay = Overlay(
-        values=[[1.5] * 7] * 5, actions=[[(1, 2)] * 7] * 5, visits=[[3] * 7] * 5, side_panel=["a"]
-    )
-    painter = FramePainter(VAULT, overlay=overlay)
-    for state in reached(VAULT, 4):
-        scene = without_legend(VAULT, state=state, overlay=overlay)
-        expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
-        assert np.abs(painter.frame(state) - expected).mean() < 0.3
 
 
 def test_every_state_looks_different() -> None:

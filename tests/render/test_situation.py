@@ -1,4 +1,4 @@
-"""What a level looks like: ends, rewards, slippery cells, glass, wind and warps."""
+"""What is where, what cells do, and how pictures show it: ends, rewards, glass, wind, warps."""
 
 from __future__ import annotations
 
@@ -7,17 +7,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.scenes import VAULT
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.events import hits_of
+from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL, Overlay
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape, Text
-from babyrobot_levels.render.situation import End, effects_of
+from babyrobot_levels.render.situation import End, GoodEnds, effects_of, place_of
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""
@@ -352,3 +355,49 @@ def test_a_ring_has_room_for_the_sign_of_its_reward() -> None:
     points = [point for part, _ in polylines(line.commands) for point in part]
     reach = max(math.dist(point, (inner.x, inner.y)) for point in points) + line.width / 2
     assert reach <= inner.rx
+
+
+# -- states and good ends --------------------------------------------------------------------------
+
+
+def test_a_state_is_a_configuration_and_a_cell() -> None:
+    assert place_of(VAULT, 3 * 35 + 2 * 7 + 4) == (3, 4, 2)
+    assert place_of(VAULT, 34).cell == (6, 4)
+
+
+def test_a_configuration_that_the_level_does_not_have_is_refused() -> None:
+    for number in (-1, VAULT.compile().num_configurations):
+        with pytest.raises(ValueError, match=f"configuration {number} is not one of the level's"):
+            build_scene(VAULT, configuration=number)
+    with pytest.raises(ValueError, match="no things"):
+        build_scene(level(size=[2, 2]), configuration=1)
+
+
+def test_an_episode_ends_well_at_an_exit_when_its_needs_are_met() -> None:
+    world = level(size=[3, 1], exit_needs=["gem"], items=[{"name": "gem", "at": [1, 0]}])
+    before, after = (3 * configuration_with(world, names) for names in ([], ["gem"]))
+    ends = GoodEnds(world)
+    assert not ends.are_reached(before + 1, before + 2)
+    assert ends.are_reached(after + 1, after + 2)
+    assert not ends.are_reached(before, after + 1)
+    assert GoodEnds(level(size=[3, 1])).are_reached(1, 2)
+
+
+def test_an_episode_ends_well_where_areas_end_it_and_pay() -> None:
+    areas = [{"at": [x, 0], "ends": True, "reward": reward} for x, reward in ((0, 5), (2, -5))]
+    ends = GoodEnds(level(size=[4, 1], start=[1, 0], areas=areas))
+    assert [ends.are_reached(1, cell) for cell in range(4)] == [True, False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("path", "is_hit"),
+    [([[2, 0], [1, 0]], True), ([[2, 1], [2, 0]], True), ([[2, 0], [2, 1]], False)],
+)
+def test_a_hit_at_the_exit_is_no_good_end(path: list[list[int]], is_hit: bool) -> None:
+    """The guard comes from the exit to where the robot was, or comes to the exit as well."""
+    world = level(size=[3, 2], start=[1, 0], exit=[2, 0], movers=[{"path": path}])
+    mdp = world.compile()
+    state = int(mdp.start.argmax())
+    assert hits_of(world, mdp)[state, Action.EAST, 0] == is_hit
+    after = int(mdp.next_state[state, Action.EAST, 0])
+    assert GoodEnds(world).are_reached(state, after) == (not is_hit)
