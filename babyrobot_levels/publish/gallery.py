@@ -150,7 +150,8 @@ def gallery(
             for index, outcome in enumerate(outcomes):
                 if isinstance(outcome, Facts):
                     facts.append(outcome)
-                elif keep_going and _is_of_level(outcome.error):
+                elif keep_going and isinstance(outcome.error, BabyRobotError | ValueError):
+                    # It is one of a level, and not of the disk.
                     left_out[index] = outcome.error
                 else:
                     outcome.error.add_note(f"in level {index}")
@@ -169,11 +170,6 @@ def _written(
     """Write the files of a level that was sent, and return its facts."""
     name, split, item = work
     return write_level(received(suite, item), folder, name=name, split=split, shown=shown)
-
-
-def _is_of_level(error: Exception) -> bool:
-    """Return whether an error is one of a level, and not of the disk."""
-    return isinstance(error, BabyRobotError | ValueError)
 
 
 def _write_shared(folder: Path, facts: list[Facts], shown: GalleryPages, home: str | None) -> None:

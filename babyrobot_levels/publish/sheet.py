@@ -106,7 +106,9 @@ def sheet(
         ValueError: there are no levels, or more than 500; one has more than 10,000 cells; or
             another argument has an invalid value.
     """
-    size = _paper(paper, landscape=landscape)
+    if paper not in PAPERS:
+        raise ValueError(f"paper must be {' or '.join(map(repr, PAPERS))}, not {paper!r}")
+    size = PAPERS[paper][::-1] if landscape else PAPERS[paper]
     _check("per_page", per_page, 1, MAX_PER_PAGE)
     _check("grids", grids, 0, MAX_GRIDS)
     found = list(islice(named_levels(levels), MAX_LEVELS + 1))
@@ -117,7 +119,7 @@ def sheet(
     shown = SheetContents(theme, values, policy, rules, grids, key)
     entries: list[Entry] = []
     for each in found:
-        entries.append(_entry(load(each), shown))
+        entries.append(entry_of(load(each), shown))
         if progress is not None:
             progress(len(entries), len(found))
     style = PageStyle(
@@ -213,24 +215,6 @@ class Sheet(ShownInNotebook):
             write_bytes(file, made())
 
 
-def _entry(level: Level, shown: SheetContents) -> Entry:
-    width, height = level.size
-    if width * height > MAX_CELLS:
-        raise ValueError(
-            f"{level.name or 'a level'} has {width * height:,} cells; "
-            f"a sheet shows levels of at most {MAX_CELLS:,}"
-        )
-    return entry_of(level, shown)
-
-
-def _paper(paper: str, *, landscape: bool) -> tuple[float, float]:
-    """Return width and height of a page in millimetres."""
-    if paper not in PAPERS:
-        raise ValueError(f"paper must be {' or '.join(map(repr, PAPERS))}, not {paper!r}")
-    width, height = PAPERS[paper]
-    return (height, width) if landscape else (width, height)
-
-
 def _check(name: str, given: Any, least: int, most: int) -> None:
     if given is None or (type(given) is int and least <= given <= most):
         return
@@ -282,7 +266,13 @@ def entry_of(level: Level, shown: SheetContents) -> Entry:
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
+        ValueError: it is too large.
     """
+    if (cells := math.prod(level.size)) > MAX_CELLS:
+        raise ValueError(
+            f"{level.name or 'a level'} has {cells:,} cells; "
+            f"a sheet shows levels of at most {MAX_CELLS:,}"
+        )
     # Rules stand in one box for all levels of a page, and panels have nothing else to say.
     level = bare(dressed(level, theme=shown.theme))
     solution, answer, tells = None, RETURN, shown.values or shown.policy

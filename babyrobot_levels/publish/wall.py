@@ -74,14 +74,14 @@ FACETS = (
         "difficulty",
         "Difficulty",
         lambda facts: filter(None, [_difficulty(facts)]),
-        ("easy", "medium", "hard"),
+        tuple(word for word, _ in DIFFICULTIES),
         {"easy": "below 5", "medium": "5 to 7", "hard": "7 and more"},
     ),
     Facet(
         "size",
         "Size",
-        lambda facts: [_size(facts)],
-        ("small", "medium", "large"),
+        lambda facts: [next(word for word, most in SIZES if math.prod(facts.size) <= most)],
+        tuple(word for word, _ in SIZES),
         {"small": "up to 25 cells", "medium": "26 to 100", "large": "more than 100"},
     ),
     Facet(
@@ -168,10 +168,6 @@ def _difficulty(facts: Facts) -> str | None:
     # As it is written: what is shown as 5.0 is not below 5.
     written = round(facts.difficulty, 1)
     return next(word for word, end in DIFFICULTIES if written < end or end == math.inf)
-
-
-def _size(facts: Facts) -> str:
-    return next(word for word, most in SIZES if math.prod(facts.size) <= most)
 
 
 def _outcomes(facts: Facts) -> str:

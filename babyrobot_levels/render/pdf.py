@@ -23,7 +23,6 @@ from babyrobot_levels.render.scene.shapes import (
     Path,
     Rect,
     Scene,
-    Shape,
     Text,
     circle,
     rounded,
@@ -391,18 +390,15 @@ class _Page:
             "1 j",
         ]
         for shape in scene.shapes:
-            self._paint(shape)
+            if isinstance(shape, Path):
+                self._path(shape)
+            elif self._filled(shape.fill, shape.opacity):
+                self._lines.append(self._operators(shape))
         self._lines.append("EMC")
 
     def content(self) -> bytes:
         """Return the operators."""
         return "\n".join(self._lines).encode("ascii")
-
-    def _paint(self, shape: Shape) -> None:
-        if isinstance(shape, Path):
-            self._path(shape)
-        elif self._filled(shape.fill, shape.opacity):
-            self._lines.append(self._operators(shape))
 
     def _operators(self, shape: Rect | Ellipse | Text) -> str:
         match shape:

@@ -149,8 +149,9 @@ def with_marks(lines: list[str], marks: dict[Position, TextMark]) -> list[str]:
     return lines
 
 
-def without_things(level: GridWorld, drawing: d.Drawing) -> d.Drawing:
-    """Return a drawing without the doors and things that the language's drawing shows."""
+def drawing_without_things(level: GridWorld) -> d.Drawing:
+    """Return walls and cells, without the doors and things that a drawing shows."""
+    drawing = drawing_of(level, level.grid())
     if not level.has_things:
         return drawing
     named = {ord(letter): d.PLAIN for letter, entry in level.legend.items() if entry.kind != "area"}
@@ -179,11 +180,6 @@ _DOWN = {d.SOLID: "│", d.GLASS: "╎", d.OPEN: " "}
 
 Symbols = list[list[str]]
 """A character for each cell, `[height][width]`."""
-
-
-def drawing_without_things(level: GridWorld) -> d.Drawing:
-    """Return walls and cells, without what changes during an episode."""
-    return without_things(level, drawing_of(level, level.grid()))
 
 
 def ascii_lines(drawing: d.Drawing, symbols: Symbols) -> list[str]:

@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.cells import Skid, Told, Warp, as_skid, shifts
 from babyrobot_levels.language.kinds import NEEDED
@@ -344,14 +344,11 @@ def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
         parts = [f"{verb if len(names) == 1 else verb[:-1]} {what}" for verb, what in acts[names]]
         if len(names) == 1 and names[0] in pays:
             parts.append(phrases.reward(pays[names[0]]))
-        when = _when(thing) if "on" in kind.properties and len(names) == 1 else ""
+        when = ""
+        if "on" in kind.properties and len(names) == 1:
+            when = f"{'flips once, ' * thing.once}{'on at first, ' * thing.on}while on: "
         yield f"{kind.name}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
     yield from _movers(level)
-
-
-def _when(thing: Any) -> str:
-    """Return when something that can be on does what it does."""
-    return f"{'flips once, ' * thing.once}{'on at first, ' * thing.on}while on: "
 
 
 def _acts(level: GridWorld) -> dict[Names, list[tuple[str, str]]]:
