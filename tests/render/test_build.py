@@ -462,6 +462,21 @@ def test_a_legend_tells_the_ends_of_the_scale(values: list[float | None], texts:
 # -- arrows --------------------------------------------------------------------------------
 
 
+def test_infinite_values_are_drawn_with_their_signs() -> None:
+    def strokes(value: float) -> list[Path]:
+        world = level(size=[2, 1])
+        layers = overlay_shapes(
+            world, Overlay(values=[[value, None]]), layout_of(world, cells_only=True)
+        )
+        return [shape for shape in layers.overlay if isinstance(shape, Path)]
+
+    (endless,) = strokes(math.inf)
+    below, sign = strokes(-math.inf)
+    assert len(points_of(below)) == len(points_of(endless))
+    assert box_of(points_of(sign))[2] < box_of(points_of(below))[0]
+    assert box_of(points_of(below))[0] > box_of(points_of(endless))[0]
+
+
 def arrow_heads(world: Any, actions: Any) -> list[Box]:
     color = world.resolved_theme.colors.arrows
     for shape in shapes_of(world, Overlay(actions=actions)):

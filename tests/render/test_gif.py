@@ -17,7 +17,7 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import rgba
-from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
+from babyrobot_levels.render.gif import MAX_SIDE, Frame, Patch, Step, encoded, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.layout import Overlay
@@ -71,6 +71,18 @@ def test_large_even_grounds_keep_their_exact_colours() -> None:
     colors = ROW.resolved_theme.colors
     for color in (colors.base, colors.start, colors.exit):
         assert (frames[0] == rgba(color)[:3]).all(axis=2).sum() > 500
+
+
+def test_of_few_colours_all_frames_are_exact() -> None:
+    ground = np.zeros((9, 12, 3), np.uint8)
+    red = np.full((3, 4, 3), (255, 0, 0), np.uint8)
+    patches = [Patch(1, 2, red), Patch(8, 6, red), Patch(0, 0, ground[:1, :1] + np.uint8(9))]
+    frames, times = shown(encoded(ground, [Frame((patch,), 100) for patch in patches]))
+    assert times == [100] * 3
+    for frame, patch in zip(frames, patches, strict=True):
+        expected = ground.copy()
+        expected[patch.place] = patch.pixels
+        assert np.array_equal(frame, expected)
 
 
 def test_the_robot_glides() -> None:
