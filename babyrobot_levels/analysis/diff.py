@@ -166,22 +166,19 @@ def diff(
 def _shape_changes(before: GridWorld, after: GridWorld) -> Iterator[Change]:
     if before.size != after.size:
         yield Change(list(before.size), list(after.size), name="size")
-    for name, cells in (("start", _starts), ("exit", _exits), ("exit_one_of", _drawn_exits)):
-        one, two = cells(before), cells(after)
-        if one != two:
-            yield Change(plain(one), plain(two), name=name)
+    one, two = _starts_and_exits(before), _starts_and_exits(after)
+    for name, cells in one.items():
+        if cells != two[name]:
+            yield Change(plain(cells), plain(two[name]), name=name)
 
 
-def _starts(level: GridWorld) -> list[tuple[int, int]]:
-    return sorted(level.starts)
-
-
-def _exits(level: GridWorld) -> list[tuple[int, int]]:
-    return sorted(level.exits) if level.exit_one_of is None else []
-
-
-def _drawn_exits(level: GridWorld) -> list[tuple[int, int]]:
-    return list(level.exit_one_of or ())
+def _starts_and_exits(level: GridWorld) -> dict[str, list[tuple[int, int]]]:
+    drawn = level.exit_one_of
+    return {
+        "start": sorted(level.starts),
+        "exit": sorted(level.exits) if drawn is None else [],
+        "exit_one_of": list(drawn or ()),
+    }
 
 
 def _rule_changes(before: GridWorld, after: GridWorld) -> Iterator[Change]:

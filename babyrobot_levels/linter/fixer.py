@@ -43,8 +43,8 @@ def fix(
     count, rounds, since = 0, 0, 0
     refused: set[Diagnostic] = set()
     while rounds < MAX_ROUNDS:
-        found = [each for each in report.diagnostics if each not in refused]
-        batch = _disjoint(_wanted(found, unsafe))
+        left = [each for each in report.diagnostics if each not in refused]
+        batch = _disjoint([each for each in left if each.fix and (each.fix.safe or unsafe)])
         if not batch:
             if not refused or since == count:
                 break
@@ -73,10 +73,6 @@ def apply(edits: Iterable[Edit], source: SourceFile) -> str:
         first, last = source.index(edit.span.start), source.index(edit.span.end)
         text = text[:first] + edit.text + text[last:]
     return text
-
-
-def _wanted(found: Iterable[Diagnostic], unsafe: bool) -> list[Diagnostic]:
-    return [each for each in found if each.fix is not None and (each.fix.safe or unsafe)]
 
 
 def _disjoint(found: Sequence[Diagnostic]) -> list[Diagnostic]:

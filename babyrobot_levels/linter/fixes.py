@@ -129,7 +129,10 @@ def append(
         return Edit(Span(place, place), f", {text}" if old.children else text)
     if old is None:
         indent, lines = "  ", [f"{field}:"]
-        last = max((root.children[name] for name in after if name in root.children), key=_end)
+        last = max(
+            (root.children[name] for name in after if name in root.children),
+            key=lambda node: node.last,
+        )
     else:
         if not old.children:
             return None
@@ -205,7 +208,3 @@ def _is_shared(document: Document, route: Route) -> bool:
             waiting += node.children.values()
     nodes = [document.node(route[:depth])[0] for depth in range(len(route) + 1)]
     return any(times[id(node.children)] > 1 for node in nodes)
-
-
-def _end(node: Node) -> int:
-    return node.last

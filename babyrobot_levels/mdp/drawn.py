@@ -10,7 +10,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.kinds import MARKED
 from babyrobot_levels.language.level import LevelSpec
-from babyrobot_levels.language.walls import GLASS_PASS, Wall, sides_of
+from babyrobot_levels.language.walls import GLASS_PASS, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid, door_sides, neighbour
 
 
@@ -88,7 +88,8 @@ def _walls(level: LevelSpec, grid: Grid) -> dict[Edge, Traits]:
         if (side, x, y) in walls:
             walls[side, x, y]["pass"] = probability
     for wall in level.walls:
-        looks = {name: getattr(wall, name) for name in ("color", "width") if _has(wall, name)}
+        given = {name: getattr(wall, name) for name in ("color", "width")}
+        looks = {name: value for name, value in given.items() if value is not None}
         looks |= {"fit": True} if wall.fit else {}
         for x, y in sides_of(wall) if looks else ():
             edge, is_outer = _edge(wall.side, x, y, grid)
@@ -96,10 +97,6 @@ def _walls(level: LevelSpec, grid: Grid) -> dict[Edge, Traits]:
             if is_outer or edge in walls:
                 walls.setdefault(edge, {}).update(looks)
     return walls
-
-
-def _has(wall: Wall, name: str) -> bool:
-    return getattr(wall, name) is not None
 
 
 def _inner_edges(grid: Grid) -> Iterator[Edge]:

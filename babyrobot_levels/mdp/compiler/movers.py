@@ -53,7 +53,9 @@ class Crowd:
             if not is_random:
                 self._choices.append([*range(len(phases))])
                 continue
-            starts = phases if mover.start is None else [_number(grid, mover.start)]
+            starts = (
+                phases if mover.start is None else [mover.start[1] * grid.width + mover.start[0]]
+            )
             self._choices.append(sorted(self._wander(phases, starts)))
         paths = [n for n, is_random in enumerate(self._is_random) if not is_random]
         wanderers = [n for n, is_random in enumerate(self._is_random) if is_random]
@@ -148,7 +150,3 @@ class Crowd:
         phase = (np.arange(self._period) + 1) % self._period * self._size
         following = (phase[:, None] + targets).reshape(-1)
         return first, following, np.tile(chance, self._period)
-
-
-def _number(grid: Grid, cell: tuple[int, int]) -> int:
-    return cell[1] * grid.width + cell[0]
