@@ -20,8 +20,6 @@ from babyrobot_levels.scoring.intervals import Played, interval
 from babyrobot_levels.text.files import write_bytes, write_text
 
 if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
     from babyrobot_levels.render.scene.shapes import Scene
 
 SOLVED = 0.95
@@ -120,13 +118,14 @@ class Summary:
     high: float
 
 
-Row = TypeVar("Row", bound="DataclassInstance")
+Row = TypeVar("Row", bound=Any)
+"""A dataclass."""
 
 
 class Table(Sequence[Row]):
     """Rows with the same fields, in their order, that can be written as JSON and as CSV."""
 
-    ROW: ClassVar[type[DataclassInstance]]
+    ROW: ClassVar[type[Any]]
 
     def __init__(self, rows: Sequence[Row]) -> None:
         self._rows = tuple(rows)
