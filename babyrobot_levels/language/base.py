@@ -1,5 +1,7 @@
 """The building blocks of all models: strict scalars, cells, sides, and the frozen base."""
 
+# Modules of models do without postponed annotations: pydantic would evaluate each of them again
+# for each model that inherits it.
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
