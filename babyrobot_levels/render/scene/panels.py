@@ -251,26 +251,25 @@ def _small(level: GridWorld, *, shows_start: bool = False, **fields: Any) -> Gri
     theme = level.resolved_theme
     widths = theme.widths.model_copy(update={"border": 0.0})
     given = {
-        "size": (1, 1),
         "skid": level.skid,
         "rewards": level.rewards,
         "theme": theme.model_copy(update={"widths": widths}),
-        "display": Display(start_text=False, exit_text=False),
     }
-    kind = GridWorld if shows_start else _startless()
-    return kind.model_construct(version=1, **given | fields)
+    return _plain(shows_start).model_copy(update=given | fields)
 
 
 @cache
-def _startless() -> type[GridWorld]:
-    """Return a class of levels whose start is not drawn; few pictures need it."""
+def _plain(shows_start: bool) -> GridWorld:
+    """Return a level of one cell, with or without its start; to be copied, which is cheaper."""
 
     class Startless(GridWorld):
         @property
         def starts(self) -> tuple[tuple[int, int], ...]:
             return ()
 
-    return Startless
+    kind = GridWorld if shows_start else Startless
+    display = Display(start_text=False, exit_text=False)
+    return kind.model_construct(version=1, size=(1, 1), display=display)
 
 
 def _layout(columns: int = 1) -> Layout:
