@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field
 from enum import StrEnum
+from functools import cached_property
 from typing import Any
 
 from babyrobot_levels.language import drawing as d
@@ -50,7 +51,7 @@ class Need:
     unmet: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Kind:
     """A kind of what can stand in a level.
 
@@ -98,7 +99,7 @@ class Kind:
         """The fields of a level that give it."""
         return (self.field, self.by_lot) if self.by_lot else (self.field,)
 
-    @property
+    @cached_property
     def properties(self) -> tuple[str, ...]:
         """The names of the fields of an entry, as files have them."""
         fields = {} if self.model is None else self.model.model_fields
@@ -114,7 +115,7 @@ class Kind:
         """Whether its field is a list of entries."""
         return self.model is not None and self.where is not Where.LINE
 
-    @property
+    @cached_property
     def legend(self) -> tuple[str, ...]:
         """The fields of an entry of the legend that stands for it; none if no such entry can."""
         if self.name not in DRAWN_NAMES:
