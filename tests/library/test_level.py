@@ -11,7 +11,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
-from support.each import for_each
 from support.reports import GOOD
 from support.worlds import (
     AWKWARD,
@@ -26,7 +25,6 @@ from support.worlds import (
 
 import babyrobot_levels as brl
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.documents import slug
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
@@ -144,14 +142,6 @@ def test_replace_gives_another_level() -> None:
     assert other.replace(skid=None, size=[4, 4]).digest == level.digest
 
 
-def test_replace_takes_what_a_level_holds() -> None:
-    level = level_of({"version": 1, "areas": [{"at": [0, 0], "reward": 1}]})
-    other = level_of({"version": 1, "walls": [{"at": [0, 0], "side": "E", "pass": 0.5}]})
-    both = level.replace(walls=other.walls, theme=other.theme)
-    assert both.walls == other.walls
-    assert both.areas == level.areas
-
-
 def test_replace_of_a_drawing_forgets_what_it_said() -> None:
     level = level_of({"version": 1, "map": "+---+---+\n| S | E |\n+---+---+\n"})
     other = level.replace(map=None)
@@ -214,19 +204,6 @@ def test_mappings_tell_what_is_wrong_with_them() -> None:
     assert "- {at: [9, 9], side: E}" in str(caught.value)
 
 
-def test_a_mapping_is_not_changed() -> None:
-    data = {"version": 1, "walls": [{"at": [0, 0], "side": "E"}, 5]}
-    before = copy.deepcopy(data)
-    with pytest.raises(LevelError):
-        Level.from_fields(data)
-    assert data == before
-
-
-def test_slugs() -> None:
-    assert slug("First Maze (2)") == "first-maze-2"
-    assert slug("迷路") is None
-
-
 # -- frozen, copied, pickled -------------------------------------------------------------------
 
 
@@ -266,13 +243,6 @@ def test_levels_can_be_pickled_and_copied(path: Path) -> None:
         assert other.to_dict() == level.to_dict()
         if not level.has_random_maze:
             assert other.digest == level.digest
-
-
-def test_equal_levels_are_equal_whether_compiled_or_not() -> None:
-    one, other = level_of({"version": 1}), level_of({"version": 1})
-    one.compile()
-    assert one == other
-    assert one != level_of({"version": 1, "size": [4, 4]})
 
 
 def test_errors_can_be_pickled() -> None:
@@ -323,70 +293,6 @@ def test_what_was_not_changed_is_saved_as_it_was(tmp_path: Path) -> None:
     assert saved(brl.loads(FILE), tmp_path) == FILE
 
 
-@pytest.mark.slow
-@for_each("path", GOOD)
-@pytest.mark.parametrize(
-    "fields",
-    [
-        {"title": "another"},
-        {"description": "two\nlines\n"},
-        {"discount": 0.5, "author": "me"},
-        {"openings": None, "rewards": {"step": -2}, "max_steps": 7},
-        {
-            "walls": None,
-            "areas": None,
-            "legend": None,
-            "map": None,
-            "wind": None,
-            "size": [20, 20],
-            "doors": None,
-            "movers": None,
-        },
-    ],
-    ids=lambda fields: "-".join(fields),
-)
-def test_changed_fields_are_saved(path: Path, fields: dict[str, Any], tmp_path: Path) -> None:
-    level = brl.loads(path.read_text(encoding="utf-8"))
-    changed = level.replace(**fields)
-    text = saved(changed, tmp_path)
-    assert brl.loads(text).to_dict() == changed.to_dict()
-    kept = [line for line in text.splitlines() if line.lstrip().startswith("#")]
-    assert kept == [
-        line
-        for line in path.read_text(encoding="utf-8").splitlines()
-        if line.lstrip().startswith("#")
-    ]
-
-
-def test_only_the_lines_of_changed_fields_are_new(tmp_path: Path) -> None:
-    level = brl.loads(FILE)
-    text = saved(level.replace(size=[5, 4], discount=0.9), tmp_path)
-    assert text == FILE.replace("[4,4]    # small", "[5, 4]    # small").replace(
-        "rewards: {step: -1}\n", "rewards: {step: -1}\ndiscount: 0.9\n"
-    )
-
-
-def test_a_field_that_is_gone_leaves_its_comment(tmp_path: Path) -> None:
-    text = saved(brl.loads(FILE).replace(title=None, rewards=None), tmp_path)
-    expected = FILE.replace("title:   'A  title'  # kept\n", "# kept\n").replace(
-        "rewards: {step: -1}\n", ""
-    )
-    assert text == expected
-
-
-def test_comments_above_and_below_a_changed_field_stay(tmp_path: Path) -> None:
-    text = saved(brl.loads(FILE).replace(puddles=[{"at": [3, 0]}]), tmp_path)
-    assert "# Puddles are wet.\npuddles:\n- at: [3, 0]\n  # a comment inside\n" in text
-    assert text.endswith("\nrewards: {step: -1}\n# The end.\n")
-    assert text.startswith(FILE[: FILE.index("puddles:")])
-
-
-def test_a_new_field_is_put_where_it_belongs(tmp_path: Path) -> None:
-    text = saved(brl.loads(FILE).replace(name="my-level", start=[1, 0]), tmp_path)
-    lines = [line.split(":")[0] for line in text.splitlines() if line[:1].isalpha()]
-    assert lines == ["version", "name", "title", "size", "start", "walls", "puddles", "rewards"]
-
-
 def test_carriage_returns_are_kept(tmp_path: Path) -> None:
     text = FILE.replace("\n", "\r\n")
     path = tmp_path / "level.yaml"
@@ -407,25 +313,9 @@ def test_a_level_in_flow_style_is_saved_whole(tmp_path: Path) -> None:
     assert saved(level.replace(size=[5, 5]), tmp_path) == "version: 1\nsize: [5, 5]\n"
 
 
-def test_aliases_do_not_spoil_what_is_saved(tmp_path: Path) -> None:
-    text = "version: 1\nstart: &a [1, 1]\nwarps:\n  - {at: [0, 0], to: *a}\n"
-    level = brl.loads(text).replace(start=[2, 1])
-    assert brl.loads(saved(level, tmp_path)).to_dict() == level.to_dict()
-
-
 def test_a_level_without_a_text_is_saved_as_canonical_yaml(tmp_path: Path) -> None:
     level = level_of({"version": 1, "size": [4, 4]})
     assert saved(level, tmp_path) == level.to_yaml()
-
-
-@given(decorated_worlds(), decorated_worlds())
-def test_any_level_can_be_spliced_into_any_text(one: World, other: World) -> None:
-    from babyrobot_levels.text.splice import splice
-
-    text, data = emit(level_of(one).to_dict()), level_of(other).to_dict()
-    result = splice(text, data, list(Level.model_fields))
-    assert result is not None
-    assert level_of_text(result).to_dict() == data
 
 
 # -- as a value ------------------------------------------------------------------------------

@@ -38,34 +38,6 @@ def messages(folder: str | Path = "zoo") -> str:
 # -- there and back --------------------------------------------------------------------------
 
 
-def test_what_is_packed_is_what_is_installed() -> None:
-    archive = packed()
-    assert babyrobot("install", archive).status == 0
-    for name in ("bear", "lion"):
-        source = brl.load(Path(f"source-1.0.0/levels/{name}.yaml"))
-        level = brl.load(f"zoo/{name}")
-        assert level.digest == source.digest
-        assert level.resolved_theme == source.resolved_theme
-    assert len(brl.load_suite("zoo/herd")) == 10
-
-
-VAULT = (
-    level()
-    + """\
-doors:
-  - {at: [2, 0], side: E, length: 3, needs: key}
-items:
-  - {name: key, at: [1, 2]}
-"""
-)
-
-
-def test_things_that_walls_do_not_allow_are_not_packed() -> None:
-    walled = VAULT + "walls:\n  - {at: [3, 1], side: W}\n"
-    write_files(Path("zoo"), {**zoo(), "levels/vault.yaml": walled})
-    assert [(code, file) for code, file, _, _ in findings()] == [("BR322", "zoo/levels/vault.yaml")]
-
-
 def test_the_archive_is_a_zip_that_everybody_can_read() -> None:
     with zipfile.ZipFile(packed()) as archive:
         assert archive.testzip() is None
@@ -270,10 +242,7 @@ def test_errors_are_shown_with_all_warnings() -> None:
 
 
 @pytest.mark.parametrize(
-    ("version", "is_good"),
-    [
-        *(("999999999.0.1", True), ("1.0", False), ("01.0.0", False), ("1.0.0-rc1", False)),
-    ],
+    ("version", "is_good"), [("999999999.0.1", True), ("1.0", False), ("01.0.0", False)]
 )
 def test_a_version_is_written_in_one_way(version: str, is_good: bool) -> None:
     write_files(Path("zoo"), {**zoo(), "pack.yaml": pack_text(version=version)})
@@ -287,7 +256,6 @@ def test_a_version_is_written_in_one_way(version: str, is_good: bool) -> None:
     [
         ({"a/lion.yaml": ""}, {"b/lion.yaml": ""}),
         ({"lion.yaml": ""}, {"x.yaml": "name: lion\n"}),
-        ({"a.yaml": "name: lion\n"}, {"b.yaml": "name: lion\n"}),
         ({"a.yaml": "name: b\n"}, {"b.yaml": "name: a\n"}),
         ({"Lion One.yaml": ""}, {"lion-one.yaml": ""}),
         ({"a/lion.yml": ""}, {"suites/lion.yaml": "kind: suite\ncount: 2\n"}),
@@ -305,11 +273,6 @@ def test_a_name_means_one_thing(first: dict[str, str], second: dict[str, str]) -
     lines = files[max(files)].splitlines()
     places = [(number, 7) for number, line in enumerate(lines, 1) if line.startswith("name: ")]
     assert found == ("BR701", f"zoo/{max(files)}", *(places or [(1, 1)])[0])
-
-
-def test_a_file_has_a_name_of_which_a_levels_can_be_made() -> None:
-    write_files(Path("zoo"), {"pack.yaml": pack_text(), "___.yaml": level()})
-    assert [code for code, *_ in findings()] == ["BR701"]
 
 
 @pytest.mark.parametrize(
@@ -348,7 +311,7 @@ def test_links_are_not_followed(tmp_path: Path) -> None:
 
 
 @needs_posix
-@pytest.mark.parametrize("name", ["x.yaml", "README.md", "themes/x.yml"])
+@pytest.mark.parametrize("name", ["README.md", "themes/x.yml"])
 def test_pipes_are_not_waited_for(name: str) -> None:
     path = write_files(Path("zoo"), zoo()) / name
     path.parent.mkdir(exist_ok=True)

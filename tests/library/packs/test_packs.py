@@ -88,8 +88,8 @@ def test_an_editable_install_that_hooks_into_imports(
 @pytest.mark.parametrize(
     "value",
     [
-        *("../..", "/etc", "brl_zoo/..", "", "brl_zoo..cages", "brl_zoo\0", "sys", "os.path"),
-        *("nowhere.to.be.found", "brl_zoo.nothing", "brl_zoo.lion", f"brl_zoo.{'x' * 5000}"),
+        *("../..", "", "brl_zoo..cages", "brl_zoo\0", "sys", "os.path"),
+        *("nowhere.to.be.found", "brl_zoo.lion", f"brl_zoo.{'x' * 5000}"),
     ],
 )
 def test_values_that_lead_to_no_folder(value: str, site: Path) -> None:
@@ -146,15 +146,7 @@ def test_an_archive_is_passed_over(site: Path, monkeypatch: pytest.MonkeyPatch) 
     assert brl.load("default").name == "default"
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "zoo\n",
-        "[babyrobot_levels.packs]\nzoo\n",
-        "[babyrobot_levels.library.packs\nzoo = brl_zoo\n",
-        "\0",
-    ],
-)
+@pytest.mark.parametrize("text", ["[babyrobot_levels.packs]\nzoo\n", "\0"])
 def test_a_damaged_package_stops_nobody_else(text: str, site: Path) -> None:
     write(site / "aaa-1.0.dist-info" / "entry_points.txt", text)
     write(site / "bbb-1.0.dist-info" / "METADATA", "")
@@ -194,7 +186,7 @@ def test_a_pack_of_a_package_whose_name_is_not_told(metadata: bytes, site: Path)
     assert refused.err == "error: zoo is part of the Python package without a name\n"
 
 
-@pytest.mark.parametrize("name", ["Zoo", "my zoo", "a/b", "..", "-", "zoo.cages", "动物园"])
+@pytest.mark.parametrize("name", ["my zoo", "..", "zoo.cages", "动物园"])
 def test_a_name_that_no_pack_can_have(name: str, site: Path) -> None:
     carry(site, "brl_zoo", f"{name} = brl_zoo\nark = brl_zoo")
     write(site / "brl_zoo" / "lion.yaml")
@@ -223,18 +215,6 @@ def test_the_users_pack_hides_the_one_of_a_package(site: Path, users_pack: Path)
         ("zoo", users_pack),
         ("ark", site / "brl_zoo"),
     ]
-
-
-def test_the_first_package_that_python_finds_hides_the_next(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    first = tmp_path / "first"
-    monkeypatch.syspath_prepend(str(first))
-    for folder, module in ((site, "brl_zoo_a"), (first, "brl_zoo_b")):
-        carry(folder, module, f"zoo = {module}")
-        write(folder / module / "lion.yaml", f"{LEVEL}title: {module}\n")
-    assert brl.load("zoo/lion").title == "brl_zoo_b"
-    assert names() == ["zoo", "zoo"]
 
 
 def test_a_folder_is_a_pack_also_where_it_is_a_place_already(
