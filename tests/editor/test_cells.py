@@ -9,6 +9,8 @@ from support.gestures import done, refused, send
 
 from babyrobot_levels.editor.session import Session
 
+pytestmark = pytest.mark.usefixtures("put_off")
+
 EMPTY = "version: 1\nsize: [4, 3]\n"
 
 DRAWN = """\
@@ -56,18 +58,6 @@ def test_puddle_of_another_size_takes_the_place_of_the_first() -> None:
     session = Session(EMPTY + "puddles:\n  - {at: [1, 1]}  # wet\n  - {at: [2, 1]}\n")
     text = paint(session, "large", (1, 1))
     assert added(text) == ("puddles:\n  - {at: [1, 1], size: large}  # wet\n  - {at: [2, 1]}\n")
-
-
-def test_puddle_unblocks_its_cell() -> None:
-    session = Session(EMPTY + "blocked:\n  - {at: [1, 1]}\n")
-    assert added(paint(session, "small", (1, 1))) == ("puddles:\n  - {at: [1, 1], size: small}\n")
-
-
-def test_rectangle_is_given_by_two_corners() -> None:
-    text = paint(Session(EMPTY), "small", (2, 2), (1, 1), rectangle=True)
-    assert [line.split("]")[0] for line in added(text).splitlines()[1:]] == [
-        f"  - {{at: [{cell}" for cell in ("1, 1", "2, 1", "1, 2", "2, 2")
-    ]
 
 
 def test_cell_off_the_grid_is_refused() -> None:
@@ -257,13 +247,6 @@ def test_erased_cells_leave_the_label_with_one_part_of_an_area() -> None:
 # -- the eraser ----------------------------------------------------------------------------
 
 
-def test_erased_item_is_no_longer_needed() -> None:
-    text = "items:\n  - {name: key, at: [1, 1]}\n  - {name: coin, at: [2, 1]}\n"
-    doors = "doors:\n  - {at: [0, 0], side: E, needs: [key, coin]}\n"
-    erased = paint(Session(EMPTY + text + doors), "erase", (1, 1))
-    assert "doors:\n  - {at: [0, 0], side: E, needs: coin}\n" in erased
-
-
 def test_erased_place_of_an_item_leaves_its_others() -> None:
     items = "items:\n  - {name: key, one_of: [[1, 1], [2, 1], [3, 1]]}\n"
     session = Session(EMPTY + items)
@@ -299,11 +282,6 @@ def test_fill_stops_at_walls_and_at_what_is_different() -> None:
     assert {puddle.at for puddle in session.level.puddles if puddle.size == "small"} == {
         (0, 0), (1, 0), (1, 1)
     }  # fmt: skip
-
-
-def test_filled_area_is_one_rectangle() -> None:
-    text = done(Session(ROOM), "fill", brush="area", at=[3, 0], fields={"color": "tan"})
-    assert text.endswith("areas:\n  - {at: [2, 0], size: [2, 3], color: tan}\n")
 
 
 @pytest.mark.parametrize("brush", ["blocked", "erase"])
@@ -374,11 +352,6 @@ def test_drawn_start_moves_to_the_cell() -> None:
 def test_start_of_a_drawing_hides_no_puddle() -> None:
     error = refused(Session(DRAWN), "paint", brush="small", cells=[[0, 0]])
     assert error == "a drawing shows one thing in a cell: move the start or exit first"
-
-
-def test_area_in_a_drawn_level_is_an_entry_beside_the_drawing() -> None:
-    text = paint(Session(DRAWN), "area", (0, 0), (2, 0), rectangle=True, fields={"color": "red"})
-    assert added(text, DRAWN) == "areas:\n  - {at: [0, 0], size: [3, 1], color: red}\n"
 
 
 def test_exits_by_lot_of_a_drawn_level_become_a_drawn_one() -> None:

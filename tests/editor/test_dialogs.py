@@ -15,12 +15,6 @@ from babyrobot_levels.editor.sources import session_of
 pytestmark = pytest.mark.slow
 
 LEVEL = "version: 1\ntitle: Mine\nsize: [4, 3]\n"
-CALL = f'''\
-import babyrobot_levels as brl
-
-level = brl.loads("""\\
-{LEVEL}""")
-'''
 CHANGED = LEVEL + "max_steps: 7\n"
 
 
@@ -51,6 +45,10 @@ def type_change(editor: EditorPage) -> None:
 
 def test_a_level_is_opened_by_its_name_and_undone(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
+    opening = asked(editor.page, "Open another level", "Open a level")
+    editor.page.keyboard.press("Escape")
+    expect(opening).to_be_hidden()
+    expect(editor.page.get_by_role("button", name="Open another level")).to_be_focused()
     opening = asked(editor.page, "Open another level", "Open a level")
     expect(opening.get_by_label("Name of the level")).to_be_focused()
     opening.get_by_label("Name of the level").fill("final")
@@ -86,14 +84,6 @@ def test_a_level_is_opened_from_a_file(editor_page: OpenEditor, tmp_path: Path) 
     opening.get_by_label("File", exact=True).set_input_files(other)
     expect(opening).to_be_hidden()
     assert editor.session.text == CHANGED
-
-
-def test_a_dialog_closes_by_escape_and_gives_the_focus_back(editor_page: OpenEditor) -> None:
-    page = editor_page(LEVEL).page
-    opening = asked(page, "Open another level", "Open a level")
-    page.keyboard.press("Escape")
-    expect(opening).to_be_hidden()
-    expect(page.get_by_role("button", name="Open another level")).to_be_focused()
 
 
 # -- copying -------------------------------------------------------------------------------------

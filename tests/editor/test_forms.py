@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from support.gestures import done, places, send
 
-from babyrobot_levels.editor.forms import expanded, forms
+from babyrobot_levels.editor.forms import forms
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import KINDS
@@ -159,16 +159,6 @@ def test_fields_say_what_they_mean_and_what_is_allowed() -> None:
     assert fields["mover", "back"]["with"] == "path"
     assert fields["mover", "start"]["with"] == "within"
     assert fields["level", "rewards.step"]["group"] == "reward"
-
-
-def test_short_forms_are_written_out_for_an_inspector() -> None:
-    assert expanded({"skid": 0.4, "display": {"side_panel": 120}}) == {
-        "skid": {"probability": 0.4},
-        "display": {"side_panel": {"width": 120}},
-    }
-    assert expanded({"skid": {"probability": 0.4, "to": "sides"}}) == {
-        "skid": {"probability": 0.4, "to": "sides"}
-    }
 
 
 def test_forms_come_with_the_first_state_only() -> None:

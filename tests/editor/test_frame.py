@@ -10,6 +10,8 @@ from support.gestures import done, refused, send
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.mdp.grid import BIT
 
+pytestmark = pytest.mark.usefixtures("put_off")
+
 THINGS = """\
 version: 1
 size: [4, 3]
@@ -155,20 +157,6 @@ exit_needs: key
     )
     error = refused(session, "resize", size=[3, 1], shift=[0, -1])
     assert error == "the start would lie outside: move it first"
-
-
-def test_character_that_falls_out_leaves_the_legend() -> None:
-    text = DRAWN.replace("| S | k |", "|     k |").replace("|     E |", "| S   E |")
-    assert (
-        resize(Session(text), 2, 1, 0, -1)
-        == """\
-version: 1
-map: |
-  +---+---+
-  | S   E |
-  +---+---+
-"""
-    )
 
 
 # -- wind ----------------------------------------------------------------------------------

@@ -8,8 +8,8 @@ from support.editors import OpenEditor
 
 pytestmark = pytest.mark.slow
 
-WINDOWS = [(1700, 950), (1280, 800), (900, 672), (700, 800), (390, 844)]
-"""A large screen, a laptop, the cell of a notebook, half a screen, and a phone."""
+WINDOWS = [(1280, 800), (900, 672), (390, 844)]
+"""A laptop, the cell of a notebook, and a phone."""
 
 
 @pytest.mark.parametrize(("width", "height"), WINDOWS)

@@ -203,14 +203,3 @@ def test_a_policy_is_drawn_by_what_is_held(editor_page: OpenEditor) -> None:
     page.get_by_role("button", name="key", exact=True).click()
     page.get_by_role("button", name="Edit", exact=True).click()
     expect(page.locator("#things use")).not_to_have_count(0)
-
-
-def test_a_policy_is_drawn_by_keys(editor_page: OpenEditor) -> None:
-    editor = editor_page(LEVEL)
-    editor.page.get_by_role("button", name="Policy", exact=True).click()
-    press(editor, "Shift+ArrowRight", "Shift+ArrowRight", "Shift+ArrowRight", "Shift+ArrowDown")
-    expect(part(editor, "worth").locator("dd").first).to_have_text("−3 within 100 steps")
-    editor.page.get_by_role("button", name="Clear").click()
-    expect(part(editor, "drawn-policy").locator("path")).to_have_count(0)
-    editor.page.get_by_role("button", name="Take the optimal actions").click()
-    expect(part(editor, "worth").locator("dd").first).to_have_text("−3 within 100 steps")

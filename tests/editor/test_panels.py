@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from playwright.sync_api import Locator, Page, expect
 from support.editors import EditorPage, OpenEditor
 from support.hands import Mouse
 from support.jupyter import until
-
-from babyrobot_levels.editor.sources import session_of
 
 pytestmark = pytest.mark.slow
 
@@ -143,16 +139,6 @@ def test_a_door_needs_what_is_checked(editor_page: OpenEditor) -> None:
     )
 
 
-def test_an_exit_needs_what_is_checked(editor_page: OpenEditor) -> None:
-    text = LEVEL.replace("walls:", "exit: [4, 2]\nwalls:")
-    editor = editor_page(text)
-    needs = field(select(editor, "exit:"), "exit_needs")
-    needs.get_by_label("key").check()
-    becomes(editor, "exit_needs: key")
-    needs.get_by_label("key").uncheck()
-    until(lambda: editor.session.text == text, "the exit needs nothing")
-
-
 def test_an_entry_is_removed_and_nothing_is_selected_then(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
     inspector = select(editor, "{at: [2, 1]}")
@@ -171,12 +157,6 @@ def test_what_else_is_in_the_cell_is_offered(editor_page: OpenEditor) -> None:
 # -- the level -----------------------------------------------------------------------------------
 
 
-def test_a_section_that_is_opened_is_seen(editor_page: OpenEditor) -> None:
-    page = editor_page(LEVEL).page
-    section = level_section(page, "Display")
-    expect(field(section, "display.compass")).to_be_in_viewport(ratio=1)
-
-
 def test_fields_of_the_level_are_set_and_reset(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
     about = level_section(editor.page, "About the level")
@@ -186,16 +166,14 @@ def test_fields_of_the_level_are_set_and_reset(editor_page: OpenEditor) -> None:
     field(about, "tags").get_by_role("textbox").fill("doors, walls")
     field(about, "tags").get_by_role("textbox").press("Enter")
     becomes(editor, "tags: [doors, walls]")
-    field(about, "title").get_by_role("button", name="Reset").click()
-    until(lambda: "title" not in editor.session.text, "there is no title")
-
-
-def test_the_size_is_changed_by_numbers(editor_page: OpenEditor) -> None:
-    editor = editor_page(LEVEL)
     size = level_section(editor.page, "Size")
     size.get_by_role("textbox", name="size: width").fill("7")
     editor.page.keyboard.press("Enter")
     becomes(editor, "size: [7, 3]")
+    display = level_section(editor.page, "Display")
+    expect(field(display, "display.compass")).to_be_in_viewport(ratio=1)
+    field(about, "title").get_by_role("button", name="Reset").click()
+    until(lambda: "title" not in editor.session.text, "there is no title")
 
 
 def test_a_maze_is_grown_changed_and_written_out(editor_page: OpenEditor) -> None:
@@ -285,21 +263,6 @@ def test_a_theme_is_chosen_and_its_contrasts_are_told(editor_page: OpenEditor) -
     assert level.resolved_theme.colors.exit == "#1e3234"
     section.get_by_role("button", name="default").click()
     until(lambda: "theme" not in editor.session.text, "the theme is the default one")
-
-
-def test_a_theme_in_a_file_beside_the_level_is_chosen(
-    editor_page: OpenEditor, tmp_path: Path
-) -> None:
-    (tmp_path / "themes").mkdir()
-    (tmp_path / "themes" / "ours.yaml").write_text("colors: {base: '#123456'}\n", "utf-8")
-    (tmp_path / "level.yaml").write_text(LEVEL, "utf-8")
-    editor = editor_page(session_of(tmp_path / "level.yaml"))
-    section = level_section(editor.page, "Theme")
-    section.get_by_role("button", name="ours", exact=True).click()
-    becomes(editor, "theme: ours")
-    level = editor.session.level
-    assert level is not None
-    assert level.resolved_theme.colors.base == "#123456"
 
 
 # -- findings ------------------------------------------------------------------------------------

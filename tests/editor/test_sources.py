@@ -96,10 +96,8 @@ def test_a_theme_in_a_file_of_its_own_goes_with_a_copy(tmp_path: Path) -> None:
     ("source", "expected"),
     [
         ("final-maze", brl.load("final-maze")),
-        (" gallery/cliff-walking\n", brl.load("cliff-walking")),
         (brl.load("final-maze").share_code(), brl.load("final-maze")),
         (TEXT, brl.loads(TEXT)),
-        ("{version: 1, size: [4, 3]}", brl.loads("{version: 1, size: [4, 3]}")),
         ("SFFF\nFHFH\nFFFH\nHFFG\n", brl.load("frozen-lake")),
         ("{'width': 8}", brl.from_setup({"width": 8})),
     ],
@@ -115,7 +113,7 @@ def test_another_level_is_opened_as_one_step(source: str, expected: brl.Level) -
     assert session.text == before
 
 
-@pytest.mark.parametrize("name", ["maze-map", "maze-dataset", "minigrid", "sokoban"])
+@pytest.mark.parametrize("name", ["maze-map", "sokoban"])
 def test_what_is_exported_can_be_pasted(name: str) -> None:
     from babyrobot_levels.convert.formats import export
 
@@ -130,10 +128,7 @@ def test_what_is_exported_can_be_pasted(name: str) -> None:
     [
         ("final-mace", "final-maze"),
         ("../../../etc/passwd", "no level"),
-        ("/etc/passwd", "no map"),
-        ("./levels/final-maze.yaml", "no map"),
         ("brl1.24.R4BZv8", "share code"),
-        ("brl9.24.R4BZv8", "version"),
         ("what a day\nit is", "no map"),
         ("", "blank"),
         ("#####\n#S E#\n#####\n", "choose the format"),

@@ -9,6 +9,8 @@ from support.gestures import done, refused
 
 from babyrobot_levels.editor.session import Session
 
+pytestmark = pytest.mark.usefixtures("put_off")
+
 PLAIN = """\
 version: 1
 size: [5, 4]  # a hall
@@ -108,10 +110,6 @@ def test_closed_path_is_a_loop() -> None:
     shown = "  - {path: [[1, 1], [2, 1], [2, 2], [1, 2]]}"
     assert walk(Session(PLAIN), *ring) == shown
     assert walk(Session(PLAIN), *ring, [1, 1]) == shown
-
-
-def test_path_of_one_cell_is_a_guard_that_stands() -> None:
-    assert walk(Session(PLAIN), [1, 1]) == "  - {path: [[1, 1]]}"
 
 
 def test_cells_that_a_fast_pointer_leaves_out_are_filled_in() -> None:

@@ -51,33 +51,6 @@ def hand(editor_page: OpenEditor) -> Hand:
     return Hand(editor_page(LEVEL, **Hand.context))
 
 
-def test_a_tap_at_a_side_and_a_drag_along_sides_build_walls(hand: Hand) -> None:
-    hand.draw_wall((2, 0), "E")
-    assert "- {at: [2, 0], side: E}" in hand.text
-    hand.draw_wall((0, 2), "S", 3)
-    assert "- {at: [0, 2], side: S, length: 3}" in hand.text
-    hand.draw_wall((0, 2), "S", 3)
-    assert "length: 3" not in hand.text
-
-
-def test_a_drag_paints_the_cells_under_the_finger(hand: Hand) -> None:
-    hand.choose("blocked")
-    with hand.changing():
-        hand.drag(hand.at(3.5, 0.5), hand.at(5.4, 0.4))
-    assert "- {at: [3, 0], size: [3, 1]}" in hand.text
-
-
-def test_each_touch_is_one_step(hand: Hand) -> None:
-    hand.choose("small")
-    hand.paint((3, 1), (4, 1))
-    undo = hand.page.get_by_role("button", name="Undo")
-    for _ in range(2):
-        with hand.changing():
-            undo.tap()
-    assert hand.text == LEVEL
-    expect(undo).to_be_disabled()
-
-
 def test_a_tap_right_after_a_drag_is_taken(hand: Hand) -> None:
     """Chromium drops taps while it throws what was dragged; the picture is not thrown."""
     for x in range(3):
@@ -124,26 +97,6 @@ def test_two_fingers_zoom_and_scroll_and_draw_nothing(hand: Hand) -> None:
     # A finger alone draws again, in the part that is seen.
     hand.paint((3, 2))
     assert "blocked:\n  - {at: [3, 2]}" in hand.text
-
-
-def test_in_a_policy_one_finger_draws_and_two_zoom(hand: Hand) -> None:
-    hand.press(hand.page.get_by_role("button", name="Policy"))
-    x, y = hand.at(3, 2)
-    before = hand.picture_width
-    hand.spread(((x - 30, y), (x + 30, y)), ((x - 60, y), (x + 60, y)))
-    assert hand.picture_width == pytest.approx(2 * before, rel=0.1)
-    arrows = hand.page.locator(".drawn-policy > *")
-    drawn = arrows.count()
-    hand.drag(hand.at(2.5, 1.5), hand.at(3.5, 1.5))
-    assert drawn == 0
-    expect(arrows).not_to_have_count(0)
-    assert hand.text == LEVEL
-
-
-def test_touches_scroll_neither_the_page_nor_the_picture(hand: Hand) -> None:
-    hand.drag(hand.at(3.5, 3.5), hand.at(3.5, 0.5))
-    assert hand.page.evaluate("() => [scrollX, scrollY]") == [0, 0]
-    assert hand.stage.evaluate("(stage) => stage.scrollTop") == 0
 
 
 @pytest.mark.parametrize("size", [(390, 844), (844, 390)])

@@ -8,6 +8,8 @@ from support.gestures import done, refused
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.drawing import compose
 
+pytestmark = pytest.mark.usefixtures("put_off")
+
 EMPTY = "version: 1\nsize: [5, 3]\n"
 
 KEY = "items:\n  - {name: key, at: [1, 1]}\n"
@@ -92,30 +94,14 @@ def test_glass_that_lets_nobody_through_is_a_wall() -> None:
     assert added(text) == "walls:\n  - {at: [1, 0], side: E}\n"
 
 
-@pytest.mark.parametrize(
-    ("first", "length", "left"),
-    [
-        (0, 2, ["{at: [2, 0], side: S, length: 3, color: red}  # red"]),
-        (3, 2, ["{at: [0, 0], side: S, length: 3, color: red}  # red"]),
-        (
-            1,
-            3,
-            ["{at: [0, 0], side: S, color: red}  # red", "{at: [4, 0], side: S, color: red}"],
-        ),
-    ],
-    ids=["its beginning", "its end", "its middle"],
-)
-def test_removed_part_leaves_the_rest_of_an_entry_as_it_is(
-    first: int, length: int, left: list[str]
-) -> None:
-    text = build(Session(LONG), first, 0, "S", "none", length=length)
-    entries = "".join(f"  - {entry}\n" for entry in left)
-    assert added(text) == "walls:\n  # the long one\n" + entries
-
-
-def test_removed_entry_leaves_its_comments() -> None:
-    text = build(Session(LONG), 0, 0, "S", "none", length=5)
-    assert added(text) == "# the long one\n# red\n"
+def test_removed_part_leaves_the_rest_of_an_entry_as_it_is() -> None:
+    assert added(build(Session(LONG), 1, 0, "S", "none", length=3)) == (
+        "walls:\n  # the long one\n  - {at: [0, 0], side: S, color: red}  # red\n"
+        "  - {at: [4, 0], side: S, color: red}\n"
+    )
+    assert "\n  - {at: [2, 0], side: S, length: 3, color: red}  # red\n" in build(
+        Session(LONG), 0, 0, "S", "none", length=2
+    )
 
 
 def test_entry_along_the_same_sides_keeps_its_looks() -> None:
@@ -211,7 +197,7 @@ def test_outer_wall_stays() -> None:
     assert error == "side N of [2, 0] is part of the outer wall, which always stays"
 
 
-@pytest.mark.parametrize(("at", "length"), [([4, 0], 2), ([5, 0], 1), ([0, 3], 1)])
+@pytest.mark.parametrize(("at", "length"), [([4, 0], 2), ([0, 3], 1)])
 def test_run_off_the_grid_is_refused(at: list[int], length: int) -> None:
     error = refused(Session(EMPTY), "walls", at=at, side="S", to="wall", length=length)
     assert error == "these sides are not all on the grid, which is 5x3"
@@ -232,17 +218,6 @@ def test_neither_glass_nor_doors_stand_beside_blocked_cells(to: str) -> None:
     error = refused(session, "walls", at=[1, 0], side="E", to=to)
     assert error == f"beside blocked cells, a {to} has no effect: unblock them first"
     assert "{at: [1, 0], side: E}" in build(session, 1, 0, "E", "wall")
-
-
-def test_wall_that_would_cut_off_a_mover_is_refused() -> None:
-    session = Session(EMPTY + "movers:\n  - {path: [[1, 1], [2, 1]], back: true}\n")
-    error = refused(session, "walls", at=[1, 1], side="E", to="wall")
-    assert error == "the path is cut off by a wall between [1, 1] and [2, 1]"
-
-
-def test_text_with_errors_cannot_be_drawn_on() -> None:
-    error = refused(Session("version: 2\n"), "walls", at=[0, 0], side="E", to="wall")
-    assert error == "the text has errors; correct them before you go on drawing"
 
 
 # -- drawings ------------------------------------------------------------------------------
