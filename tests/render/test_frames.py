@@ -28,7 +28,7 @@ WORLD = level(
 
 
 @pytest.mark.parametrize("grayscale", [False, True])
-@pytest.mark.parametrize("size", [(80, 64), (160, 128), (84, 84), (37, 61)])
+@pytest.mark.parametrize("size", [(80, 64), (37, 61)])
 def test_only_the_cells_of_the_robot_differ(size: tuple[int, int], grayscale: bool) -> None:
     painter = FramePainter(WORLD, size, grayscale)
     width, height = size[0] / 5, size[1] / 4
@@ -42,10 +42,10 @@ def test_only_the_cells_of_the_robot_differ(size: tuple[int, int], grayscale: bo
     assert not changed.any()
 
 
-@pytest.mark.parametrize("size", [None, (80, 64), (320, 256), (200, 160)])
+@pytest.mark.parametrize("size", [None, (80, 64)])
 def test_a_frame_is_what_painting_everything_gives(size: tuple[int, int] | None) -> None:
     painter = FramePainter(WORLD, size)
-    for state in range(20):
+    for state in (0, 6, 9, 13, 19):
         scene = build_scene(WORLD, state=state, cells_only=size is not None)
         expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
         difference = np.abs(painter.frame(state) - expected)
@@ -75,9 +75,10 @@ OVERLAY = Overlay(
 )
 
 
-@pytest.mark.parametrize("overlay", [None, OVERLAY])
-@pytest.mark.parametrize("size", [None, (160, 128)])
-@pytest.mark.parametrize("pose", POSES, ids=str)
+@pytest.mark.parametrize(
+    ("size", "overlay"), [(None, OVERLAY), ((160, 128), None), ((160, 128), OVERLAY)]
+)
+@pytest.mark.parametrize("pose", POSES[1:3], ids=str)
 def test_poses_and_overlays_are_what_painting_everything_gives(
     pose: Pose, size: tuple[int, int] | None, overlay: Overlay | None
 ) -> None:
@@ -146,7 +147,7 @@ def test_a_frame_without_a_size_is_the_whole_picture_at_64_pixels_a_cell() -> No
     assert painter.frame(0).shape == (painter.height, painter.width, 3)
 
 
-@pytest.mark.parametrize("size", [[32, 2], [40, 3], [3, 100], [200, 200], [1024, 2]])
+@pytest.mark.parametrize("size", [[40, 3], [3, 100], [1024, 2]])
 def test_frames_of_large_levels_are_bounded(size: list[int]) -> None:
     world = level(size=size)
     painter = FramePainter(world)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.codes import play_data, play_stream
 from support.markup import Reader
@@ -166,7 +166,7 @@ def outcomes(data: Any, state: int, action: int) -> list[tuple[Any, ...]]:
     return [tuple(row[at : at + 6]) for at in range(0, len(row), 6)]
 
 
-@pytest.mark.parametrize("name", ["final-maze", "frozen-lake", "windy-gridworld", "glasshouse"])
+@pytest.mark.parametrize("name", ["final-maze", "windy-gridworld"])
 def test_its_tables_are_the_compiled_ones(name: str) -> None:
     world = load(name)
     mdp, data = world.compile(), data_of(to_html(world))
@@ -320,7 +320,10 @@ def test_old_browsers_have_the_light_colours() -> None:
 
 # -- links -----------------------------------------------------------------------------------------
 
-NAMES = [info.name for info in levels()]
+LONG = ("large-corridor", "standard-maze-2", "random-maze")
+"""Levels with the longest links, with things and without, and one whose maze is random."""
+
+OTHERS = [info.name for info in levels() if info.name not in LONG]
 SMALL = 25
 """The most cells of a level that is called small."""
 
@@ -332,6 +335,7 @@ def link_of(level: Level) -> str:
 
 
 @given(decorated_worlds())
+@settings(max_examples=settings().max_examples // 5)
 def test_a_link_is_read_as_its_level(world: World) -> None:
     level = level_of(world)
     link = f"play.html#{link_fragment(level, level)}"
@@ -341,7 +345,9 @@ def test_a_link_is_read_as_its_level(world: World) -> None:
     assert play_data(link) == json.loads(json.dumps(page_data(level)))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [*LONG, "two-doors", *(pytest.param(name, marks=pytest.mark.sweep) for name in OTHERS)]
+)
 def test_links_are_short(name: str) -> None:
     level = load(name)
     link = link_of(level)
@@ -392,10 +398,11 @@ def test_the_dictionary_of_version_1_stays_as_it_is() -> None:
     assert told == "71b860eaddc5c0dfdfd43b4e108bf7dba4bcfc188d6394f03fe27593f06517ec"
 
 
-def test_a_level_that_is_too_large_for_a_link_says_so() -> None:
-    large = Level.from_fields({"version": 1, "size": [128, 128], "maze": {"seed": 1}})
-    with pytest.raises(TooLargeError, match=rf"too large for a link: .* limit is {MAX_LINK:,}"):
-        link_fragment(large, large)
+def test_a_level_that_is_too_large_for_a_link_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    limit = len(link_fragment(ROW, ROW)) - 1
+    monkeypatch.setattr("babyrobot_levels.render.page.MAX_LINK", limit)
+    with pytest.raises(TooLargeError, match=f"too large for a link: .* limit is {limit:,}"):
+        link_fragment(ROW, ROW)
 
 
 def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.MonkeyPatch) -> None:

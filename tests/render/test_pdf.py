@@ -94,7 +94,7 @@ def test_the_table_of_objects_is_exact() -> None:
 # -- shapes ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["little-of-all", "overlay", "things", "poses", "icons"])
+@pytest.mark.parametrize("name", ["little-of-all", "things"])
 def test_another_program_sees_what_the_raster_painter_paints(name: str) -> None:
     scene = pictures()[name]
     bare = Scene(

@@ -10,13 +10,13 @@ import pytest
 from support.scenes import VAULT
 from support.worlds import level
 
-from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
+from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.mdp.states import configuration_with
-from babyrobot_levels.render.colors import contrast, is_gray, rgba
+from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.frames import FramePainter, image_cells
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
-from babyrobot_levels.render.scene.icons import INK, KINDS, RIM, default_color
+from babyrobot_levels.render.scene.icons import INK, KINDS, default_color
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Path, Text
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
@@ -202,11 +202,8 @@ KEYS = [{"name": f"key-{n}", "at": [n, 0], "shape": "key"} for n in range(1, 6)]
         ({"bottom_panel": 6}, "bottom"),
     ],
 )
-@pytest.mark.parametrize("columns", [7, 20])
-def test_what_is_held_has_its_place_in_the_picture(
-    display: dict[str, Any], place: str, columns: int
-) -> None:
-    world = level(size=[columns, 2], items=KEYS, display=display)
+def test_what_is_held_has_its_place_in_the_picture(display: dict[str, Any], place: str) -> None:
+    world = level(size=[7, 2], items=KEYS, display=display)
     layout = layout_of(world)
     assert layout.held_in == place
     squares = [piece.box for piece in pieces(world, layout, situation_of(world, 0))][-5:]
@@ -270,13 +267,14 @@ def reached(world: Any, count: int) -> list[int]:
     return [int(state) for state in np.random.default_rng(5).choice(alive, count)]
 
 
-@pytest.mark.parametrize("grayscale", [False, True])
-@pytest.mark.parametrize("size", [None, (112, 96), (84, 84)])
+@pytest.mark.parametrize(
+    ("size", "grayscale"), [(None, False), ((112, 96), False), ((84, 84), True)]
+)
 def test_frames_are_what_painting_everything_gives(
     size: tuple[int, int] | None, grayscale: bool
 ) -> None:
     painter = FramePainter(VAULT, size, grayscale)
-    for state in reached(VAULT, 12):
+    for state in reached(VAULT, 4):
         scene = build_scene(VAULT, state=state, heading=state % 4, cells_only=size is not None)
         expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
         if grayscale:
@@ -319,25 +317,9 @@ def test_the_heading_is_seen_in_every_pose() -> None:
 
 
 @pytest.mark.parametrize("name", BUILTIN_THEMES)
-def test_outline_or_rim_stand_out_from_the_ground(name: str) -> None:
-    colors = BUILTIN_THEMES[name].colors
-    for ground in (colors.base, colors.start, colors.exit, colors.blocked, colors.puddle):
-        assert max(contrast(INK, ground), contrast(RIM, ground)) >= 3
-
-
-@pytest.mark.parametrize("name", BUILTIN_THEMES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_things_stand_out_from_their_outlines(name: str, kind: str) -> None:
     assert contrast(default_color(kind, BUILTIN_THEMES[name].colors), INK) >= 3
-
-
-def test_a_theme_of_greys_has_grey_things() -> None:
-    gray = [name for name, theme in BUILTIN_THEMES.items() if is_gray(theme.colors)]
-    assert gray == ["print"]
-    for kind in KINDS:
-        red, green, blue, _ = rgba(default_color(kind, BUILTIN_THEMES["print"].colors))
-        assert red == green == blue
-        assert default_color(kind, Colors()) != default_color(kind, BUILTIN_THEMES["print"].colors)
 
 
 @pytest.mark.parametrize("name", BUILTIN_THEMES)
