@@ -167,6 +167,7 @@ def _notebooks(*, with_jax: bool) -> Iterator[File]:
 def _golden() -> Iterator[File]:
     for name in golden.pictures():
         yield _below(golden.FOLDER / f"{name}.svg"), partial(golden.svg, name)
+    yield _below(golden.FOLDER / "gallery.txt"), golden.gallery
 
 
 def _mazes() -> Iterator[File]:
@@ -264,7 +265,11 @@ GENERATED = (
         "the levels beside them",
         _reports,
     ),
-    Generated(("tests/render/golden/*.svg",), "`tests/support/golden.py`", _golden),
+    Generated(
+        ("tests/render/golden/*.svg", "tests/render/golden/gallery.txt"),
+        "`tests/support/golden.py`",
+        _golden,
+    ),
     _one("docs/mazes.md", maze_page, "its table from what is measured"),
     Generated(("docs/images/mazes/*.svg",), "the maze algorithms", _mazes),
     Generated(("docs/images/things*.svg",), "`scripts/doc_pictures.py`", _things),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from html.parser import HTMLParser
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 import pypdfium2 as pdfium
 import pytest
 from playwright.sync_api import Page
+from support.markup import Reader
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.pdf import width_of
@@ -273,21 +273,9 @@ def test_a_pdf_has_the_pages_with_texts_that_can_be_searched() -> None:
     assert sheet.to_pdf() == brl.sheet(NAMES, title="Week 3", per_page=3).to_pdf()
 
 
-class _Elements(HTMLParser):
-    """The elements of a document, with their attributes."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.found: list[tuple[str, dict[str, str | None]]] = []
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: Any) -> None:
-        self.found.append((tag, dict(attrs)))
-
-
 def test_html_is_a_picture_per_page_that_asks_for_nothing() -> None:
     text = brl.sheet(NAMES, per_page=3).to_html()
-    found = _Elements(text).found
+    found = Reader(text).elements
     assert [tag for tag, _ in found].count("svg") == 2
     assert not {"script", "link", "img", "iframe"} & {tag for tag, _ in found}
     assert not any(key in ("href", "src") or key.startswith("on") for _, at in found for key in at)
@@ -357,7 +345,7 @@ def test_titles_are_texts_whatever_they_say(title: str) -> None:
     level = brl.load("frozen-lake").replace(title=title, name="frozen-lake")
     sheet = brl.sheet([level], title=title)
     assert len(pdfium.PdfDocument(sheet.to_pdf())) == 1
-    found = _Elements(sheet.to_html()).found
+    found = Reader(sheet.to_html()).elements
     assert [tag for tag, _ in found].count("svg") == 1
     assert "script" not in {tag for tag, _ in found}
     left, _, right, _ = bounds(sheet.pages[0])

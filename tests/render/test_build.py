@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import combinations
@@ -11,16 +10,13 @@ from typing import Any
 import pytest
 from support.worlds import level
 
-from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.colors import contrast
-from babyrobot_levels.render.raster import polylines, to_rgb
+from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_layers, build_scene, overlay_shapes
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, Note, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import short
 from babyrobot_levels.render.situation import Pose
-from babyrobot_levels.text.errors import LevelError
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""
@@ -70,11 +66,6 @@ def test_all_shapes_lie_in_the_picture(size: list[int], fields: dict[str, Any]) 
         assert top >= 0, shape
         assert right <= scene.width, shape
         assert bottom <= scene.height, shape
-
-
-def test_a_random_maze_must_have_grown() -> None:
-    with pytest.raises(LevelError):
-        build_scene(level(maze={"seed": "random"}))
 
 
 # -- layers --------------------------------------------------------------------------------
@@ -165,12 +156,6 @@ def texts(world: Any) -> list[str]:
     return [shape.text for shape in build_scene(world).shapes if isinstance(shape, Text)]
 
 
-def test_starts_and_exits_say_so_unless_told_not_to() -> None:
-    ends = {"start": [[0, 0], [1, 0]], "exit": [[2, 2], [2, 0]]}
-    assert sorted(texts(level(**ends))) == ["EXIT", "EXIT", "START", "START"]
-    assert texts(level(**ends, display={"start_text": False, "exit_text": False})) == []
-
-
 def test_labels_are_cut_where_they_have_no_room() -> None:
     (label,) = texts(
         level(
@@ -212,31 +197,6 @@ def test_blocked_cells_that_are_no_rectangle_are_one_shape() -> None:
     assert corner(3, 3) in {point for piece in pieces for point in piece}
 
 
-# -- walls ---------------------------------------------------------------------------------
-
-
-def test_a_wall_can_have_a_look_of_its_own() -> None:
-    world = level(
-        size=[4, 3],
-        walls=[
-            {"at": [0, 0], "side": "S", "length": 3},
-            {"at": [1, 1], "side": "N", "color": "crimson", "width": 9, "fit": True},
-            {"at": [3, 0], "side": "E", "color": "gold"},
-        ],
-        openings=[{"at": [0, 0], "side": "S"}],
-    )
-    theme = world.resolved_theme
-    (own,) = strokes(world, "crimson")
-    assert (own.width, own.cap) == (9, "butt")
-    assert lines(own) == {(corner(1, 1), corner(2, 1))}
-    (plain,) = (p for p in strokes(world, theme.colors.walls) if p.width == theme.widths.walls)
-    assert lines(plain) == {(corner(2, 1), corner(3, 1))}
-    assert plain.cap == "round"
-    (outer,) = strokes(world, "gold")
-    assert outer.width == theme.widths.border
-    assert lines(outer) == {(corner(4, 0), corner(4, 1))}
-
-
 # -- arrows --------------------------------------------------------------------------------
 
 
@@ -253,31 +213,12 @@ def test_a_warp_to_the_start_and_one_to_itself_stay_in_their_cell() -> None:
     assert heads(level(warps=[{"at": [1, 1], "to": [1, 1], "when": "leave"}])) == []
 
 
-def test_wind_is_as_many_chevrons_as_it_pushes_cells_at_most_three() -> None:
-    world = level(size=[6, 2], start=[0, 1], exit=[5, 1], wind={"north": [0, 1, 2, 9, 1, 0]})
-    (path,) = strokes(world, world.resolved_theme.colors.arrows)
-    columns = [int(points[1][0] // CELL) for points, _ in polylines(path.commands)]
-    assert [columns.count(x) for x in range(6)] == [0, 2, 4, 6, 2, 0]
-    for points, _ in polylines(path.commands):
-        assert points[1][1] < points[0][1] == pytest.approx(points[2][1])
-
-
 def test_winds_against_each_other_are_still() -> None:
     world = level(size=[2, 2], wind={"north": [1, 1], "south": [1, 1]})
     assert not list(strokes(world, world.resolved_theme.colors.arrows))
 
 
 # -- beside the grid -----------------------------------------------------------------------
-
-
-def test_panels_take_their_room_and_the_theme_s_colour_or_their_own() -> None:
-    display = {"side_panel": 120, "bottom_panel": {"width": 50, "color": "navy"}}
-    world = level(display=display)
-    scene = build_scene(world)
-    ground = world.resolved_theme.colors.text_bg
-    assert (scene.width, scene.height) == (198 + 120, 198 + 50)
-    assert Rect(198, 0, 120, 198, ground) in scene.shapes
-    assert Rect(0, 198, 318, 50, "navy") in scene.shapes
 
 
 def test_a_compass_has_room_with_and_without_a_panel() -> None:
@@ -306,10 +247,6 @@ def shapes_of(world: Any, overlay: Overlay) -> tuple[Shape, ...]:
 
 def in_each_cell(world: Any, content: Any) -> list[list[Any]]:
     return [[content] * world.size[0] for _ in range(world.size[1])]
-
-
-def points_of(path: Path) -> list[tuple[float, float]]:
-    return [point for line, _ in polylines(path.commands) for point in line]
 
 
 def box_of(points: list[tuple[float, float]]) -> Box:
@@ -395,24 +332,6 @@ def test_nothing_is_answered_where_nobody_can_stand() -> None:
     assert len([s for s in shapes_of(world, moves) if isinstance(s, Text)]) == 5 * 4
 
 
-def test_each_value_is_readable_on_the_tile_of_its_colour() -> None:
-    for theme in BUILTIN_THEMES:
-        world = level(size=[3, 1], theme=theme)
-        for value in (-99_999.0, -1.5e12, math.inf, -math.inf):
-            heat, _, numbers, _ = overlay_shapes(
-                world, Overlay(values=[[value, 1.0, None]]), layout_of(world, cells_only=True)
-            )
-            tiles = [shape for shape in heat if isinstance(shape, Path) and shape.fill]
-            tile = next(tile for tile in tiles if box_of(points_of(tile))[:2] == (0, 0))
-            first = next(shape for shape in numbers if isinstance(shape, Text | Path))
-            ink = first.stroke if isinstance(first, Path) else first.fill
-            assert ink is not None
-            assert tile.fill is not None
-            assert contrast(ink, tile.fill) >= 4.5
-            box = box_of(points_of(first)) if isinstance(first, Path) else text_box(first)
-            assert 0 < box[0] < box[2] < CELL
-
-
 def test_tiles_of_equal_neighbours_are_one() -> None:
     world = level(size=[40, 40])
     values = [[float(y // 20) for _ in range(40)] for y in range(40)]
@@ -436,45 +355,7 @@ def test_where_numbers_could_not_be_read_there_are_colours_alone() -> None:
         assert len([shape for shape in numbers if isinstance(shape, Text)]) == count
 
 
-@pytest.mark.parametrize(
-    ("values", "texts"),
-    [
-        ([0.0, 2.5, 10.0], ["0", "10"]),
-        ([-7.0, 3.0, 5.0], ["-7", "5", "0"]),
-        ([4.0, 4.0, 4.0], ["4"]),
-        ([-1e6, None, 1.0], ["-1M", "1"]),
-    ],
-)
-def test_a_legend_tells_the_ends_of_the_scale(values: list[float | None], texts: list[str]) -> None:
-    world = level(size=[4, 1])
-    overlay = Overlay(values=[[*values, None]])
-    layout = layout_of(world, overlay=overlay)
-    heat, *_ = overlay_shapes(world, overlay, layout)
-    legend = [shape for shape in heat if isinstance(shape, Text)]
-    assert [shape.text for shape in legend][: len(texts)] == texts
-    for shape in legend:
-        box = text_box(shape)
-        assert layout.grid_height + 2 * layout.margin < box[1] < box[3] < layout.height
-    assert layout_of(world).height + 28 == layout.height
-    assert layout_of(world, overlay=Overlay(actions=[[()] * 4])) == layout_of(world)
-
-
 # -- arrows --------------------------------------------------------------------------------
-
-
-def test_infinite_values_are_drawn_with_their_signs() -> None:
-    def strokes(value: float) -> list[Path]:
-        world = level(size=[2, 1])
-        layers = overlay_shapes(
-            world, Overlay(values=[[value, None]]), layout_of(world, cells_only=True)
-        )
-        return [shape for shape in layers.overlay if isinstance(shape, Path)]
-
-    (endless,) = strokes(math.inf)
-    below, sign = strokes(-math.inf)
-    assert len(points_of(below)) == len(points_of(endless))
-    assert box_of(points_of(sign))[2] < box_of(points_of(below))[0]
-    assert box_of(points_of(below))[0] > box_of(points_of(endless))[0]
 
 
 def arrow_heads(world: Any, actions: Any) -> list[Box]:
@@ -498,26 +379,6 @@ def test_the_more_probable_an_action_the_longer_its_arrow() -> None:
     boxes = [box_of(points) for points, _ in polylines(tips.commands)]
     north, east, south = (max(abs(place - CELL / 2) for place in box) for box in boxes)
     assert north < south < east
-
-
-@pytest.mark.parametrize("theme", BUILTIN_THEMES)
-def test_arrows_stand_out_from_every_ground(theme: str) -> None:
-    areas = [{"at": [1, 0], "color": "white"}, {"at": [2, 0], "color": "black"}]
-    puddles = [{"at": [3, 0], "size": "large"}]
-    world = level(size=[5, 1], theme=theme, areas=areas, puddles=puddles)
-    overlay = Overlay(actions=[[(N, E, S, W)] * 4 + [()]])
-
-    def gray(shown: Overlay | None) -> Any:
-        scene = build_scene(world, robot=False, cells_only=True, overlay=shown)
-        return to_rgb(scene).mean(axis=2)
-
-    before, after = gray(None), gray(overlay)
-    side = int(CELL)
-    for x in range(4):
-        cell = (slice(None), slice(x * side, (x + 1) * side))
-        changes = abs(after[cell] - before[cell])
-        # More than a hundred pixels of the cell's 4096 are clearly lighter or darker.
-        assert (changes > 60).sum() > 100
 
 
 # -- together ------------------------------------------------------------------------------
@@ -554,20 +415,6 @@ def test_overlays_and_texts_do_not_touch(coordinates: bool) -> None:
     assert not any(touch(a, b) for a, b in combinations((*numbers, *texts), 2))
 
 
-def test_numbers_lie_over_the_robot_and_arrows_below_him() -> None:
-    world = level(size=[2, 1])
-    overlay = Overlay([[1.5, None]], [[(E,), ()]])
-    layers = build_layers(world, overlay=overlay)
-    names = ("base", "heat", "grid", "underlay", "robot", "overlay")
-    heat, arrows, robot, numbers = (layers[names[place]].shapes for place in (1, 3, 4, 5))
-    assert all((heat, arrows, robot))
-    assert any(isinstance(shape, Text) and shape.text == "1.5" for shape in numbers)
-    shown = build_scene(world, overlay=overlay).shapes
-    assert shown == tuple(shape for name in names for shape in layers[name].shapes)
-    alone = build_scene(world, robot=False, overlay=overlay).shapes
-    assert alone == tuple(shape for shape in shown if shape not in robot)
-
-
 def test_the_robot_hides_neither_the_arrow_nor_the_value_of_its_cell() -> None:
     world = level(size=[2, 1])
     overlay = Overlay([[-12.25, None]], [[(N, W, S), ()]])
@@ -596,21 +443,6 @@ def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
 
 
 # -- visits --------------------------------------------------------------------------------
-
-
-def test_the_busier_a_cell_the_stronger_its_colour() -> None:
-    world = bare(4, 1)
-    overlay = Overlay(visits=[[1, 200, 0, None]])
-    heat, _, numbers, _ = overlay_shapes(world, overlay, layout_of(world, cells_only=True))
-    color = world.resolved_theme.colors.start
-    tiles = {
-        box_of(points_of(s))[0]: s.fill for s in heat if isinstance(s, Path) and s.fill != color
-    }
-    few, many = tiles[0], tiles[CELL]
-    # In the default theme, darker is more.
-    assert contrast(str(few), "#000000") > contrast(str(many), "#000000")
-    assert 2 * CELL not in tiles
-    assert [shape.text for shape in numbers if isinstance(shape, Text)] == ["1", "200"]
 
 
 def test_coordinates_that_the_level_shows_are_not_written_twice() -> None:
@@ -642,17 +474,6 @@ def panel_lines(world: Any, **panels: Any) -> list[Text]:
         assert 0 < box[0] < box[2] < scene.width
         assert 0 < box[1] < box[3] < scene.height
     return [text for text in scene.shapes if isinstance(text, Text)]
-
-
-def test_lines_are_written_into_the_panels_in_their_colours() -> None:
-    world = level(display={"side_panel": {"width": 90, "text_color": "ivory"}, "bottom_panel": 50})
-    side, bottom = panel_lines(world, side_panel=["beside"], bottom_panel=["below"])
-    base = build_scene(world)
-    assert (side.text, side.fill) == ("beside", "ivory")
-    assert side.x > 198
-    assert (bottom.text, bottom.fill) == ("below", world.resolved_theme.colors.text_fg)
-    assert bottom.y > 198
-    assert build_scene(world, overlay=Overlay(side_panel=["beside"])).width == base.width
 
 
 def test_long_lines_are_broken_and_those_without_room_are_left_out() -> None:

@@ -10,7 +10,6 @@ from PIL import Image
 from support.worlds import level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.render.page import page_data
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg
@@ -134,9 +133,3 @@ def test_png_files_have_title_and_description() -> None:
         assert image.info["Title"] == "Глава\\x1b 1"
         assert image.info["Description"] == describe(world)
     assert to_png(build_scene(world)) == to_png(build_scene(world))
-
-
-def test_pages_have_the_description() -> None:
-    world = load("final-maze")
-    # The script of the page adds the robot.
-    assert page_data(world)["alt"] == describe(world, robot=False)

@@ -11,7 +11,6 @@ from PIL import Image
 from support.work import counted_calls
 from support.worlds import level
 
-from babyrobot_levels.language.looks import NAMES
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
@@ -56,10 +55,6 @@ def solid(color: str) -> tuple[int, int, int]:
 )
 def test_colours_are_read(color: str, expected: tuple[float, ...]) -> None:
     assert rgba(color) == pytest.approx(expected)
-
-
-def test_every_name_of_the_language_is_a_colour() -> None:
-    assert all(len(rgba(name)) == 4 for name in NAMES)
 
 
 def test_a_word_that_is_no_colour_is_refused() -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from support.worlds import level
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
-from babyrobot_levels.library.catalogue import levels, load
+from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import page_data
 from babyrobot_levels.render.scene.build import build_scene
@@ -136,12 +136,6 @@ def test_things_that_open_a_lock_together_are_told_together() -> None:
     assert "emerald, ruby and sapphire: open the exit" in rules
     assert "coin: pays 2" in rules
     assert "red letter and blue letter: open the green door" in told(load("postman"))
-
-
-def test_items_that_look_alike_are_one_rule() -> None:
-    rules = told(load("coin-run"))
-    assert "6 coins: each pays 2 to 6" in rules
-    assert sum("coin" in rule for rule in rules) == 1
 
 
 def test_movers_that_end_the_episode_say_so() -> None:
@@ -288,33 +282,7 @@ def test_samples_are_pictures_of_the_size_asked_for(theme: str) -> None:
                         assert -2 <= min(points) <= max(points) <= 20
 
 
-def test_samples_differ() -> None:
-    world = load("final-maze")
-    samples = [sample_shapes(world, rule.sample) for rule in rules_of(world) if rule.sample]
-    assert len({*samples}) == len(samples) == 5
-
-
 # -- the box -------------------------------------------------------------------------------------
-
-
-def test_a_panel_that_shows_nothing_else_shows_the_rules() -> None:
-    world = load("final-maze")
-    assert "large puddle: costs 4, skids 6 times in 10" in shown(build_scene(world))
-    lines = build_scene(world, overlay=Overlay(side_panel=["Episode 1"]))
-    assert "puddle" not in shown(lines)
-    assert "puddle" not in shown(build_scene(world, cells_only=True))
-
-
-def test_panels_of_the_gallery_show_all_rules() -> None:
-    worlds = [load(info.name) for info in levels()]
-    panels = [
-        world
-        for world in worlds
-        if (world.display.side_panel, world.display.bottom_panel) != ("none", "none")
-    ]
-    assert {"deep-puddles", "lookout"} < {world.name for world in panels}
-    for world in panels:
-        assert " ".join(told(world)) in shown(build_scene(world)), world.name
 
 
 @given(

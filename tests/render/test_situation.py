@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -19,8 +18,8 @@ from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL, Overlay
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape, Text
-from babyrobot_levels.render.situation import End, GoodEnds, effects_of, place_of
+from babyrobot_levels.render.scene.shapes import Path, Shape, Text
+from babyrobot_levels.render.situation import End, GoodEnds, effects_of
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""
@@ -65,21 +64,6 @@ def test_glass_says_how_often_it_lets_the_robot_through_once_for_each_stretch() 
 @pytest.mark.parametrize(("chance", "text"), [(0.004, "<1%"), (0.996, ">99%"), (1 / 3, "33%")])
 def test_rounded_chances_are_never_told_as_certain(chance: float, text: str) -> None:
     assert set(texts(level(walls=[{"at": [1, 1], "side": "S", "pass": chance}]))) == {text}
-
-
-def test_glass_that_is_not_drawn_has_no_number() -> None:
-    wall = {"at": [1, 1], "side": "S", "pass": 0.5, "width": 0}
-    assert texts(level(walls=[wall])) == {}
-
-
-def test_glass_has_more_gaps_the_more_often_it_lets_the_robot_through() -> None:
-    def gap(chance: float) -> float:
-        wall = {"at": [1, 1], "side": "S", "pass": chance}
-        lines = (s for s in added(level(walls=[wall]), level()) if isinstance(s, Path))
-        (share,) = {0.0 if s.dash is None else s.dash[1] / sum(s.dash) for s in lines}
-        return share
-
-    assert gap(0.1) < gap(0.5) < gap(0.99)
 
 
 # -- ends ----------------------------------------------------------------------------------
@@ -244,20 +228,6 @@ def marked(kind: str, size: list[int]) -> Any:
     return level(rewards=rewards, areas=[{"at": [1, 1], "size": size, **MARKS[kind]}])
 
 
-def test_each_mark_is_another_figure() -> None:
-    plain = level(rewards={"step": -1, "exit": 1})
-    pictures = {kind: tuple(added(marked(kind, [1, 1]), plain)) for kind in MARKS}
-    assert all(pictures.values())
-    assert len({*pictures.values()}) == len(MARKS)
-
-
-@pytest.mark.parametrize("kind", MARKS)
-def test_many_marks_are_as_many_shapes_as_one(kind: str) -> None:
-    plain = level(rewards={"step": -1, "exit": 1})
-    one, many = (added(marked(kind, size), plain) for size in ([1, 1], [3, 2]))
-    assert len(many) == len(one)
-
-
 @pytest.mark.parametrize("kind", MARKS)
 def test_marks_have_a_rim_and_an_outline_of_which_one_stands_out_on_any_ground(kind: str) -> None:
     rim, outline, *_ = added(marked(kind, [1, 1]), level(rewards={"step": -1, "exit": 1}))
@@ -286,17 +256,6 @@ def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
     ]
     assert points
     assert not [(x, y) for x, y in points if 24 < x < 40 and 24 < y < 40]
-
-
-def test_marks_in_one_row_of_an_area_are_in_line() -> None:
-    fields = {"at": [0, 1], "size": [5, 1], "reward": -5}
-    world = level(areas=[{**fields, "label": "here"}], start=[2, 3])
-    (line,) = [
-        s for s in build_scene(world, robot=False).shapes if isinstance(s, Path) and s.stroke == INK
-    ]
-    heights = {y for points, _ in polylines(line.commands) for _, y in points}
-    assert len(heights) == 1
-    assert heights != {MARGIN + 1.5 * CELL}
 
 
 def test_glints_give_way_to_values_of_actions() -> None:
@@ -343,26 +302,7 @@ def test_arrows_of_warps_go_around_the_labels_of_their_targets(
         assert MARGIN < y < MARGIN + 5 * CELL
 
 
-def test_a_ring_has_room_for_the_sign_of_its_reward() -> None:
-    warp = {"at": [1, 1], "to": [3, 3], "when": "leave", "reward": 5}
-    world = level(warps=[warp])
-    *_, inner = [
-        s for s in build_scene(world, robot=False).shapes if isinstance(s, Ellipse) and s.rx == s.ry
-    ]
-    (line,) = [
-        s for s in build_scene(world, robot=False).shapes if isinstance(s, Path) and s.stroke == INK
-    ]
-    points = [point for part, _ in polylines(line.commands) for point in part]
-    reach = max(math.dist(point, (inner.x, inner.y)) for point in points) + line.width / 2
-    assert reach <= inner.rx
-
-
 # -- states and good ends --------------------------------------------------------------------------
-
-
-def test_a_state_is_a_configuration_and_a_cell() -> None:
-    assert place_of(VAULT, 3 * 35 + 2 * 7 + 4) == (3, 4, 2)
-    assert place_of(VAULT, 34).cell == (6, 4)
 
 
 def test_a_configuration_that_the_level_does_not_have_is_refused() -> None:

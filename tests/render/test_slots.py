@@ -10,7 +10,7 @@ import pytest
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
-from babyrobot_levels.render.scene.slots import ICON, Box, Slots, standing_cells
+from babyrobot_levels.render.scene.slots import Box, Slots, standing_cells
 
 
 def level(**fields: Any) -> Any:
@@ -84,24 +84,6 @@ def test_boxes_of_a_cell_do_not_touch(fields: dict[str, Any], shown: dict[str, A
         for box in (plan.icon, plan.arrow, plan.number):
             assert 0 <= box.left < box.right <= CELL
             assert 0 <= box.top < box.bottom <= CELL
-
-
-def test_an_icon_has_the_middle_until_there_are_answers() -> None:
-    world = level()
-    alone, beside = slots_of(world), slots_of(world, actions=KINDS["actions"])
-    corner = layout_of(world).corner(1, 1)
-    assert alone.icon((1, 1)).centre == (corner[0] + CELL / 2, corner[1] + CELL / 2)
-    assert alone.icon((1, 1)).width == ICON
-    assert beside.icon((1, 1)).width < ICON / 1.5
-    assert beside.icon((1, 1)).centre[0] < corner[0] + CELL / 2
-    # At an exit there is no answer.
-    assert beside.icon((3, 2)) == alone.icon((3, 2))
-
-
-def test_arrows_of_all_cells_are_in_line() -> None:
-    world = level(display={"coordinates": True})
-    slots = slots_of(world, values=KINDS["values"], actions=KINDS["actions"])
-    assert len({slots.plan(cell).arrow for cell in sorted(slots.acting)}) == 1
 
 
 def test_the_robot_can_act_where_it_can_stand() -> None:

@@ -18,9 +18,9 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.icons import INK, KINDS, default_color
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
-from babyrobot_levels.render.scene.shapes import Path, Text
+from babyrobot_levels.render.scene.shapes import Text
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
-from babyrobot_levels.render.situation import Pose, situation_of
+from babyrobot_levels.render.situation import situation_of
 
 CELLS = 35
 
@@ -65,11 +65,6 @@ def test_a_state_determines_the_configuration() -> None:
 # -- what is shown ---------------------------------------------------------------------------
 
 
-def test_a_level_without_things_has_no_pieces() -> None:
-    layers = build_layers(level(size=[3, 3]), state=4)
-    assert layers["things"].shapes == layers["movers"].shapes == ()
-
-
 def test_an_item_lies_where_it_is_drawn_until_it_is_held() -> None:
     world = level(
         size=[4, 1], items=[{"name": "gem", "one_of": [[1, 0], [2, 0]]}], exit_needs="gem"
@@ -95,36 +90,6 @@ def test_the_level_as_a_whole_shows_all_places_with_a_question_mark() -> None:
     assert "?" not in texts(world, state=0)
     assert texts(world).count("EXIT") == 2
     assert texts(world, state=0).count("EXIT") == 1
-
-
-def test_labels_lie_on_paths() -> None:
-    river = {"at": [1, 0], "size": [1, 3], "label": "river"}
-    world = level(areas=[river], movers=[{"name": "boat", "path": [[1, 0], [1, 1]], "back": True}])
-    shapes = build_scene(world).shapes
-    label = max(
-        place for place, shape in enumerate(shapes) if getattr(shape, "text", "") == "river"
-    )
-    track = max(place for place, shape in enumerate(shapes) if getattr(shape, "dash", 0) == (2, 7))
-    assert track < label
-
-
-def test_a_long_door_has_a_leaf_on_each_side() -> None:
-    world = level(
-        size=[3, 3],
-        items=[{"name": "key", "at": [0, 1]}],
-        doors=[{"at": [0, 0], "side": "E", "length": 3, "needs": "key"}],
-    )
-    assert {("door", 0, (0, y), True) for y in range(3)} <= names(world, 0)
-
-
-def test_a_door_takes_the_color_of_its_key_unless_it_has_one() -> None:
-    key = {"name": "key", "at": [0, 1], "color": "crimson"}
-    for given, expected in (({}, "crimson"), ({"color": "navy"}, "navy")):
-        door = {"at": [0, 0], "side": "E", "needs": "key", **given}
-        world = level(size=[3, 3], items=[key], doors=[door])
-        shapes = build_layers(world)["things"].shapes
-        leaves = [shape for shape in shapes if isinstance(shape, Path) and shape.fill == "navy"]
-        assert bool(leaves) == (expected == "navy")
 
 
 def all_pieces(world: Any) -> Iterator[Piece]:
@@ -301,16 +266,6 @@ def test_every_state_looks_different() -> None:
             painter.frame(int(state), heading=h).tobytes() for state in alive for h in range(4)
         }
         assert len(frames) == 4 * len(alive)
-
-
-def test_the_heading_is_seen_in_every_pose() -> None:
-    world = level(size=[3, 3])
-    painter = FramePainter(world, (48, 48))
-    frames = [painter.frame(4, heading=heading) for heading in range(4)]
-    assert len({frame.tobytes() for frame in [*frames, painter.frame(4)]}) == 5
-    cheering = Pose().turned(2)
-    assert (cheering.facing, cheering.heading) == (3, 2)
-    assert np.array_equal(painter.frame(4, cheering), frames[2])
 
 
 # -- colours ---------------------------------------------------------------------------------

@@ -1,10 +1,13 @@
-"""The pictures of which `tests/render/golden` has the expected SVG texts."""
+"""The pictures of which `tests/render/golden` has the expected SVG texts, or their digests."""
 
 from __future__ import annotations
 
+import hashlib
+from functools import cache
+
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.things import SHAPES
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.scene.build import build_scene
@@ -36,11 +39,15 @@ INFO = {
 }
 
 
+@cache
 def pictures() -> dict[str, Scene]:
-    """Return the pictures by name: levels, one of them with an overlay, and the robot's poses."""
+    """Return the pictures by name: levels, one of them with overlays, and the robot's poses."""
     found = {path.stem: build_scene(load(str(path))) for path in sorted(FOLDER.glob("*.yaml"))}
     level = load(str(FOLDER / "little-of-all.yaml"))
     found["overlay"] = build_scene(level, state=5, overlay=overlay_from(INFO, level))
+    for name, keys in {"values": ("values", "policy"), "visits": ("visits", "coordinates")}.items():
+        info = {key: INFO.get(key, True) for key in keys}
+        found[name] = build_scene(level, state=5, overlay=overlay_from(info, level))
     things = load(str(FOLDER / "things.yaml"))
     configuration = configuration_with(things, ["key", "lever"])
     state = configuration * 35 + 2 * 7 + 2
@@ -79,3 +86,14 @@ def poses() -> Scene:
 def svg(name: str) -> str:
     """Return the picture of that name."""
     return to_svg(pictures()[name])
+
+
+def gallery() -> str:
+    """Return the digests of the pictures of all levels of the gallery, a line for each."""
+    lines = []
+    for info in levels():
+        level = load(info.name)
+        level = level.with_maze_seed(0) if level.has_random_maze else level
+        digest = hashlib.sha256(to_svg(build_scene(level)).encode()).hexdigest()
+        lines.append(f"{digest[:16]} {info.name}\n")
+    return "".join(lines)
