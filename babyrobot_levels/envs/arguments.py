@@ -126,6 +126,9 @@ _DEFAULTS: dict[str, Any] = {
     "planes_dtype": DTYPES[0],
 }
 
+_PLAIN = Observation()
+"""What is observed by default."""
+
 takes_observation = takes(ObservationOptions, **_DEFAULTS)
 """Lets a function take `ObservationOptions` by name."""
 
@@ -137,6 +140,9 @@ def checked_observation(**options: Unpack[ObservationOptions]) -> Observation:
         TypeError: there is no such option.
         ValueError: there is no such observation, or it does not have such an option.
     """
+    # Most environments are made without options, and many are made one after the other.
+    if all(value is _DEFAULTS.get(name, options) for name, value in options.items()):
+        return _PLAIN
     given = {**_DEFAULTS, **options}
     for name in given.keys() - _DEFAULTS.keys():
         raise TypeError(f"unexpected option {name!r}{did_you_mean(name, _DEFAULTS)}")
