@@ -29,7 +29,7 @@ SLOW = {
     "e2e/test_examples.py",
     "e2e/test_packaging.py",
     "e2e/test_pre_commit.py",
-    "envs/gymnasium_api/test_wrappers.py",
+    "envs/test_wrappers.py",
     "envs/test_notebook.py",
     "envs/test_terminal.py",
     "library/packs/test_built.py",

@@ -5,16 +5,14 @@ from __future__ import annotations
 import copy
 import pickle
 import random
-from collections.abc import Iterator
 from itertools import compress
-from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium import error, spaces
-from gymnasium.envs.registration import EnvSpec, registry
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 from support.playing import (
     Env,
@@ -28,25 +26,20 @@ from support.playing import (
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.observations import OBSERVATIONS
-from babyrobot_levels.envs.registration import register_levels
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.text.files import user_folder
 
 LEVEL_ID = "babyrobot/Level-v0"
 MAX_WAY = 20_000
 
 
-class EnvContract:
-    """The checks. Subclasses are parametrised by `name`, `observation` and `actions`."""
-
-    def named(self, name: str) -> dict[str, Any]:
-        """Return what tells Gymnasium to make the environment of a level."""
-        return {"id": LEVEL_ID, "level": level_named(name)}
+@each_level_and(("observation", [*OBSERVATIONS]), ("actions", [*ACTION_SETS]))
+class TestLevels:
+    """What holds of the environment of a level, with an observation and a set of actions."""
 
     def make(self, name: str, observation: str, actions: str) -> Env:
         """Return the environment as users make it, with Gymnasium's own checks around it."""
-        return gymnasium.make(**self.named(name), **arguments(observation, actions))
+        return gymnasium.make(LEVEL_ID, level=level_named(name), **arguments(observation, actions))
 
     @pytest.fixture
     def env(self, name: str, observation: str, actions: str) -> Env:
@@ -267,29 +260,3 @@ def mask_of(env: Env) -> list[int]:
     """Return the action mask of where the robot stands."""
     masks: list[int] = env.get_wrapper_attr("action_masks")().tolist()
     return masks
-
-
-@each_level_and(("observation", [*OBSERVATIONS]), ("actions", [*ACTION_SETS]))
-class TestLevels(EnvContract):
-    """Levels by their mappings and files."""
-
-
-@pytest.mark.parametrize(
-    ("name", "observation", "actions"), [("lion", "position", "valid"), ("ape", "index", "moves")]
-)
-class TestPacks(EnvContract):
-    @pytest.fixture(autouse=True)
-    def pack(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-        """Let the user have a pack `zoo`, whose levels are known by their ids."""
-        monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-        before = dict(registry)
-        folder = user_folder() / "packs" / "zoo"
-        level_named("all at once").save(folder / "lion.yaml")
-        level_named("final-maze").save(folder / "apes" / "ape.yaml")
-        register_levels()
-        yield
-        registry.clear()
-        registry.update(before)
-
-    def named(self, name: str) -> dict[str, Any]:
-        return {"id": f"babyrobot/zoo.{name}-v0"}

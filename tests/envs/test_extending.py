@@ -6,10 +6,9 @@ import pickle
 from typing import Any
 
 import gymnasium
-import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from support.playing import CORNERS, level_named
+from support.playing import level_named
 
 import babyrobot_levels as brl
 
@@ -53,45 +52,6 @@ def test_a_subclass_goes_on_after_pickling() -> None:
         ours, theirs = env.step(action), again.step(action)
         assert ours[0].tolist() == theirs[0].tolist()
         assert ours[1:4] == theirs[1:4]
-
-
-# -- valid moves -----------------------------------------------------------------------------
-
-
-def test_valid_moves_are_the_moves_that_the_mask_allows() -> None:
-    env = brl.LevelEnv("final-maze", actions="valid_moves")
-    env.action_space.seed(1)
-    _, info = env.reset(seed=1)
-    assert env.action_space == gymnasium.spaces.Discrete(4)
-    for _ in range(200):
-        action = int(env.action_space.sample())
-        assert info["action_mask"].shape == (4,)
-        assert info["action_mask"][action] == 1
-        *_, info = env.step(action)
-
-
-def test_valid_moves_of_many_environments() -> None:
-    envs = brl.LevelVectorEnv("final-maze", num_envs=100, actions="valid_moves")
-    envs.action_space.seed(1)
-    _, info = envs.reset(seed=1)
-    seen = set()
-    for _ in range(50):
-        actions = envs.action_space.sample()
-        masks = info["action_mask"]
-        # At an exit, no move is allowed.
-        assert (masks[np.arange(100), actions] == masks.any(axis=1)).all()
-        seen |= set(actions.tolist())
-        *_, info = envs.step(actions)
-    assert seen == {0, 1, 2, 3}
-
-
-@pytest.mark.parametrize("actions", ["moves", "valid_moves"])
-def test_where_no_move_is_allowed_the_space_gives_its_first(actions: str) -> None:
-    env = brl.LevelEnv(CORNERS["a start that is shut in"], actions=actions)
-    _, info = env.reset()
-    assert info["action_mask"].tolist() == [0, 0, 0, 0]
-    drawn = {int(env.action_space.sample()) for _ in range(50)}
-    assert drawn == ({0} if actions == "valid_moves" else {0, 1, 2, 3})
 
 
 # -- errors ----------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gymnasium import spaces
+from support.combinations import combined
 from support.places import DOCS
 from support.playing import level_named
 
@@ -33,9 +34,12 @@ def observed(level: Level, name: str, extent: Extent, state: int) -> Any:
     return make_observer(level, Observation(name), extent).at(state)()
 
 
-@pytest.mark.parametrize("turns", [False, True])
-@pytest.mark.parametrize("name", ["final-maze", "things of all kinds"])
-@pytest.mark.parametrize("observation", [*OBSERVATIONS, tuple(OBSERVATIONS)])
+@combined(
+    1,
+    turns=[False, True],
+    name=["final-maze", "things of all kinds"],
+    observation=[*OBSERVATIONS, tuple(OBSERVATIONS)],
+)
 def test_one_many_and_all_states_show_the_same_in_their_space(
     observation: Any, name: str, turns: bool
 ) -> None:

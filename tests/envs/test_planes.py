@@ -240,15 +240,6 @@ def test_a_search_over_planes_goes_as_far_as_one_over_the_tables(seed: int) -> N
     assert reached_in(named(env, planes)) == reached_by_tables(level)
 
 
-@pytest.mark.parametrize("name", ["final-maze", "maze", "frozen-lake-dry"])
-def test_a_search_over_planes_finds_the_shortest_path(name: str) -> None:
-    env, planes = reset(level_named(name))
-    shown = named(env, planes)
-    steps = reached_in(shown)
-    ends = [steps[int(x), int(y)] for y, x in np.argwhere(shown["exit"])]
-    assert min(ends) == brl.metrics(level_named(name)).path_length
-
-
 # -- vectors ---------------------------------------------------------------------------------
 
 
@@ -286,7 +277,7 @@ def test_vectors_end_with_things_and_the_heading() -> None:
     assert vector[-7:].tolist() == [1, 0, 0, 0, 0, 1, 0]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(level=levels(), seed=st.integers(0, 9))
 def test_vectors_are_what_planes_and_tables_say_about_the_robot(level: Level, seed: int) -> None:
     env = LevelEnv(level, observation=("planes", "vector"), actions="moves")

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from gymnasium.wrappers import HumanRendering, RecordVideo, RenderCollection
-from PIL import Image
 from support.playing import level_named
 
 import babyrobot_levels as brl
@@ -61,6 +60,7 @@ def test_frames_are_collected(mode: str) -> None:
         assert env.render() == []
 
 
+@pytest.mark.slow
 def test_a_video_is_recorded(tmp_path: Path) -> None:
     env: Any = RecordVideo(
         level_named("final-maze").make(render_mode="rgb_array", max_episode_steps=12),
@@ -140,10 +140,3 @@ def test_it_can_be_played(actions: str, pygame: Any, play: Any) -> None:
     moves = [2 - first, 2 - first, 3 - first, 3 - first]
     cells = [[1, 0], [2, 0], [2, 1], [2, 2]]
     assert told == list(zip(cells, moves, [False, False, False, True], strict=True))
-
-
-def test_frames_can_be_saved_by_anyone(tmp_path: Path) -> None:
-    env = level_named("default").make(render_mode="rgb_array")
-    frame: Any = env.render()
-    Image.fromarray(frame).save(tmp_path / "a.png")
-    assert frame.flags.c_contiguous

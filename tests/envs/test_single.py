@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import random
 import re
 from collections.abc import Callable
 from typing import Any
@@ -68,18 +67,7 @@ def test_the_table_is_the_compiled_one_in_toy_texts_shape(name: str, actions: st
             assert not mdp.probability[state, action + first, len(outcomes) :].any()
 
 
-def test_the_table_has_the_keys_of_gymnasiums_own() -> None:
-    theirs: Any = gymnasium.make("FrozenLake-v1").unwrapped
-    ours = play(level_named("frozen-lake"), actions="moves")
-    assert ours.P.keys() == theirs.P.keys()
-    assert ours.P[0].keys() == theirs.P[0].keys()
-    assert len(ours.P[0][0][0]) == len(theirs.P[0][0][0])
-    assert ours.initial_state_distrib.tolist() == theirs.initial_state_distrib.tolist()
-
-
-@pytest.mark.parametrize(
-    "name", ["frozen-lake", "ice-rink", "deep-puddles", "glass-wall", "glasshouse", "all at once"]
-)
+@pytest.mark.parametrize("name", ["frozen-lake", "glass-wall", "all at once"])
 def test_steps_happen_as_often_as_the_table_says(name: str) -> None:
     env = play(level_named(name), actions="all")
     env.reset(seed=20)
@@ -231,22 +219,6 @@ def test_several_starts_are_drawn_evenly() -> None:
     assert not far_off(list(counts.values()), [0.25] * 4)
 
 
-def test_starts_are_drawn_from_the_environments_own_generator_alone() -> None:
-    env = play(level_named("four-corners"), observation="index")
-
-    def starts() -> list[int]:
-        env.np_random = np.random.default_rng(23)
-        return [env.reset()[0] for _ in range(30)]
-
-    random.seed(1)
-    np.random.seed(1)
-    drawn = starts()
-    random.seed(2)
-    np.random.seed(2)
-    assert starts() == drawn
-    assert len(set(drawn)) == 4
-
-
 def test_the_initial_distribution_is_a_copy_that_sums_to_one() -> None:
     env = play(level_named("four-corners"))
     given = env.initial_state_distrib
@@ -316,24 +288,6 @@ def test_a_leave_warp_can_be_started_from() -> None:
 @pytest.fixture
 def mazes() -> LevelEnv:
     return play(level_named("random-maze"))
-
-
-def test_each_reset_grows_another_maze(mazes: LevelEnv) -> None:
-    mazes.reset(seed=24)
-    digests = set()
-    for _ in range(10):
-        mazes.reset()
-        digests.add(mazes.level.digest)
-    assert len(digests) == 10
-
-
-def test_the_same_seed_gives_the_same_sequence_of_mazes(mazes: LevelEnv) -> None:
-    def seeds(seed: int) -> list[int]:
-        return [mazes.reset(seed=seed)[1]["maze_seed"]] + [
-            mazes.reset()[1]["maze_seed"] for _ in range(5)
-        ]
-
-    assert seeds(25) == seeds(25) != seeds(26)
 
 
 @pytest.mark.parametrize("seed", [0, np.int64(7), 2**31 - 1])
@@ -427,26 +381,6 @@ def test_pictures_show_the_maze_of_the_episode(mode: str) -> None:
 # -- pictures --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["default", "random-maze", "four-corners", "frozen-lake"])
-@pytest.mark.parametrize("mode", RETURNED)
-def test_a_level_can_be_rendered_before_the_first_reset(name: str, mode: str) -> None:
-    level = level_named(name)
-    through_level = level.make(render_mode=mode).render()
-    through_gymnasium = gymnasium.make(f"babyrobot/{name}-v0", render_mode=mode).render()
-    assert plain(through_level) == plain(through_gymnasium)
-
-
-@pytest.mark.parametrize("mode", RETURNED)
-def test_the_picture_changes_when_the_robot_moves_and_only_then(mode: str) -> None:
-    env = play(level_named("default"), render_mode=mode)
-    env.reset()
-    before = plain(env.render())
-    env.step(STAY)
-    assert plain(env.render()) == before
-    env.step(EAST)
-    assert plain(env.render()) != before
-
-
 def test_a_frame_belongs_to_the_user() -> None:
     env = play(level_named("default"), render_mode="rgb_array")
     env.reset()
@@ -511,13 +445,6 @@ def test_images_have_the_size_that_was_asked_for(size: tuple[int, int], gray: bo
     assert observation.shape == env.observation_space.shape == (*size, 1 if gray else 3)
     assert observation.dtype == env.observation_space.dtype == np.uint8
     assert (observation in env.observation_space) is True
-
-
-def test_images_have_a_size_of_their_own() -> None:
-    shape = images().observation_space.shape
-    assert shape is not None
-    assert len(shape) == 3
-    assert min(shape[:2]) >= 36
 
 
 @pytest.mark.parametrize("gray", [False, True])

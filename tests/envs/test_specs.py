@@ -13,7 +13,7 @@ import pytest
 from gymnasium import error
 from gymnasium.envs.registration import EnvSpec, registry
 from gymnasium.wrappers import TimeLimit
-from support.combinations import swept
+from support.combinations import combined, swept
 from support.ids import FEW, IDS, LEVEL_ID, SUITE_ID
 
 import babyrobot_levels as brl
@@ -34,7 +34,6 @@ ENVIRONMENTS: dict[str, tuple[str, dict[str, Any], int | None]] = {
 
 MODES = ("single", "sync", "vector_entry_point")
 
-each_environment = pytest.mark.parametrize("name", ENVIRONMENTS)
 each_mode = pytest.mark.parametrize("mode", MODES)
 
 
@@ -58,9 +57,7 @@ def cut_after(env: Any) -> int | None:
 # -- the limit that applies ------------------------------------------------------------------
 
 
-@each_mode
-@each_environment
-@pytest.mark.parametrize("asked", [None, 3, 550, -1])
+@combined(2, name=ENVIRONMENTS, mode=MODES, asked=[None, 3, 550, -1])
 def test_one_limit_applies_and_the_spec_tells_it(name: str, mode: str, asked: int | None) -> None:
     env_id, given, own = ENVIRONMENTS[name]
     limit = own if asked is None else None if asked == -1 else asked
@@ -116,10 +113,8 @@ def test_the_threshold_is_the_optimum_within_the_limit(mode: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("actions", "same"),
-    [("valid", "all"), ("all", "all"), ("moves", "moves"), ("valid_moves", "moves"),
-     ("turns", "turns")],
-)  # fmt: skip
+    ("actions", "same"), [("valid", "all"), ("valid_moves", "moves"), ("turns", "turns")]
+)
 def test_the_threshold_is_that_of_the_actions(actions: str, same: str) -> None:
     spec = gymnasium.make("babyrobot/night-watch-v0", actions=actions).spec
     assert spec is not None
@@ -128,10 +123,7 @@ def test_the_threshold_is_that_of_the_actions(actions: str, same: str) -> None:
     assert best_return_within("night-watch", 200, actions="turns") < expected or same == "turns"
 
 
-@pytest.mark.parametrize(
-    "name", ["a level without a limit", "random mazes", "random mazes by name", "a suite"]
-)
-@each_mode
+@combined(1, name=["a level without a limit", "random mazes", "a suite"], mode=MODES)
 def test_where_there_is_no_threshold(name: str, mode: str) -> None:
     env_id, given, _ = ENVIRONMENTS[name]
     assert make(mode, env_id, **given).spec.reward_threshold is None
@@ -184,11 +176,12 @@ def test_the_spec_of_every_id_equals_its_copies(env_id: str) -> None:
     for same in copies(spec):
         assert spec == same
         assert same == spec
+    for options in ({}, {"include_entry_points": True}, {"print_all": True}):
+        assert f"id={env_id}" in str(spec.pprint(disable_print=True, **options))
     assert spec != gymnasium.spec("CartPole-v1")
 
 
-@pytest.mark.parametrize("mode", ["single", "vector_entry_point"])
-@each_environment
+@combined(1, name=ENVIRONMENTS, mode=["single", "vector_entry_point"])
 def test_the_spec_of_an_environment_equals_its_copies_and_makes_it(name: str, mode: str) -> None:
     env_id, given, limit = ENVIRONMENTS[name]
     env = make(mode, env_id, **given, observation="image", image_size=(36, 40))
@@ -277,9 +270,8 @@ def test_the_ids_that_are_named_exist() -> None:
 # -- frames of suites ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suite", ["small-mazes", "locked-mazes"])
-def test_all_frames_of_a_suite_have_one_size(suite: str) -> None:
-    env: Any = gymnasium.make(SUITE_ID, suite=suite, render_mode="rgb_array")
+def test_all_frames_of_a_suite_have_one_size() -> None:
+    env: Any = gymnasium.make(SUITE_ID, suite="locked-mazes", render_mode="rgb_array")
     shape, sizes = env.render().shape, set()
     for index in (0, 1, 4):
         env.reset(options={"index": index})

@@ -27,10 +27,6 @@ SIDES = ("up", "right", "down", "left")
 ARROWS = {(0, -1): "N", (1, 0): "E", (0, 1): "S", (-1, 0): "W"}
 
 
-def level_of(drawing: str, **fields: Any) -> Level:
-    return brl.load({"version": 1, "map": drawing, "exit_needs": [], **fields})
-
-
 def observer_of(level: Level, headings: int = 1, **options: Any) -> Observer:
     return make_observer(
         level, Observation("view", **options), Extent(level.size, headings=headings)
@@ -64,22 +60,6 @@ def test_an_open_room_is_seen_and_nothing_outside_of_it() -> None:
     assert shown(view_of(level, radius=2)) == ["", " ...", " ...", "", ""]
 
 
-def test_walls_hide_what_is_behind_them() -> None:
-    level = level_of(
-        """
-        +---+---+---+---+---+
-        |                   |
-        +   +   +---+   +   +
-        |                   |
-        +   +   +   +   +   +
-        |         S         |
-        +---+---+---+---+---+
-        """
-    )
-    # The line to the far corner on each side grazes the end of the wall, and so passes.
-    assert shown(view_of(level, radius=2)) == [".. ..", ".....", ".....", "", ""]
-
-
 def test_a_line_passes_the_end_of_a_wall_but_not_a_corner_of_two() -> None:
     end = {"version": 1, "size": [2, 2], "walls": [{"at": [0, 0], "side": "E"}]}
     assert shown(view_of(brl.load(end), radius=1)) == ["", " .", " .."]
@@ -87,31 +67,6 @@ def test_a_line_passes_the_end_of_a_wall_but_not_a_corner_of_two() -> None:
     assert shown(view_of(brl.load(corner), radius=1)) == ["", " .", ""]
     across = {**end, "walls": [{"at": [0, 0], "side": "E"}, {"at": [0, 1], "side": "E"}]}
     assert shown(view_of(brl.load(across), radius=1)) == ["", " .", " ."]
-
-
-def test_blocked_cells_are_seen_and_hide_what_is_behind_them() -> None:
-    level = brl.load(
-        {"version": 1, "size": [5, 3], "start": [0, 1], "blocked": [{"at": [2, 1]}, {"at": [1, 0]}]}
-    )
-    assert shown(view_of(level, radius=4), "blocked")[3:6] == [
-        "    .#",
-        "    ..#",
-        "    ....",
-    ]
-
-
-def test_a_diagonal_between_two_blocked_cells_is_closed() -> None:
-    blocked = [{"at": [1, 0]}, {"at": [0, 1]}]
-    level = brl.load({"version": 1, "size": [3, 3], "blocked": blocked})
-    assert shown(view_of(level, radius=2), "blocked") == ["", "", "  .#", "  #", ""]
-
-
-def test_glass_hides_nothing_and_is_no_open_side() -> None:
-    glass = [{"at": [0, 0], "side": "E", "pass": 0.5}]
-    level = brl.load({"version": 1, "size": [3, 1], "walls": glass})
-    view = view_of(level, radius=2)
-    assert shown(view) == ["", "", "  ...", "", ""]
-    assert view[2, 2, PLANE["open-right"]] == 0
 
 
 DOOR = {
@@ -325,7 +280,7 @@ def sees(level: Level, configuration: int, here: tuple[int, int], there: tuple[i
     return True
 
 
-@for_each("seed", range(60))
+@for_each("seed", range(20))
 def test_lines_are_those_of_the_reference_and_the_same_from_both_ends(seed: int) -> None:
     random = Random(seed)
     level = brl.Level.from_fields(random_level(random))
@@ -350,7 +305,7 @@ def test_lines_are_those_of_the_reference_and_the_same_from_both_ends(seed: int)
         assert (other, one) not in seen or seen[other, one] == is_seen
 
 
-@for_each("seed", range(40))
+@for_each("seed", range(15))
 def test_open_sides_are_those_of_the_walls_and_items_are_where_they_lie(seed: int) -> None:
     level = brl.Level.from_fields(random_level(Random(seed)))
     mdp, extent = level.compile(), Extent.of([level])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from functools import cache
-from itertools import cycle, product
+from itertools import chain, cycle, islice, product
 from typing import Any
 
 import gymnasium
@@ -112,19 +112,17 @@ FEATURES = {
 def each_level_and(*parameters: tuple[str, Sequence[Any]]) -> pytest.MarkDecorator:
     """Parametrise a test by `name` and parameters, so that no cross product of all is needed.
 
-    Every level of `FEATURES` is combined with values of the parameters, and every combination of
-    values comes up in the end. The other levels of the gallery are a sweep, once each.
+    The levels of `FEATURES` come with every value of each parameter; further combinations of
+    values are a sweep, and so are the other levels of the gallery, once each.
     """
     combinations = list(product(*(values for _, values in parameters)))
-    count = max(len(FEATURES), len(combinations))
+    few = zip(FEATURES, *(cycle(values) for _, values in parameters), strict=False)
+    cases = [pytest.param(*case) for case in few]
     rest = [name for name in GALLERY if name not in FEATURES]
-    cases = [
-        pytest.param(name, *values)
-        for _, name, values in zip(range(count), cycle(FEATURES), cycle(combinations), strict=False)
-    ]
+    names = chain(islice(cycle(FEATURES), len(combinations)), rest)
     cases += [
         pytest.param(name, *values, marks=pytest.mark.sweep)
-        for name, values in zip(rest, cycle(combinations), strict=False)
+        for name, values in zip(names, cycle(combinations), strict=False)
     ]
     return pytest.mark.parametrize(("name", *(name for name, _ in parameters)), cases)
 

@@ -71,7 +71,6 @@ FAMILIES: dict[str, dict[str, Any]] = {
 }
 
 each_engine = pytest.mark.parametrize("engine", ENGINES)
-each_family = pytest.mark.parametrize("family", FAMILIES)
 
 
 def make(family: str, num_envs: int = SIZE, **given: Any) -> LevelVectorEnv:
@@ -107,7 +106,7 @@ def test_the_ids_make_them() -> None:
     assert mazes.levels == (brl.load("random-maze"),)
 
 
-@combined(2, family=FAMILIES, observation=OBSERVATIONS, actions=ACTION_SETS)
+@combined(1, family=FAMILIES, observation=OBSERVATIONS, actions=ACTION_SETS)
 def test_spaces_are_those_of_single_environments_and_never_change(
     family: str, observation: str, actions: str
 ) -> None:
@@ -116,7 +115,7 @@ def test_spaces_are_those_of_single_environments_and_never_change(
     assert envs.single_observation_space == single.observation_space
     assert envs.single_action_space == single.action_space
     assert envs.observation_space == batch_space(single.observation_space, SIZE)
-    for told in walked(envs, 60):
+    for told in walked(envs, 30):
         observations = told[0] if len(told) == 2 else told[1]
         assert observations in envs.observation_space
     assert envs.single_observation_space == single.observation_space
@@ -216,7 +215,7 @@ class Shadows:
             assert np.array_equal(info[key][number], value), key
 
 
-@combined(2, family=["dry", "mazes"], observation=OBSERVATIONS, mode=MODES, engine=ENGINES)
+@combined(1, family=["dry", "mazes"], observation=OBSERVATIONS, mode=MODES, engine=ENGINES)
 def test_each_environment_plays_the_level_that_it_says(
     family: str, observation: str, mode: AutoresetMode, engine: str
 ) -> None:
@@ -224,11 +223,10 @@ def test_each_environment_plays_the_level_that_it_says(
     envs: Any = make(family, autoreset_mode=mode, engine=engine, **given)
     shadows, rng = Shadows(family, **given), np.random.default_rng(2)
     shown, info = envs.reset(seed=7)
-    over, played = np.ones(SIZE, np.bool_), set()
+    over, played = np.zeros(SIZE, np.bool_), set()
     for number in range(SIZE):
         shadows.begin(number, envs, info, shown)
-    over[:] = False
-    for _ in range(120):
+    for _ in range(60):
         if mode is AutoresetMode.DISABLED and over.any():
             shown, info = envs.reset(options={"reset_mask": over})
             for number in np.flatnonzero(over).tolist():
@@ -249,35 +247,16 @@ def test_each_environment_plays_the_level_that_it_says(
             else:
                 shadows.step(number, actions[number], shown[number], told, info)
         over = ends & (mode is not AutoresetMode.SAME_STEP)
-    assert len(played) > 3 * SIZE
+    assert len(played) > 2 * SIZE
 
 
 @combined(1, family=FAMILIES, mode=MODES, observation=["walls", "image"])
 def test_both_engines_walk_the_same_way(family: str, mode: AutoresetMode, observation: str) -> None:
     given: dict[str, Any] = {"autoreset_mode": mode, "observation": observation}
-    one, other = (walked(make(family, engine=engine, **given), 90, 4) for engine in ENGINES)
+    one, other = (walked(make(family, engine=engine, **given), 50, 4) for engine in ENGINES)
     assert same(one, other)
-    without = walked(make(family, copy=False, **given), 90, 4)
+    without = walked(make(family, copy=False, **given), 50, 4)
     assert same(one, without)
-
-
-def test_all_can_act_by_chance_and_begin_anew_in_the_same_step() -> None:
-    level = {
-        "version": 1,
-        "size": [3, 3],
-        "maze": {"seed": "random", "loops": 1.0},
-        "start": [[1, 1], [0, 1]],
-        "skid": {"probability": 0.5, "to": "others"},
-        "max_steps": 1,
-    }
-
-    def walk(engine: str) -> list[Any]:
-        envs = LevelVectorEnv(level, num_envs=100, autoreset_mode="SameStep", engine=engine)
-        return [envs.reset(seed=1), *(envs.step(np.full(100, 1)) for _ in range(3))]
-
-    told = walk("numpy")
-    assert same(told, walk("compiled"))
-    assert all(step[-1]["_final_obs"].all() for step in told[1:])
 
 
 @combined(1, family=FAMILIES, engine=ENGINES)
@@ -285,20 +264,20 @@ def test_what_was_played_before_has_no_influence(
     family: str, engine: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     envs = make(family, engine=engine)
-    first = walked(envs, 80, 4)
-    walked(envs, 200, 5)
-    assert same(walked(envs, 80, 4), first)
+    first = walked(envs, 40, 4)
+    walked(envs, 80, 5)
+    assert same(walked(envs, 40, 4), first)
     monkeypatch.setattr(level_slots, "KEPT_STATES", 1)
-    assert same(walked(make(family, engine=engine), 80, 4), first)
+    assert same(walked(make(family, engine=engine), 40, 4), first)
 
 
-@combined(1, family=["dry", "wet", "mazes"], engine=ENGINES)
+@combined(1, family=["dry", "mazes"], engine=ENGINES)
 def test_one_robot_walks_as_a_single_environment_with_its_seed(family: str, engine: str) -> None:
     envs, single = make(family, 1, engine=engine), make_single(family)
     shown, infos = envs.reset(seed=11)
     told, info = single.reset(seed=11)
     rng, word = np.random.default_rng(1), word_of(family)[0]
-    for _ in range(300):
+    for _ in range(100):
         assert np.array_equal(shown[0], told)
         if word in info:
             assert infos[word][0] == info[word]
@@ -312,7 +291,7 @@ def test_one_robot_walks_as_a_single_environment_with_its_seed(family: str, engi
             shown, *_, infos = envs.step([0])
 
 
-@combined(2, family=FAMILIES, mode=MODES[:2], engine=ENGINES)
+@combined(1, family=FAMILIES, mode=MODES[:2], engine=ENGINES)
 def test_with_seeds_of_their_own_they_walk_as_single_environments(
     family: str, mode: AutoresetMode, engine: str
 ) -> None:
@@ -322,7 +301,7 @@ def test_with_seeds_of_their_own_they_walk_as_single_environments(
     shown, infos = envs.reset(seed=seeds)
     told = [single.reset(seed=seed) for single, seed in zip(singles, seeds, strict=True)]
     over = [False] * 3
-    for _ in range(150):
+    for _ in range(60):
         for number, (observation, info) in enumerate(told):
             assert np.array_equal(shown[number], observation)
             assert infos[word][number] == info.get(word, infos[word][number])
@@ -345,11 +324,11 @@ def test_levels_are_drawn_evenly() -> None:
     seen, counts = np.unique(info["level_index"], return_counts=True)
     assert seen.tolist() == list(range(30))
     assert counts.min() > 140
-    mazes = make("mazes", 1000)
+    mazes = make("mazes", 300)
     _, info = mazes.reset(seed=1)
     assert info["maze_seed"].dtype == np.int64
-    assert len(set(info["maze_seed"])) == 1000
-    assert info["maze_seed"].mean() == pytest.approx(2**30, rel=0.05)
+    assert len(set(info["maze_seed"])) == 300
+    assert info["maze_seed"].mean() == pytest.approx(2**30, rel=0.1)
 
 
 def test_a_level_can_be_asked_for() -> None:
@@ -420,13 +399,13 @@ def test_invalid_actions_are_refused_and_change_nothing(engine: str) -> None:
     assert same(envs.step(np.zeros(SIZE, int)), before.step(np.zeros(SIZE, int)))
 
 
-@combined(1, family=FAMILIES, mode=MODES, observation=["index", "image"])
+@combined(1, family=["wet", "cornered"], mode=MODES, observation=["index", "image"])
 def test_copies_go_on_with_the_same_episodes(
     family: str, mode: AutoresetMode, observation: str
 ) -> None:
     envs = make(family, autoreset_mode=mode, observation=observation, render_mode="rgb_array")
     unbegun = pickle.loads(pickle.dumps(envs))
-    told = walked(envs, 40, 3)
+    told = walked(envs, 20, 3)
     envs.render()
     for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
         one = copy.deepcopy(envs)
@@ -434,7 +413,7 @@ def test_copies_go_on_with_the_same_episodes(
         assert one.call("level") == again.call("level")
         assert same(one.action_masks(), again.action_masks())
         over = np.asarray(one._envs.done)
-        for _ in range(40):
+        for _ in range(30):
             if mode is AutoresetMode.DISABLED and over.any():
                 mask = over.copy()
                 results = [each.reset(options={"reset_mask": mask}) for each in (one, again)]
@@ -442,22 +421,21 @@ def test_copies_go_on_with_the_same_episodes(
             actions = one.action_space.sample()
             assert same(actions, again.action_space.sample())
             assert same(one.step(actions), again.step(actions))
-    assert same(walked(unbegun, 40, 3), told)
+    assert same(walked(unbegun, 20, 3), told)
 
 
-@each_family
+@pytest.mark.parametrize("family", ["wet", "mazes"])
 def test_sampled_actions_are_possible_where_the_robots_stand(family: str) -> None:
     envs = make(family, 50)
     _, info = envs.reset(seed=1)
-    for _ in range(80):
+    for _ in range(30):
         actions = envs.action_space.sample()
         assert info["action_mask"][np.arange(50), actions].all()
         assert np.array_equal(envs.action_masks(), info["action_mask"])
         *_, info = envs.step(actions)
 
 
-@each_family
-@each_engine
+@combined(1, family=FAMILIES, engine=ENGINES)
 def test_infos_are_the_same_numbers_at_reset_and_step(family: str, engine: str) -> None:
     for mode in MODES:
         envs = make(family, engine=engine, autoreset_mode=mode)
@@ -468,9 +446,9 @@ def test_infos_are_the_same_numbers_at_reset_and_step(family: str, engine: str) 
     assert [*alone.reset(seed=1)[1]] == [*alone.step(0)[4]] == [*kinds[0]]
 
 
-@each_family
+@pytest.mark.parametrize("family", ["dry", "cornered"])
 def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
-    envs = make(family, 20, render_mode="rgb_array")
+    envs = make(family, 8, render_mode="rgb_array")
     before = envs.montage()
     envs.reset(seed=1)
     envs.action_space.seed(1)
@@ -495,7 +473,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
 # -- the tables ------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(played=st.lists(levels(), min_size=1, max_size=3), first_action=st.sampled_from([0, 1]))
 def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     played: list[Level], first_action: int
@@ -572,7 +550,7 @@ def test_levels_that_come_again_are_made_once(monkeypatch: pytest.MonkeyPatch) -
     envs = make("wet", 8, split="test", max_episode_steps=1)
     made = made_levels(monkeypatch)
     envs.reset(seed=1)
-    for _ in range(600):
+    for _ in range(200):
         envs.step(np.zeros(8, int))
     assert len(made) == len(set(made))
     assert set(made) <= set(range(30))

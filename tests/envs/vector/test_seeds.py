@@ -35,7 +35,7 @@ from babyrobot_levels.library.level import Level
 
 
 @combined(1, mode=MODES, engine=ENGINES)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(level=levels(), actions=st.sampled_from([*ACTION_SETS]), data=st.data())
 def test_each_environment_walks_as_a_single_one_with_its_seed(
     mode: AutoresetMode, engine: str, level: Level, actions: str, data: st.DataObject
@@ -54,7 +54,7 @@ def test_long_walks_of_several_levels_with_several_starts(mode: AutoresetMode, e
     ]
     envs = LevelVectorEnv(levels=played, num_envs=SIZE, engine=engine, autoreset_mode=mode)
     # Words are drawn anew many times.
-    assert_same_walks(envs, single(played), SEEDS, 1500)
+    assert_same_walks(envs, single(played), SEEDS, 400)
 
 
 @combined(1, mode=MODES, engine=ENGINES)
@@ -188,7 +188,7 @@ def test_copies_go_on_with_their_generators(mode: AutoresetMode, engine: str) ->
     walked(envs, 20, SEEDS)
     for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
         one = copy.deepcopy(envs)
-        for _ in range(100):
+        for _ in range(30):
             if mode is AutoresetMode.DISABLED and one._envs.done.any():
                 mask = one._envs.done.copy()
                 results = [each.reset(options={"reset_mask": mask}) for each in (one, again)]
@@ -226,7 +226,7 @@ def test_there_are_always_words_for_a_step() -> None:
         assert drawn == np.random.default_rng(seed).random(len(drawn)).tolist()
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     seed=st.integers(0, 2**64),
     counts=st.lists(st.just(None) | st.integers(1, 9) | st.integers(1, 2**31), max_size=300),
