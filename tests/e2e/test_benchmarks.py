@@ -85,17 +85,6 @@ def test_what_needs_numba_is_missing_without_it(monkeypatch: pytest.MonkeyPatch)
     assert "the extra `fast`" in found.missing["ours"]
 
 
-def test_a_missing_peer_is_named_and_the_others_are_measured() -> None:
-    from timing import MissingPeer, compare_in_turns
-
-    def gone() -> float:
-        raise MissingPeer("pool cannot be installed")
-
-    found = compare_in_turns("steps", {"ours": lambda: 2.0}, {"pool": gone}, 3)
-    assert (found.ours, found.peers) == ({"ours": [2.0] * 3}, {"pool": []})
-    assert found.missing == {"pool": "pool cannot be installed"}
-
-
 def test_the_page_keeps_it_all(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import run
 
@@ -153,13 +142,6 @@ def test_an_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:
     assert [line for line in text.splitlines() if line.startswith("- not run")] == [
         f"- not run: {name}" for name in run.BENCHMARKS[2:]
     ]
-
-
-def test_each_name_is_a_script_that_compares() -> None:
-    import run
-
-    for name in run.BENCHMARKS:
-        assert "\ndef compare(count: int" in (FOLDER / f"{name}.py").read_text("utf-8")
 
 
 SCRIPTS = {

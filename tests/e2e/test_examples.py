@@ -55,11 +55,6 @@ def test_value_iteration_on_data_finds_the_best_policy(tmp_path: Path) -> None:
     assert table["learned, greedy"][1] > 99.9
 
 
-def test_a_single_step_of_q_learning_finds_nothing(tmp_path: Path) -> None:
-    text = printed_by("q_learning", "--num-envs", 512, "--steps", 512, cwd=tmp_path)
-    assert re.search(r"^learned, greedy +-inf +-$", text, re.MULTILINE)
-
-
 def test_learned_values_are_shown_above_exact_ones(tmp_path: Path) -> None:
     text = printed_by("q_learning", "--num-envs", 512, "--steps", 1_000_000, cwd=tmp_path)
     table = table_of(text)
@@ -91,18 +86,6 @@ def test_where_episodes_are_cut_off_what_was_to_come_counts(
     assert offline.learn(data, 7, 1.0).max(axis=1) == pytest.approx(best[0])
     values = q_learning.q_learning(level, 64, 500, seed=1).max(axis=2)
     assert values[0] == pytest.approx(best[0], abs=0.2)
-
-
-def test_fewer_steps_than_robots_are_a_step_for_each(tmp_path: Path) -> None:
-    text = printed_by("offline", "--robots", 300, "--steps", 1, cwd=tmp_path)
-    assert text.startswith("300 steps\n")
-
-
-def test_of_a_level_that_grows_its_mazes_the_one_of_the_seed_is_learned(tmp_path: Path) -> None:
-    arguments = ["--level", "random-maze", "--seed", 5, "--steps", 300_000]
-    table = table_of(printed_by("offline", *arguments, cwd=tmp_path))
-    best = brl.solve(brl.load("random-maze").with_maze_seed(5), actions="moves")
-    assert table["optimum"] == (round(best.expected_return, 4), 100)
 
 
 def test_where_no_policy_is_better_there_are_no_shares(tmp_path: Path) -> None:

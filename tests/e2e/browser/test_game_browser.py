@@ -234,17 +234,6 @@ def test_stars_are_given_as_the_card_says(ground: Playground) -> None:
     assert ground.page.locator("#result-help").inner_text().count(MINUS) == 2
 
 
-def test_its_buttons_play_again(ground: Playground) -> None:
-    play(ground, level(size=[2, 1]))
-    result = ground.page.locator("#result")
-    for name, seed in (("Retry", "0"), ("New luck", "1")):
-        ground.press("d")
-        result.get_by_role("button", name=name).click()
-        expect(result).to_be_hidden()
-        assert (ground.state, ground.number("steps")) == (0, 0)
-        expect(ground.page.locator("#seed")).to_have_value(seed)
-
-
 @pytest.mark.parametrize(
     ("fields", "kind"),
     [
@@ -262,15 +251,6 @@ def test_an_end_is_good_or_bad_by_what_it_pays(fields: Any, kind: str, ground: P
     assert ground.kind == kind
     cheers = ground.page.locator("#robot use").get_attribute("href") == f"#pose-{CHEER}-0"
     assert cheers == (kind != "over")
-
-
-def test_a_paying_end_is_told_as_a_good_one(ground: Playground) -> None:
-    world = named("treasure-chests")
-    play(ground, world)
-    ground.press("p")
-    expect(ground.page.locator("#watch")).to_have_attribute("aria-pressed", "false")
-    assert ground.kind == "good"
-    assert "The episode ended" in ground.message
 
 
 # -- the trail ---------------------------------------------------------------------------------

@@ -24,10 +24,7 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, page_data, to_html
 
-SOME = [
-    "final-maze", "four-corners", "glasshouse", "moonlight", "random-maze", "river-crossing",
-    "side-panel", "teleport-pads",
-]  # fmt: skip
+SOME = ["final-maze", "four-corners", "glasshouse", "random-maze", "side-panel", "teleport-pads"]
 """Between them, they have all that a level can have; worlds that are drawn have the rest."""
 OWN = Level.from_fields({"version": 1, "size": [4, 3], "title": "The page's own", "theme": "print"})
 NO_LEVEL = "This link is damaged: its content is not a level."
@@ -120,14 +117,6 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     assert np.mean(difference.max(axis=2) > 64) < 0.0003
 
 
-def test_the_best_policy_is_watched(ground: Playground) -> None:
-    ground.follow(fragment_of("two-doors"))
-    ground.press("v", "b", "p")
-    expect(ground.page.locator("#values")).to_be_visible()
-    expect(ground.page.locator("#policy")).to_be_visible()
-    expect(ground.page.locator("#message")).to_have_attribute("data-kind", "exit")
-
-
 def test_a_link_without_best_moves_has_no_controls_for_them(ground: Playground) -> None:
     maze = load("maze")
     ground.follow(link_fragment(maze, maze))
@@ -135,19 +124,6 @@ def test_a_link_without_best_moves_has_no_controls_for_them(ground: Playground) 
         expect(ground.page.locator(name)).to_be_hidden()
     ground.press("p", "v", "b", "d")
     assert ground.number("steps") == 1
-
-
-def test_the_robot_has_the_levels_own_colours(ground: Playground) -> None:
-    colors = {"robot": "#123456", "puddle": "rgba(1, 2, 3, 0.5)"}
-    world = Level.from_fields({"version": 1, "theme": {"colors": colors}})
-    fills = "() => [...document.querySelectorAll('symbol *')].map((e) => e.getAttribute('fill'))"
-    ground.follow("")
-    before = set(ground.page.evaluate(fills))
-    ground.follow(link_fragment(world, world))
-    after = set(ground.page.evaluate(fills))
-    # The page's own level is grey, and so is its robot.
-    assert {"#123456", "#01020380"} <= after - before
-    assert not {"robot", "puddle"} & (before | after)
 
 
 def test_another_fragment_is_another_level(ground: Playground) -> None:
@@ -214,23 +190,6 @@ def test_a_link_that_takes_long_does_not_come_back(
     assert ground.faults == []
 
 
-def test_fragments_of_others_mean_nothing(ground: Playground) -> None:
-    ground.follow("stage")
-    assert ground.page.locator("h1").inner_text() == OWN.title
-    expect(ground.page.locator("#notice")).to_be_hidden()
-
-
-def test_links_are_read_as_they_are_pasted(ground: Playground) -> None:
-    whole = fragment_of("walls")
-    for pasted in (
-        whole.replace("~", "%7E"),
-        whole.replace("brl1", "Brl1"),
-        f"{whole[:60]}%20%0A{whole[60:]}%20",
-    ):
-        ground.follow(pasted)
-        assert ground.page.title() == load("walls").title
-
-
 def test_whatever_level_a_link_has_the_page_shows_it(ground: Playground) -> None:
     checks = [HealthCheck.too_slow]
 
@@ -253,19 +212,11 @@ LINK = fragment_of("walls")
 @pytest.mark.parametrize(
     ("fragment", "message"),
     [
-        (LINK.partition("~")[0], "This link contains only a share code"),
         (LINK[:-5], "This link is cut off: its last 5 characters are missing."),
         (LINK.partition("~")[0] + "~", "This link is cut off or damaged."),
-        (LINK.partition("~")[0] + "~1.40", "This link is cut off or damaged."),
         (LINK + "abc", "This link is damaged."),
-        (LINK[:-9] + "-" + LINK[-8:], "This link is damaged: its checksum is wrong."),
         (LINK[:-9] + "!" + LINK[-8:], "This link is damaged."),
-        (f"{CODE}~1.2.AA", "This link is damaged."),
         (f"{CODE}~1.0.", "This link is damaged."),
-        (
-            LINK.replace("brl1", "brl2"),
-            "has version 2, but this page supports version 1.",
-        ),
         (
             LINK.replace("~1.", "~31."),
             "has version 31, but this page supports versions 1 and 2.",
@@ -409,7 +360,6 @@ BILLION = 10**9
 HOSTILE: dict[str, Callable[[Any], None]] = {
     "colours that are addresses": field("url(javascript:alert(1))", "picture", "palette", 0),
     "colours of two lines": field("#123456\n", "picture", "palette", 0),
-    "robots in no colour": field(["javascript:alert(1)", "#123456"], "robot"),
     "foreign objects": shape("foreignObject", 0, 0, 0, 9, 9),
     "kinds of the language": shape("constructor", 0, 0, 0, 9, 9),
     "places that are parts": shape(0, 0, 0.5, 0, 9, 9),
@@ -438,17 +388,12 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
         [[0, 0, [[1, 0, 0, 0, 1, 1]] * 200_001]], "picture", "layers", "base"
     ),
     "a billion cells": lambda data: data.update(width=BILLION, height=1),
-    "many cells both ways": lambda data: data.update(width=16_384, height=16_384),
     "no cells": field(0, "width"),
     "cells of another size": field(4, "width"),
     "no starts": field([], "starts"),
-    "starts outside": field([9], "starts"),
-    "starts where it is over": field([8], "starts"),
     "exits outside": field([-1], "exits"),
     "too much speed": field(101, "speed"),
-    "time below nothing": field(-1, "max_steps"),
     "a margin of a mile": field(10**6, "margin"),
-    "chances that make none": field([0.2, 0, -1, 0, 0, 0], "rows", 0),
     "chances above one": field([2, 0, -1, 0, 0, 0, -1, 0, -1, 0, 0, 0], "rows", 0),
     "half an outcome": field([1, 0, -1], "rows", 0),
     "rewards without end": field([1, 0, None, 0, 0, 0], "rows", 0),
@@ -480,16 +425,11 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
         walker=None,
     ),
     "nothing that can be done": field(0, "possible", 0),
-    "a discount that grows": field(1.1, "discount"),
     "good ends in no cell": field([BILLION], "good_ends"),
     "a goal that is none": field(["x"], "goal"),
     "averages that are texts": field("<b>", "returns", "best"),
     "more quantiles than there is room for": field([0] * 102, "returns", "quantiles"),
-    "quantiles that go down": field([1, 0], "returns", "quantiles"),
-    "a policy too short": field([1], "policy"),
     "a policy of a sixth action": field(5, "policy", 0),
-    "a walker of others": field("javascript", "walker"),
-    "a seed that is none": field("-1", "seed"),
     "a title that is none": field(["x"], "title"),
     "facts that are none": field([["a"]], "facts"),
     "layers of others": field(["stage"], "shown"),

@@ -69,12 +69,6 @@ def test_the_keyboard_reaches_the_picture_first_and_then_the_controls(ground: Pl
     assert reached == ["stage", *pad, "undo", "hint", "retry", "new-luck", "watch", "show-values"]
 
 
-def test_links_name_the_picture_anew(ground: Playground) -> None:
-    ground.open(WORLD)
-    ground.page.evaluate("() => showPage({ ...OWN, title: 'Another' })")
-    expect(ground.page.get_by_role("application", name="Another")).to_have_count(1)
-
-
 # -- speech ------------------------------------------------------------------------------------
 
 

@@ -91,20 +91,6 @@ def test_a_phone_shows_all_that_is_needed(
         assert page.evaluate("() => document.documentElement.scrollWidth") == size[0]
 
 
-@pytest.mark.parametrize("size", [(1300, 900), LANDSCAPE])
-def test_the_picture_fills_the_window_that_there_is(
-    size: tuple[int, int], ground: Playground
-) -> None:
-    world = load("final-maze")
-    ground.page.set_viewport_size({"width": size[0], "height": size[1]})
-    ground.open(world, guide=guide(world))
-    left, top, right, bottom = box(ground.page.locator("#stage svg"))
-    assert 0 <= left < right <= size[0]
-    assert 0 <= top < bottom <= size[1]
-    # A picture is limited by the window's width, or by its height.
-    assert right - left > 0.58 * size[0] or bottom - top > 0.8 * size[1]
-
-
 def test_messages_move_nothing(browser: Browser, tmp_path: Path) -> None:
     with phone(browser, tmp_path, PORTRAIT) as ground:
         ground.open(WORLD, guide=guide(WORLD))
