@@ -28,9 +28,9 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 
-from babyrobot_levels.editor.front_end import served_script, style
 from babyrobot_levels.editor.protocol import answer, prepare
 from babyrobot_levels.editor.session import Session
+from babyrobot_levels.editor.state import served_script, style
 from babyrobot_levels.render.templates import static
 from babyrobot_levels.text.errors import BabyRobotError
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from functools import cache
 from math import floor
 from pathlib import Path
 from typing import Any
@@ -11,9 +13,13 @@ from babyrobot_levels.editor.forms import expanded, own_fields
 from babyrobot_levels.editor.places import places_of
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.documents import read_theme, theme_folders, theme_names
+from babyrobot_levels.language.kinds import KINDS, NEEDED, Where
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, contrast
+from babyrobot_levels.render.page import common_data, common_module
 from babyrobot_levels.render.page_format import TooLargeError
+from babyrobot_levels.render.templates import put_together
+from babyrobot_levels.text.words import listed
 
 
 def state_of(session: Session) -> dict[str, Any]:
@@ -31,7 +37,7 @@ def state_of(session: Session) -> dict[str, Any]:
     - `answers`, see `Answers.to_dict`;
     - `places`, what stands where, see `places.py`;
     - `fields`, its own fields as the file gives them, see `forms.py`;
-    - `theme` and `contrast`, how it looks, see `contrast.py`.
+    - `theme` and `contrast`, how it looks, see `contrasts`.
     """
     answers = session.answers
     level, too_large = None, None
@@ -45,6 +51,10 @@ def state_of(session: Session) -> dict[str, Any]:
     except TooLargeError as error:
         too_large = str(error)
     size = answers.level.size if answers.level is not None else (0, 0)
+    look: dict[str, Any] = {}
+    if session.level is not None:
+        theme = session.level.resolved_theme
+        look = {"theme": theme.model_dump(), "contrast": contrasts(theme)}
     return {
         "revision": session.revision,
         "text": session.text,
@@ -63,7 +73,7 @@ def state_of(session: Session) -> dict[str, Any]:
         "places": places,
         "fields": fields,
         "too_large": too_large,
-        **({} if session.level is None else look_of(session.level.resolved_theme)),
+        **look,
     }
 
 
@@ -113,11 +123,6 @@ def contrasts(theme: Theme) -> list[dict[str, Any]]:
     return found
 
 
-def themes() -> dict[str, Any]:
-    """Return the built-in themes as plain data, by their names."""
-    return {name: theme.model_dump() for name, theme in BUILTIN_THEMES.items()}
-
-
 def themes_beside(path: Path | None) -> dict[str, Any]:
     """Return the valid themes that stand beside a level's file as plain data, by their names."""
     if path is None:
@@ -128,6 +133,33 @@ def themes_beside(path: Path | None) -> dict[str, Any]:
     return {name: theme.model_dump() for name, theme in found.items() if theme is not None}
 
 
-def look_of(theme: Theme) -> dict[str, Any]:
-    """Return a theme as the editor shows it: `theme`, its colours and widths, and `contrast`."""
-    return {"theme": theme.model_dump(), "contrast": contrasts(theme)}
+# -- the front end: its script, which is an ES module, and its style sheet -----------------
+
+
+@cache
+def served_script() -> str:
+    """Return the script of the page that the server shows."""
+    return put_together("editor/static/served.js", _common())
+
+
+@cache
+def widget_script() -> str:
+    """Return the module of the widget: it exports `render`, and brings its style sheet."""
+    sheet = f"export const STYLE = {json.dumps(style())};"
+    return put_together("editor/static/widget.js", {**_common(), "editor/static/style.js": sheet})
+
+
+@cache
+def style() -> str:
+    """Return the style sheet: what the page shares of its own, and the editor's."""
+    return put_together("editor/static/editor.css")
+
+
+def _common() -> dict[str, str]:
+    kinds = {
+        "on_top": [kind.name for kind in KINDS],
+        "at_sides": [kind.name for kind in KINDS if kind.where is Where.SIDE],
+        "none_needed": listed([kind.plural for kind in NEEDED], "or"),
+    }
+    themes = {name: theme.model_dump() for name, theme in BUILTIN_THEMES.items()}
+    return common_module({**common_data(), **kinds, "themes": themes})

@@ -10,10 +10,9 @@ from typing import Any
 import anywidget
 import traitlets
 
-from babyrobot_levels.editor.front_end import widget_script
 from babyrobot_levels.editor.protocol import SLOW, answer, prepare
 from babyrobot_levels.editor.session import EditedFile, Session
-from babyrobot_levels.editor.state import state_of
+from babyrobot_levels.editor.state import state_of, widget_script
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.notebook.html import (
     SVG,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.editor.changes import cells, fields, frame, things, walls
+from babyrobot_levels.editor.changes import cells, fields, frame, walls
 from babyrobot_levels.editor.changes.draft import Draft, RefusedError
 from babyrobot_levels.editor.gestures import (
     Fill,
@@ -37,13 +37,13 @@ def change(draft: Draft, gesture: Gesture) -> None:
         case Walls():
             walls.build(draft, gesture)
         case Paint(brush=brush) if brush in _THINGS:
-            things.add_things(draft, gesture)
+            cells.add_things(draft, gesture)
         case Paint():
             cells.paint(draft, gesture)
         case Warp():
-            things.add_warp(draft, gesture)
+            cells.add_warp(draft, gesture)
         case Path():
-            things.add_mover(draft, gesture)
+            cells.add_mover(draft, gesture)
         case Move():
             fields.move_entry(draft, gesture)
         case Remove():

@@ -5,8 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError, put_exits, put_starts
-from babyrobot_levels.editor.changes.erasing import as_cell, forget_missing, lying_in
+from babyrobot_levels.editor.changes.draft import (
+    Draft,
+    RefusedError,
+    as_cell,
+    forget_missing,
+    lying_in,
+    put_exits,
+    put_starts,
+)
 from babyrobot_levels.editor.changes.shapes import Box, Entry, Run, placed
 from babyrobot_levels.editor.gestures import Resize, Wind
 from babyrobot_levels.language.base import SIDE_NAMES
