@@ -79,9 +79,14 @@ def environment(folder: Path, **more: str) -> dict[str, str]:
     }
 
 
-def babyrobot(*arguments: str, given: bytes = b"") -> Result:
-    """Run the command in this process, for the current folder."""
-    return run_here([*arguments], environment(Path.cwd()), given)
+def babyrobot(
+    *arguments: str | Path, given: bytes = b"", status: int | None = None, **variables: str
+) -> Result:
+    """Run the command in this process, for the current folder; it ends as it should."""
+    result = run_here([*map(str, arguments)], environment(Path.cwd(), **variables), given)
+    assert result.status in ((0, 1, 2) if status is None else (status,)), result
+    assert "Traceback" not in result.err
+    return result
 
 
 def run_here(arguments: list[str], variables: dict[str, str], given: bytes = b"") -> Result:
