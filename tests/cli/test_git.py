@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.sessions import environment
+from support.sessions import babyrobot, environment
 
 LEVEL = "version: 1\nsize: [2, 2]\ntheme: mine\n"
 
@@ -62,7 +62,8 @@ def repository(tmp_path: Path) -> Repository:
 
 def test_a_changed_game(repository: Repository) -> None:
     repository.write("levels/maze.yaml", LEVEL + "rewards: {exit: 5}\n")
-    assert repository.git("diff") == (
+    # From a folder of the repository, too.
+    assert repository.git("-C", "levels", "diff", "maze.yaml") == (
         "levels/maze.yaml: another MDP\n"
         "\n"
         "rewards.exit: 0 -> 5\n"
@@ -77,14 +78,6 @@ def test_a_changed_game(repository: Repository) -> None:
         "optimal return: -1 -> 4\n"
         "random return: -5 -> 0\n"
         "\n"
-    )
-
-
-def test_from_a_folder_of_the_repository(repository: Repository) -> None:
-    repository.write("levels/maze.yaml", LEVEL + "title: Two by two\n")
-    told = repository.git("-C", "levels", "diff", "maze.yaml")
-    assert told == (
-        "levels/maze.yaml: the same MDP\n\nnot part of the MDP:\n  title: none -> Two by two\n\n"
     )
 
 
@@ -109,9 +102,22 @@ def test_a_file_that_was_renamed(repository: Repository) -> None:
     assert told.endswith("not part of the MDP:\n  name: maze -> other\n\n")
 
 
-def test_a_level_that_is_not_valid_is_compared_as_text(repository: Repository) -> None:
-    repository.write("levels/maze.yaml", LEVEL.replace("2, 2", "0, 2"))
-    assert repository.git("diff") == (
+def compared(before: bytes | None, after: bytes | None) -> str:
+    """Return what git would show of two versions of a file, none where it is not there."""
+    words = ["levels/maze.yaml"]
+    for name, data in (("before", before), ("after", after)):
+        if data is not None:
+            Path(name).write_bytes(data)
+        words += [os.devnull, ".", "."] if data is None else [name, 40 * "a", "100644"]
+    result = babyrobot("diff", *words)
+    assert (result.status, result.err) == (0, "")
+    return result.out
+
+
+@pytest.mark.usefixtures("here")
+def test_a_level_that_is_not_valid_is_compared_as_text() -> None:
+    level = LEVEL.encode().replace(b"mine", b"green")
+    assert compared(level, level.replace(b"2, 2", b"0, 2")) == (
         "levels/maze.yaml: not a valid level after the change\n"
         "  after, line 2: `size[0]` must be at least 1, not `0`\n"
         "\n"
@@ -121,27 +127,21 @@ def test_a_level_that_is_not_valid_is_compared_as_text(repository: Repository) -
         " version: 1\n"
         "-size: [2, 2]\n"
         "+size: [0, 2]\n"
-        " theme: mine\n"
+        " theme: green\n"
         "\n"
     )
+    told = compared(level, b"\xff\xfe")
+    assert told == "levels/maze.yaml: the file is encoded as UTF-16\n\n"
 
 
-def test_a_file_that_comes_without_being_a_level_is_shown_as_text(repository: Repository) -> None:
-    repository.write("levels/new.yaml", "sice: 3\n")
-    repository.git("add", "--all")
-    told = repository.git("diff", "--cached")
-    assert told.startswith("levels/new.yaml: new file, not a valid level\n  after, line 1: ")
+@pytest.mark.usefixtures("here")
+def test_a_file_that_comes_without_being_a_level_is_shown_as_text() -> None:
+    told = compared(None, b"sice: 3\n")
+    assert told.startswith("levels/maze.yaml: new file, not a valid level\n  after, line 1: ")
     assert told.endswith("@@ -0,0 +1 @@\n+sice: 3\n\n")
-    repository.commit()
-    repository.git("rm", "--quiet", "levels/new.yaml")
-    told = repository.git("diff", "--cached")
-    assert told.startswith("levels/new.yaml: deleted file, not a valid level\n  before, line 1: ")
+    told = compared(b"sice: 3\n", None)
+    assert told.startswith("levels/maze.yaml: deleted file, not a valid level\n  before, line 1: ")
     assert told.endswith("@@ -1 +0,0 @@\n-sice: 3\n\n")
-
-
-def test_a_file_that_cannot_be_read(repository: Repository) -> None:
-    (repository.folder / "levels/maze.yaml").write_bytes(b"\xff\xfe")
-    assert repository.git("diff") == "levels/maze.yaml: the file is encoded as UTF-16\n\n"
 
 
 def test_a_conflict(repository: Repository) -> None:

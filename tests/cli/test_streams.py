@@ -16,9 +16,9 @@ from typing import IO, Any, cast
 import pytest
 from support.sessions import environment
 
-import babyrobot_levels.render.terminal
-from babyrobot_levels.cli import app, parallel
+from babyrobot_levels.cli import app, parallel, play
 from babyrobot_levels.parallel import processes
+from babyrobot_levels.render import terminal
 from babyrobot_levels.render.terminal import Terminal
 
 TITLE = "Größe − ✓ │ 迷路 🤖"
@@ -27,43 +27,46 @@ ASCII = {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"}
 """A system whose own encoding has few characters, as those of Windows have."""
 
 
-def sent(folder: Path, *arguments: str, **variables: str) -> bytes:
-    """Return what a command sends to a pipe, which must go well."""
-    (folder / "odd.yaml").write_text(LEVEL, encoding="utf-8")
+CALLS = """
+import sys
+from babyrobot_levels.cli.app import main
+
+for call in ("show", "preview --format svg", "preview --format html"):
+    sys.argv = ["babyrobot", *call.split(), "odd.yaml"]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code
+# Standard input may be closed.
+sys.stdin, sys.argv = None, ["babyrobot", "play", "maze"]
+main()
+"""
+
+
+def test_pipes_get_utf8_whatever_the_system_speaks(tmp_path: Path) -> None:
+    (tmp_path / "odd.yaml").write_text(LEVEL, encoding="utf-8")
     done = subprocess.run(
-        [sys.executable, "-m", "babyrobot_levels", *arguments],
-        cwd=folder,
-        env=environment(folder, **ASCII, **variables),
+        [sys.executable, "-c", CALLS],
+        cwd=tmp_path,
+        env=environment(tmp_path, **ASCII),
         capture_output=True,
+        encoding="utf-8",
         timeout=60,
         check=False,
     )
-    assert (done.returncode, done.stderr) == (0, b"")
-    return done.stdout
+    assert done.stdout.count(TITLE) >= 3
+    assert done.stderr.startswith("error: `babyrobot play` needs a terminal")
+    assert done.returncode == 2
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [
-        ["show", "odd.yaml"],
-        ["resolve", "odd.yaml"],
-        ["preview", "odd.yaml", "--format", "svg"],
-        ["preview", "odd.yaml", "--format", "html"],
-    ],
-    ids=" ".join,
+    ("asked", "encoding"), [("", "utf-8"), (":strict", "utf-8"), ("cp437",) * 2]
 )
-def test_pipes_get_utf8_whatever_the_system_speaks(tmp_path: Path, arguments: list[str]) -> None:
-    assert TITLE in sent(tmp_path, *arguments).decode("utf-8")
+def test_lines_end_in_a_line_feed_in_pipes_only(
+    asked: str, encoding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONIOENCODING", asked)
 
-
-def test_who_asks_for_an_encoding_gets_it(tmp_path: Path) -> None:
-    out = sent(tmp_path, "show", "odd.yaml", PYTHONIOENCODING="cp1252")
-    assert r"Größe \u2212 \u2713" in out.decode("cp1252")
-    out = sent(tmp_path, "show", "odd.yaml", PYTHONIOENCODING=":strict")
-    assert TITLE in out.decode("utf-8")
-
-
-def test_lines_end_in_a_line_feed_in_pipes_only(monkeypatch: pytest.MonkeyPatch) -> None:
     class Stream(io.TextIOWrapper):
         is_terminal = False
 
@@ -78,10 +81,11 @@ def test_lines_end_in_a_line_feed_in_pipes_only(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(sys, "stderr", streams[1])
     app._prepare_streams()
     for stream in streams:
-        stream.write("ö\n")
+        stream.write("ö\u2603\n")
         stream.flush()
-    pipe, terminal = (buffer.getvalue() for buffer in buffers)
-    assert (pipe, terminal) == ("ö\n".encode(), "ö\r\n".encode("cp1252"))
+    pipe, screen = (buffer.getvalue() for buffer in buffers)
+    assert pipe == "ö\u2603\n".encode(encoding, "backslashreplace")
+    assert screen == "ö\\u2603\r\n".encode("cp1252")
 
 
 def test_drawings_are_shown_though_the_stream_has_not_all_characters(
@@ -95,28 +99,15 @@ def test_drawings_are_shown_though_the_stream_has_not_all_characters(
     assert buffer.getvalue() == "Größe ? ??\n\n".encode("cp1252")
 
 
-def test_closed_input_is_no_terminal_to_play_on(tmp_path: Path) -> None:
-    code = "import sys; sys.stdin = None; from babyrobot_levels.cli.app import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", code, "play", "maze"],
-        env=environment(tmp_path),
-        capture_output=True,
-        encoding="utf-8",
-        timeout=60,
-        check=False,
-    )
-    assert done.returncode == 2
-    assert "`babyrobot play` needs a terminal" in done.stderr
-
-
 # -- consoles of Windows ---------------------------------------------------------------------
 
 
 class Console:
     """What Windows answers of a console; `knows` tells whether it is recent enough for escapes."""
 
-    def __init__(self, *, knows: bool = True, is_console: bool = True) -> None:
+    def __init__(self, typed: str = "", *, knows: bool = True, is_console: bool = True) -> None:
         self.mode, self.knows, self.is_console = 2, knows, is_console
+        self.typed = list(typed)
 
     def GetConsoleMode(self, handle: int, mode: Any) -> int:  # noqa: N802  (Windows' names)
         assert handle == 1007
@@ -129,22 +120,29 @@ class Console:
             self.mode = mode
         return int(self.knows)
 
+    def get_osfhandle(self, descriptor: int) -> int:
+        return 1000 + descriptor
 
-def terminal_of(console: Console, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """Return the module as it is where there is such a console."""
+    def kbhit(self) -> bool:
+        return bool(self.typed)
+
+    def getwch(self) -> str:
+        return self.typed.pop(0)
+
+
+def on_windows(module: ModuleType, console: Console, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """Return a module as it is where there is such a console."""
     for name in ("NO_COLOR", "FORCE_COLOR", "TERM"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(sys, "platform", "win32")
-    msvcrt = SimpleNamespace(get_osfhandle=lambda descriptor: 1000 + descriptor)
-    monkeypatch.setitem(sys.modules, "msvcrt", msvcrt)
+    monkeypatch.setitem(sys.modules, "msvcrt", console)
     monkeypatch.setattr(ctypes, "windll", SimpleNamespace(kernel32=console), raising=False)
-    path = babyrobot_levels.render.terminal.__file__
-    spec = importlib.util.spec_from_file_location("terminal_on_windows", path)
+    spec = importlib.util.spec_from_file_location("on_windows", module.__file__)
     assert spec is not None
     assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    found = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
 
 
 SCREEN = cast(IO[str], SimpleNamespace(isatty=lambda: True, fileno=lambda: 7))
@@ -152,7 +150,7 @@ SCREEN = cast(IO[str], SimpleNamespace(isatty=lambda: True, fileno=lambda: 7))
 
 def test_a_console_is_made_to_understand_escapes(monkeypatch: pytest.MonkeyPatch) -> None:
     console = Console()
-    module = terminal_of(console, monkeypatch)
+    module = on_windows(terminal, console, monkeypatch)
     assert module.wants_color(SCREEN)
     assert module.moves_cursor(SCREEN)
     assert console.mode == 2 | 1 | 4
@@ -164,7 +162,7 @@ def test_a_console_is_made_to_understand_escapes(monkeypatch: pytest.MonkeyPatch
 def test_what_does_not_understand_escapes_gets_none(
     console: Console, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = terminal_of(console, monkeypatch)
+    module = on_windows(terminal, console, monkeypatch)
     assert not module.wants_color(SCREEN)
     assert not module.moves_cursor(SCREEN)
     assert console.mode == 2
@@ -174,8 +172,22 @@ def test_a_terminal_without_a_descriptor_gets_no_escapes(monkeypatch: pytest.Mon
     def fileno() -> int:
         raise io.UnsupportedOperation("fileno")
 
-    module = terminal_of(Console(), monkeypatch)
+    module = on_windows(terminal, Console(), monkeypatch)
     assert not module.wants_color(SimpleNamespace(isatty=lambda: True, fileno=fileno))
+
+
+def test_keys_have_the_same_names_as_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    console = Console("w\xe0H\x00P\xe0M\xe0K\x00;ä")
+    with on_windows(play, console, monkeypatch).keyboard() as next_key:
+        found = [next_key(0.0) for _ in range(7)]
+        assert found == ["w", "up", "down", "right", "left", "\x00;", "ä"]
+        assert next_key(0.02) is None
+
+
+def test_an_interrupt_is_one_there_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = on_windows(play, Console("\x03"), monkeypatch)
+    with module.keyboard() as next_key, pytest.raises(KeyboardInterrupt):
+        next_key(0.0)
 
 
 # -- processes -------------------------------------------------------------------------------
