@@ -154,6 +154,8 @@ def test_a_console_is_made_to_understand_escapes(monkeypatch: pytest.MonkeyPatch
     assert module.wants_color(SCREEN)
     assert module.moves_cursor(SCREEN)
     assert console.mode == 2 | 1 | 4
+    monkeypatch.setenv("TERM", "dumb")
+    assert not module.moves_cursor(SCREEN)
 
 
 @pytest.mark.parametrize(
