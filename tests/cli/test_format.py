@@ -9,20 +9,16 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.sessions import babyrobot, environment, run_there
+from support.sessions import Result, babyrobot, environment, run_there
 from support.work import counted_calls
 
 import babyrobot_levels as brl
 from babyrobot_levels.text import files
 
+pytestmark = pytest.mark.usefixtures("here")
+
 UNTIDY = "size: [3,3]\nversion: 1 # one\n"
 TIDY = "version: 1  # one\nsize: [3, 3]\n"
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def write(name: str, text: str = UNTIDY) -> Path:
@@ -51,12 +47,6 @@ def test_looking_writes_nothing(option: str) -> None:
     assert babyrobot("format", option, "a.yaml").status == 0
 
 
-def test_both_ways_of_looking() -> None:
-    write("a.yaml")
-    result = babyrobot("format", "--check", "--diff", "a.yaml")
-    assert (result.status, result.out) == (1, babyrobot("format", "--diff", "a.yaml").out)
-
-
 def test_tidy_files_are_not_touched() -> None:
     path = write("a.yaml", TIDY)
     os.utime(path, (1, 1))
@@ -64,23 +54,16 @@ def test_tidy_files_are_not_touched() -> None:
     assert path.stat().st_mtime == 1
 
 
-def test_a_byte_order_mark_is_dropped() -> None:
-    path = write("a.yaml", "\ufeff" + TIDY)
-    assert babyrobot("format", "--check", "a.yaml").status == 1
-    assert babyrobot("format", "a.yaml").out == "1 file reformatted\n"
-    assert path.read_text() == TIDY
-    assert babyrobot("format", "-", given=("\ufeff" + TIDY).encode()).out == TIDY
-
-
 def test_line_ends_stay() -> None:
-    path = write("a.yaml", UNTIDY.replace("\n", "\r\n"))
+    # And a byte order mark goes.
+    path = write("a.yaml", "\ufeff" + UNTIDY.replace("\n", "\r\n"))
     babyrobot("format", "a.yaml")
     assert path.read_bytes() == TIDY.replace("\n", "\r\n").encode()
     assert babyrobot("format", "--check", "a.yaml").status == 0
-    done = run_there(
-        ["format", "-"], environment(Path.cwd()), UNTIDY.replace("\n", "\r\n").encode()
-    )
-    assert done.out == TIDY.replace("\n", "\r\n")
+    given = "\ufeffsize: [3,3]\r\ntitle: 迷路 🤖\r\nversion: 1\r\n".encode()
+    variables = environment(Path.cwd(), PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    done = run_there(["format", "-"], variables, given)
+    assert done == Result("version: 1\r\ntitle: 迷路 🤖\r\nsize: [3, 3]\r\n", "", 0)
 
 
 def test_what_is_left_as_it_is_is_said() -> None:
@@ -92,13 +75,6 @@ def test_what_is_left_as_it_is_is_said() -> None:
     assert result.out.endswith("\n1 file left unchanged\n")
     assert path.read_bytes() == before
     assert babyrobot("format", "--check", "a.yaml").status == 0
-
-
-@pytest.mark.parametrize("variables", [{"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}, {}])
-def test_texts_are_utf8_whatever_the_terminal_is(variables: dict[str, str]) -> None:
-    text = "version: 1\ntitle: 迷路 🤖\n"
-    result = run_there(["format", "-"], environment(Path.cwd(), **variables), text.encode())
-    assert (result.status, result.out) == (0, text)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs links and permissions")
@@ -133,7 +109,7 @@ def test_a_file_that_cannot_be_written_does_not_stop_the_others(
 
 
 def test_the_same_whatever_the_jobs() -> None:
-    names = [f"levels/{number:02}.yaml" for number in range(12)]
+    names = [f"levels/{number:02}.yaml" for number in range(7)]
     outputs = []
     for jobs in ("1", "3"):
         for number, name in enumerate(names):
@@ -141,7 +117,7 @@ def test_the_same_whatever_the_jobs() -> None:
         outputs.append(babyrobot("format", "--jobs", jobs))
         assert Path(names[5]).read_text() == "version: 1\nsize: [5, 2]\n"
     assert outputs[0] == outputs[1]
-    assert outputs[0].out.endswith("\n11 files reformatted, 1 file with errors\n")
+    assert outputs[0].out.endswith("\n6 files reformatted, 1 file with errors\n")
 
 
 # Not read, not parsed, not valid: which bytes these are is a matter of `validate`.

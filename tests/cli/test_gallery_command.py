@@ -11,36 +11,29 @@ import time
 from pathlib import Path
 
 import pytest
+from support.packs import pack_text, write_files
 from support.sessions import Result, babyrobot, environment
+
+pytestmark = pytest.mark.usefixtures("here")
 
 GOOD = "version: 1\nsize: [4, 4]\n"
 BAD = "version: 1\nsize: [4, 4]\nexit: [9, 9]\n"
-
-
-def written(name: str, text: str = GOOD) -> None:
-    path = Path(name)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
 
 
 def ids(folder: str) -> list[str]:
     return [each["id"] for each in json.loads(Path(folder, "gallery.json").read_text())["levels"]]
 
 
-@pytest.mark.usefixtures("here")
 def test_levels_of_all_kinds_become_a_gallery() -> None:
-    written("mine/a.yaml")
-    written("mine/b/a.yaml", "version: 1\nsize: [5, 5]\n")
+    write_files(Path("mine"), {"a.yaml": GOOD, "b/a.yaml": "version: 1\nsize: [5, 5]\n"})
     given = b"version: 1\nname: typed\nsize: [3, 3]\n"
     done = babyrobot("gallery", "mine", "first-key", "-", "-o", "site", given=given)
     assert done == Result("wrote 4 levels to site/index.html\n", "", 0)
     assert ids("site") == ["a", "a-2", "first-key", "typed"]
 
 
-@pytest.mark.usefixtures("here")
 def test_errors_of_files_are_reported_as_by_validate_and_nothing_is_written() -> None:
-    for number in range(3):
-        written(f"mine/{number}.yaml", BAD if number else GOOD)
+    write_files(Path("mine"), {"0.yaml": GOOD, "1.yaml": BAD, "2.yaml": BAD})
     report = babyrobot("validate", "mine").out
     done = babyrobot("gallery", "mine", "-o", "site")
     assert (done.out, done.status) == ("", 1)
@@ -56,25 +49,16 @@ def test_errors_of_files_are_reported_as_by_validate_and_nothing_is_written() ->
     assert ids("site") == ["0"]
 
 
-@pytest.mark.usefixtures("here")
-def test_the_folder_of_the_levels_is_not_replaced() -> None:
-    written("mine/a.yaml")
-    done = babyrobot("gallery", "mine", "-o", "mine", "--force")
-    assert (done.status, Path("mine/a.yaml").read_text()) == (2, GOOD)
-    assert "mine is a folder that is not a gallery" in done.err
-
-
 # A signal that arrives while pydantic serializes a union is lost now and then: pydantic drops it.
 @pytest.mark.flaky(reruns=1)
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("jobs", "number"),
     [("1", signal.SIGINT), ("2", signal.SIGINT), ("1", signal.SIGTERM), ("2", signal.SIGTERM)],
 )
 def test_ctrl_c_leaves_what_was_there(jobs: str, number: int) -> None:
     assert babyrobot("gallery", "maze", "-o", "site").status == 0
-    written("many.yaml", "version: 1\nkind: suite\ncount: 1000\nsize: [6, 6]\n")
+    Path("many.yaml").write_text("version: 1\nkind: suite\ncount: 1000\nsize: [6, 6]\n")
     call = ["gallery", "many.yaml", "-o", "site", "--jobs", jobs]
     process = subprocess.Popen(
         [sys.executable, "-m", "babyrobot_levels", *call],
@@ -92,22 +76,18 @@ def test_ctrl_c_leaves_what_was_there(jobs: str, number: int) -> None:
     assert sorted(path.name for path in Path().iterdir()) == ["many.yaml", "site"]
 
 
-@pytest.mark.usefixtures("here")
 def test_the_copies_in_a_gallery_below_are_no_levels_of_the_folder() -> None:
-    written("course/pack.yaml", "name: course\nversion: 1.0.0\ndescription: A.\n")
-    written("course/levels/a.yaml")
+    write_files(Path("course"), {"pack.yaml": pack_text("course"), "levels/a.yaml": GOOD})
     for _ in range(2):
         made = babyrobot("gallery", "course", "-o", "course/site")
         assert made.out == "wrote 1 level to course/site/index.html\n"
     assert babyrobot("lint", "course").out == "1 file checked, clean\n"
     assert "left out: site/\n" in babyrobot("pack", "course").out
     assert babyrobot("gallery", "course/site", "-o", "again").status == 0
-    written("mine/gallery.json", "{}")
-    written("mine/b/a.yaml")
+    write_files(Path("mine"), {"gallery.json": "{}", "b/a.yaml": GOOD})
     assert babyrobot("validate", "mine").out == "1 file checked, valid\n"
 
 
-@pytest.mark.usefixtures("here")
 def test_the_current_folder_is_not_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     Path("site/inside").mkdir(parents=True)
     for here, folder in (("site/inside", ".."), (".", ".")):
@@ -118,7 +98,6 @@ def test_the_current_folder_is_not_replaced(monkeypatch: pytest.MonkeyPatch) -> 
         assert Path.cwd().is_dir()
 
 
-@pytest.mark.usefixtures("here")
 def test_a_gallery_cannot_be_piped() -> None:
     done = babyrobot("gallery", "maze", "-o", "-")
     assert (done.status, done.err) == (

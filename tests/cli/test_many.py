@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from support.packs import write_files
 from support.sessions import Result, babyrobot, environment
 
 import babyrobot_levels as brl
@@ -22,11 +23,11 @@ SUITE = "version: 1\nkind: suite\nname: few\ncount: 12\nsize: [4, 4]\n"
 BAD = "version: 1\nsize: [4, 4]\nexit: [9, 9]\n"
 
 
-def written(name: str, text: str = "version: 1\nsize: [4, 4]\n") -> str:
-    path = Path(name)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
-    return name
+LEVEL = "version: 1\nsize: [4, 4]\n"
+
+
+def written(name: str, text: str = LEVEL) -> None:
+    write_files(Path(), {name: text})
 
 
 def rows(text: str) -> list[dict[str, object]]:

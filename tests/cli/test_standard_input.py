@@ -8,20 +8,10 @@ from pathlib import Path
 import pytest
 from support.sessions import Result, babyrobot, prepared_folder
 
-COMMANDS = {
-    "preview": ("preview", "-", "--values"),
-    "picture": ("preview", "-", "--format", "svg"),
-    "show": ("show", "-"),
-    "cite": ("show", "-", "--cite"),
-    "solve": ("solve", "-"),
-    "resolve": ("resolve", "-"),
-    "export": ("export", "-", "--to", "maze-map"),
-    "share": ("share", "-"),
-    "diff": ("diff", "default", "-"),
-    "diff the other way": ("diff", "-", "default"),
-    "compare": ("compare", "-", "default"),
-    "compare the other way": ("compare", "default", "-"),
-}
+COMMANDS = [
+    *("preview - --format svg", "show - --cite", "solve -", "resolve -", "export - --to maze-map"),
+    *("share -", "diff default -", "diff - default", "compare - default", "compare default -"),
+]
 LEVEL = b"version: 1\nname: piped\nsize: [4, 3]\nmaze: {seed: 4}\ntheme: green  # as it is\n"
 
 
@@ -31,27 +21,17 @@ def folder() -> Iterator[Path]:
         yield path
 
 
-@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
-def test_it_is_read_like_a_file(command: tuple[str, ...], folder: Path) -> None:
-    (folder / "piped.yaml").write_bytes(LEVEL)
-    named = babyrobot(*["piped.yaml" if word == "-" else word for word in command])
-    piped = babyrobot(*command, given=LEVEL)
-    assert piped.out == named.out.replace("piped.yaml", "<stdin>")
-    assert (piped.err, piped.status) == (named.err, named.status)
-    assert piped.out
-
-
-@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
-def test_what_is_wrong_with_it_is_told_like_that_of_a_file(
-    command: tuple[str, ...], folder: Path
-) -> None:
-    for text in (b"version: 1\nsize: [4, 0]\n", b"version: 1\nsize: [\n", b"\xff\n", b""):
+@pytest.mark.parametrize("command", COMMANDS)
+def test_it_is_read_like_a_file(command: str, folder: Path) -> None:
+    for text in (LEVEL, b"version: 1\nsize: [\n", b"\xff\n"):
         (folder / "piped.yaml").write_bytes(text)
-        named = babyrobot(*["piped.yaml" if word == "-" else word for word in command])
-        piped = babyrobot(*command, given=text)
-        assert piped == Result("", named.err.replace("piped.yaml", "<stdin>"), named.status)
-        assert piped.err.startswith(("1 error", "2 errors"))
-        assert "\n<stdin>:" in piped.err
+        words = ["piped.yaml" if word == "-" else word for word in command.split()]
+        named = babyrobot(*words)
+        piped = babyrobot(*command.split(), given=text)
+        assert piped.out == named.out.replace("piped.yaml", "<stdin>")
+        assert piped.err == named.err.replace("piped.yaml", "<stdin>")
+        assert piped.status == named.status
+        assert piped.out if text == LEVEL else "\n<stdin>:" in piped.err
 
 
 @pytest.mark.parametrize("command", ["diff", "compare"])
@@ -69,22 +49,12 @@ def test_a_file_of_that_name_has_another_one(folder: Path) -> None:
 # -- what is put out ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        ("preview", "walls"),
-        ("preview", "walls", "--format", "svg"),
-        ("export", "walls", "--to", "maze-map"),
-        ("resolve", "maze"),
-        ("schema",),
-        ("import", "lake.txt"),
-    ],
-    ids=" ".join,
-)
-def test_a_dash_is_standard_output(command: tuple[str, ...], folder: Path) -> None:
+def test_a_dash_is_standard_output(folder: Path) -> None:
     (folder / "lake.txt").write_text("SFFF\nFHFH\nFFFH\nHFFG\n", encoding="utf-8")
-    assert babyrobot(*command, "-o", "-") == babyrobot(*command)
-    assert not (folder / "-").exists()
+    for call in ("preview walls --format svg", "export walls --to maze-map", "resolve maze",
+                 "schema", "import lake.txt"):  # fmt: skip
+        assert babyrobot(*call.split(), "-o", "-") == babyrobot(*call.split())
+        assert not (folder / "-").exists()
 
 
 @pytest.mark.parametrize(

@@ -192,6 +192,32 @@ def test_an_interrupt_is_one_there_too(monkeypatch: pytest.MonkeyPatch) -> None:
         next_key(0.0)
 
 
+# -- terminals of other systems --------------------------------------------------------------
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has one kind of terminal")
+@pytest.mark.parametrize(
+    ("variables", "expected"),
+    [
+        ({"TERM": "linux", "COLORTERM": ""}, terminal.SIXTEEN),
+        ({"TERM": "xterm-256color"}, terminal.PALETTE),
+        ({"TERM": "xterm", "COLORTERM": "truecolor"}, terminal.ALL_COLORS),
+        ({"TERM": "xterm-direct"}, terminal.ALL_COLORS),
+        ({"TERM": "xterm-kitty"}, terminal.ALL_COLORS),
+        ({"TERM": "xterm-256color", "TERM_PROGRAM": "iTerm.app"}, terminal.ALL_COLORS),
+        ({"TERM": "xterm-256color", "WT_SESSION": "1"}, terminal.ALL_COLORS),
+    ],
+)
+def test_colors_are_those_that_the_terminal_knows(
+    variables: dict[str, str], expected: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("NO_COLOR", "FORCE_COLOR", "TERM", "COLORTERM", "TERM_PROGRAM", "WT_SESSION"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    assert terminal.colors_of(SCREEN) == expected
+
+
 # -- processes -------------------------------------------------------------------------------
 
 

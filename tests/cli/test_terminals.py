@@ -83,39 +83,33 @@ def plain(text: str) -> str:
     return re.sub(r"\x1b\[[0-9;]*m", "", text)
 
 
+def assert_ends_without_color(sent: str) -> None:
+    for line in sent.splitlines():
+        assert line.endswith("\x1b[0m") or "\x1b[" not in line.rpartition("\x1b[0m")[2]
+
+
 def test_a_terminal_gets_colors_and_box_characters(tmp_path: Path) -> None:
     sent, status = in_terminal(tmp_path, "preview", "final-maze")
     assert status == 0
     assert "\x1b[" in sent
     assert "┌" in sent
     assert [len(line) for line in plain(sent).splitlines()] == [33] * 11
-
-
-def test_every_colored_line_ends_without_color(tmp_path: Path) -> None:
-    for arguments in (("preview", "final-maze"), ("validate", str(FILES / "bad.yaml"))):
-        sent, _ = in_terminal(tmp_path, *arguments)
-        for line in sent.splitlines():
-            if "\x1b" in line:
-                assert line.endswith("\x1b[0m") or "\x1b[" not in line.rpartition("\x1b[0m")[2]
+    assert_ends_without_color(sent)
 
 
 def test_a_report_in_a_terminal_is_the_plain_one_in_color(tmp_path: Path) -> None:
     path = str(FILES / "bad.yaml")
     sent, status = in_terminal(tmp_path, "validate", path)
-    without, same_status = in_terminal(tmp_path, "validate", path, NO_COLOR="1")
+    without, same_status = in_terminal(tmp_path, "validate", path, NO_COLOR="1", FORCE_COLOR="1")
     assert status == same_status == 1
     assert sent != without == plain(sent)
+    assert_ends_without_color(sent)
 
 
 @pytest.mark.parametrize("variable", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
 def test_a_terminal_without_color(tmp_path: Path, variable: dict[str, Any]) -> None:
-    for arguments in (("preview", "maze"), ("validate", str(FILES / "bad.yaml")), ("list",)):
+    for arguments in (("preview", "maze"), ("list",)):
         assert "\x1b" not in in_terminal(tmp_path, *arguments, **variable)[0]
-
-
-def test_no_color_counts_more_than_force_color(tmp_path: Path) -> None:
-    sent, _ = in_terminal(tmp_path, "preview", "maze", NO_COLOR="1", FORCE_COLOR="1")
-    assert sent == load("maze").draw()
 
 
 def test_a_terminal_that_knows_no_box_characters(tmp_path: Path) -> None:
@@ -130,13 +124,7 @@ def test_a_png_is_not_thrown_at_a_terminal(tmp_path: Path) -> None:
     assert "PNG\r" not in sent
 
 
-def test_a_png_to_a_pipe(tmp_path: Path) -> None:
-    process = start(tmp_path, "preview", "maze", "--format", "png")
-    out, err = process.communicate(timeout=60)
-    assert (out[:8], err, process.returncode) == (b"\x89PNG\r\n\x1a\n", b"", 0)
-
-
-@pytest.mark.parametrize("arguments", [["list"], ["show", "large"], ["preview", "large"]], ids=str)
+@pytest.mark.parametrize("arguments", [["list"], ["preview", "large"]], ids=str)
 def test_a_reader_that_goes_early(tmp_path: Path, arguments: list[str]) -> None:
     (tmp_path / "levels").mkdir()
     level = "version: 1\nsize: [300, 300]\n"
@@ -149,7 +137,7 @@ def test_a_reader_that_goes_early(tmp_path: Path, arguments: list[str]) -> None:
         assert process.stderr.read() == b""
 
 
-@pytest.mark.parametrize("arguments", [["list"], ["--help"], ["validate"]], ids=str)
+@pytest.mark.parametrize("arguments", [["--help"], ["validate"]], ids=str)
 def test_a_reader_that_was_never_there(tmp_path: Path, arguments: list[str]) -> None:
     (tmp_path / "levels").mkdir()
     (tmp_path / "levels" / "a.yaml").write_text("version: 1\n", encoding="utf-8")
@@ -190,14 +178,7 @@ app.main()
 
 @pytest.mark.parametrize(
     "module",
-    [
-        "typer",
-        "pydantic",
-        "babyrobot_levels.cli.commands",
-        "babyrobot_levels.cli.lint",
-        "babyrobot_levels.linter.runner",
-        "numpy",
-    ],
+    ["typer", "pydantic", "babyrobot_levels.cli.commands", "babyrobot_levels.linter.runner"],
 )
 def test_an_interrupt_during_imports_ends_quietly(tmp_path: Path, module: str) -> None:
     (tmp_path / "a.yaml").write_text("version: 1\n")
@@ -212,8 +193,7 @@ def test_an_interrupt_during_imports_ends_quietly(tmp_path: Path, module: str) -
     assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("milliseconds", [0, 100, 300, 600, 1000])
+@pytest.mark.parametrize("milliseconds", [0, 300, 1000])
 def test_an_interrupt_of_several_processes_ends_quietly(tmp_path: Path, milliseconds: int) -> None:
     for number in range(300):
         (tmp_path / f"{number}.yaml").write_text(f"version: 1\nmaze: {{seed: {number}}}\n")
@@ -234,7 +214,7 @@ def test_an_interrupt_of_several_processes_ends_quietly(tmp_path: Path, millisec
     assert (process.returncode, err) == (130, b"")
 
 
-@pytest.mark.parametrize("columns", [30, 60, 80, 100, 200])
+@pytest.mark.parametrize("columns", [30, 80, 200])
 def test_the_list_fits_and_breaks_no_words(tmp_path: Path, columns: int) -> None:
     sent, _ = in_terminal(tmp_path, "list", columns=columns)
     whole = run_here(["list"], environment(tmp_path)).out
@@ -250,8 +230,7 @@ def test_the_list_fits_and_breaks_no_words(tmp_path: Path, columns: int) -> None
         assert plain(sent).startswith(whole)
 
 
-@pytest.mark.parametrize("columns", [40, 60, 200])
-@pytest.mark.parametrize("color", ["", "1"])
+@pytest.mark.parametrize(("columns", "color"), [(40, ""), (60, "1"), (200, "")])
 def test_carets_stand_under_their_words(tmp_path: Path, columns: int, color: str) -> None:
     """Lines that are cut have an ellipsis where they go on, and are whole in files and pipes."""
     title = "迷路 \t" + 20 * "tall "
@@ -268,7 +247,7 @@ def test_carets_stand_under_their_words(tmp_path: Path, columns: int, color: str
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-@pytest.mark.parametrize("arguments", [["list"], ["--help"], ["preview", "maze"]], ids=str)
+@pytest.mark.parametrize("arguments", [["--help"], ["preview", "maze"]], ids=str)
 def test_a_full_disk(tmp_path: Path, arguments: list[str]) -> None:
     with Path("/dev/full").open("wb") as full:
         process = start(tmp_path, *arguments, stdout=full)
@@ -284,8 +263,7 @@ def closed(descriptor: int) -> Callable[[], None]:
 
 
 @pytest.mark.parametrize("descriptor", [0, 1, 2])
-@pytest.mark.parametrize("arguments", [["list"], ["validate", "-"], ["preview", "nonsense"]],
-                         ids=str)  # fmt: skip
+@pytest.mark.parametrize("arguments", [["validate", "-"], ["preview", "nonsense"]], ids=str)
 def test_streams_that_are_closed(tmp_path: Path, descriptor: int, arguments: list[str]) -> None:
     process = start(tmp_path, *arguments, first=closed(descriptor))
     _, err = process.communicate(b"version: 1\n", timeout=60)
@@ -302,14 +280,8 @@ ALL, PALETTE, SIXTEEN = "\x1b[38;2;", "\x1b[38;5;", None
     ("variables", "expected"),
     [
         ({"TERM": "xterm", "COLORTERM": "truecolor"}, ALL),
-        ({"TERM": "xterm-direct"}, ALL),
-        ({"TERM": "xterm-kitty"}, ALL),
-        ({"TERM": "xterm-256color", "TERM_PROGRAM": "iTerm.app"}, ALL),
-        ({"TERM": "xterm-256color", "WT_SESSION": "1"}, ALL),
-        ({"TERM": "xterm-256color"}, PALETTE),
         ({"TERM": "screen-256color", "TERM_PROGRAM": "Apple_Terminal"}, PALETTE),
         ({"TERM": "xterm"}, SIXTEEN),
-        ({"TERM": "linux", "COLORTERM": ""}, SIXTEEN),
     ],
 )
 def test_colors_are_those_that_the_terminal_knows(
@@ -345,9 +317,7 @@ def test_values_with_things_are_in_the_picture(tmp_path: Path) -> None:
     assert "-3" in plain(sent)
 
 
-@pytest.mark.parametrize(
-    ("columns", "is_whole"), [(80, False), (120, False), (129, True), (200, True), (257, True)]
-)
+@pytest.mark.parametrize(("columns", "is_whole"), [(80, False), (129, True), (257, True)])
 def test_a_large_level_fits(tmp_path: Path, columns: int, is_whole: bool) -> None:
     text = "version: 1\nsize: [64, 64]\nmaze: {seed: 3}\nstart: [40, 30]\n"
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
@@ -374,7 +344,6 @@ def test_arrows_of_a_large_level_are_seen_in_a_part_of_it(tmp_path: Path) -> Non
     assert "S→" in plain(sent)
 
 
-@pytest.mark.slow
 def test_a_picture_that_takes_long_is_in_color_after_the_bar(tmp_path: Path) -> None:
     text = "version: 1\nsize: [90, 90]\nmaze: {seed: 1, loops: 0.5}\n"
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
@@ -385,7 +354,6 @@ def test_a_picture_that_takes_long_is_in_color_after_the_bar(tmp_path: Path) -> 
     assert "drawing" not in after
 
 
-@pytest.mark.slow
 def test_an_interrupt_while_a_picture_is_painted_leaves_no_file(tmp_path: Path) -> None:
     # It takes some seconds.
     text = "version: 1\nsize: [500, 500]\nmaze: {seed: 1}\n"
@@ -408,7 +376,6 @@ def test_an_interrupt_while_a_picture_is_painted_leaves_no_file(tmp_path: Path) 
     assert [path.name for path in tmp_path.iterdir()] == ["large.yaml"]
 
 
-@pytest.mark.slow
 def test_an_interrupt_while_a_bar_is_removed_shows_the_cursor_again() -> None:
     program = """
 import signal, time

@@ -1,4 +1,4 @@
-"""`babyrobot preview` into files: as large as asked, films of episodes, pages to play."""
+"""`babyrobot preview`: as large as asked, films of episodes, pages to play, answers."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import json
 import re
 import shlex
 import xml.etree.ElementTree as ET
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import pypdfium2 as pdfium
 import pytest
 from PIL import Image, ImageSequence
 from support.places import DOCS
-from support.sessions import Result, environment, run_here
+from support.sessions import babyrobot
 
 from babyrobot_levels.analysis.pictures import MAX_STEPS
 from babyrobot_levels.analysis.solver.optimum import solve
@@ -34,14 +35,8 @@ WITHOUT_ANSWER = (
 )
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def preview(*arguments: str) -> Result:
-    return run_here(["preview", *arguments], environment(Path.cwd()))
+pytestmark = pytest.mark.usefixtures("here")
+preview = partial(babyrobot, "preview")
 
 
 def made(*arguments: str) -> bytes:
@@ -94,12 +89,11 @@ def test_an_svg_is_shown_larger_and_is_the_same_otherwise() -> None:
     assert usual.splitlines()[1:] == twice.splitlines()[1:]
 
 
-@pytest.mark.parametrize("name", ["a.png", "a.gif"])
-@pytest.mark.parametrize("options", [("--scale", "0.5"), ("--cell", "32")])
-def test_pictures_of_pixels_are_as_large_as_asked(name: str, options: tuple[str, ...]) -> None:
+def test_pictures_of_pixels_are_as_large_as_asked() -> None:
     scene = build_scene(load("maze"))
-    with Image.open(io.BytesIO(made("maze", *options, name))) as image:
-        assert image.size == (round(scene.width / 2), round(scene.height / 2))
+    for options, name in ((("--scale", "0.5"), "a.png"), (("--cell", "32"), "a.gif")):
+        with Image.open(io.BytesIO(made("maze", *options, name))) as image:
+            assert image.size == (round(scene.width / 2), round(scene.height / 2))
 
 
 # -- films -------------------------------------------------------------------------------------
@@ -119,7 +113,7 @@ def episode(name: str, seed: int, policy: Any) -> list[Step]:
     return steps
 
 
-@pytest.mark.parametrize("options", [(), ("--policy",), ("--policy", "best"), ("--policy=best",)])
+@pytest.mark.parametrize("options", [(), ("--policy", "best")])
 def test_a_film_shows_the_best_policys_episode(options: tuple[str, ...]) -> None:
     steps = episode("puddles", 5, solve("puddles").policy.ravel())
     expected = to_gif(load("puddles"), steps)
@@ -149,7 +143,7 @@ def test_a_film_shows_values_and_coordinates() -> None:
 
 
 def test_an_episode_without_an_end_is_cut() -> None:
-    result = preview(written(ENDLESS), "--policy", "random", "--cell", "16", "-o", "walk.gif")
+    result = preview(written(ENDLESS), "--policy", "random", "--cell", "8", "-o", "walk.gif")
     assert result.status == 0
     assert result.err.startswith(
         f"the episode does not end within {MAX_STEPS} steps; the GIF shows those\nwrote "
@@ -168,11 +162,6 @@ def test_too_large_a_film_is_refused() -> None:
     assert result.status == 2
     assert "too large" in result.err
     assert not Path("walk.gif").exists()
-
-
-def test_a_film_goes_into_a_pipe() -> None:
-    data = made("maze", "walk.gif")
-    assert data[:6] == b"GIF89a"
 
 
 # -- pages -------------------------------------------------------------------------------------
@@ -227,24 +216,6 @@ def test_too_large_a_level_is_no_page() -> None:
 
 
 # -- the page on pictures ----------------------------------------------------------------------
-
-PICTURES = (DOCS / "pictures.md").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        line
-        for block in re.findall(r"^```sh\n(.*?)^```", PICTURES, re.MULTILINE | re.DOTALL)
-        for line in block.splitlines()
-    ],
-)
-def test_the_examples_of_the_docs_run(line: str) -> None:
-    program, *arguments = shlex.split(line, comments=True)
-    assert program == "babyrobot"
-    result = run_here(arguments, environment(Path.cwd()))
-    assert result.status == 0
-    assert re.fullmatch(r"(wrote \S+ \(.*\)\n)*", result.err)
 
 
 @pytest.mark.slow
@@ -315,18 +286,11 @@ def test_without_answers_the_random_policy_is_watched() -> None:
 # -- what it has written before ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "facts"),
-    [
-        ("a.png", r"198 × 198, \d.* KB"),
-        ("a.svg", r"198 × 198, \d.* KB"),
-        ("a.gif", r"198 × 198, \d.* KB"),
-        ("a.html", r"\d+ KB"),
-        ("a.txt", "98 bytes"),
-    ],
-)
-def test_a_line_says_what_was_written(name: str, facts: str) -> None:
-    assert re.fullmatch(rf"wrote {name} \({facts}\)\n", preview("default", "-o", name).err)
+def test_pictures_are_overwritten_and_a_line_says_how_large_they_are() -> None:
+    for name, facts in (("a.png", r"198 × 198, \d.* KB"), ("a.txt", "98 bytes")):
+        Path(name).write_text("before")
+        assert re.fullmatch(rf"wrote {name} \({facts}\)\n", preview("default", "-o", name).err)
+        assert Path(name).read_bytes() != b"before"
 
 
 def test_rules_stand_below_drawings_and_pictures() -> None:
@@ -359,14 +323,84 @@ def test_pictures_of_several_levels_have_names_that_every_system_allows() -> Non
     assert names == {"con-2.svg", "con-3.svg", "ready.svg", "ready-2.svg"}
 
 
-@pytest.mark.parametrize("name", ["a.svg", "a.pdf", "a.png", "a.gif", "a.html", "a.txt"])
-def test_pictures_are_overwritten(name: str) -> None:
-    Path(name).write_text("before")
-    assert made("puddles", name) != b"before"
-
-
 def test_other_files_are_not_overwritten_by_pictures() -> None:
     Path("level.yaml").write_text("version: 1\n")
     refused = preview("puddles", "--format", "svg", "-o", "level.yaml")
     assert (refused.status, Path("level.yaml").read_text()) == (2, "version: 1\n")
     assert "level.yaml already exists, and is not a picture" in refused.err
+
+
+# -- answers -----------------------------------------------------------------------------------
+
+
+def texts(svg: str) -> list[str]:
+    return [
+        element.text or ""
+        for element in ET.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")
+    ]
+
+
+def test_a_picture_says_what_the_cells_are_worth() -> None:
+    done = babyrobot("preview", "frozen-lake", "--values", "--format", "svg")
+    assert done.status == 0
+    solution = solve("frozen-lake")
+    worth = solution.values[solution.policy >= 0]
+    shown = [f"{value:.2f}" for value in worth]
+    legend = [f"{worth.min():.2f}", f"{worth.max():.2f}"]
+    assert sorted(texts(done.out)) == sorted([*shown, *legend, "START", "EXIT"])
+
+
+def test_a_picture_shows_policy_and_values_only_as_asked() -> None:
+    def picture(*options: str) -> str:
+        return babyrobot("preview", "frozen-lake", "--format", "svg", *options).out
+
+    arrows = f'stroke="{load("frozen-lake").resolved_theme.colors.arrows}"'
+    assert arrows not in picture("--values")
+    assert arrows in picture("--policy")
+    assert sorted(texts(picture("--policy"))) == ["EXIT", "START"]
+    assert arrows in picture("--values", "--policy")
+    assert "0.82" in texts(picture("--values", "--policy"))
+
+
+def test_a_random_maze_is_solved_as_it_is_shown() -> None:
+    call = ("preview", "random-maze", "--maze-seed", "7", "--values", "--format", "svg")
+    level = load("random-maze").with_maze_seed(7)
+    shown = texts(babyrobot(*call).out)
+    assert f"{solve(level).expected_return:g}" in shown
+
+
+def test_what_pays_for_ever_is_shown() -> None:
+    name = written(HEAD + "areas: [{at: [0, 0], reward: 2}]\n")
+    told = babyrobot("preview", name, "--values", "--policy")
+    assert (told.status, told.err) == (0, "")
+    assert told.out.splitlines()[-1].split() == ["inf", "inf", "0.00"]
+    picture = babyrobot("preview", name, "--values", "--policy", "--format", "svg")
+    assert picture.status == 0
+    # The sign of infinity is drawn, so the legend alone has a number.
+    assert sorted(texts(picture.out)) == ["0", "EXIT", "START"]
+
+
+def test_an_unbounded_return_names_its_rule_and_cells() -> None:
+    name = written(HEAD + "areas: [{at: [0, 0], reward: 2}]\n")
+    done = babyrobot("solve", name)
+    assert (done.status, "expected return: inf" in done.out) == (0, True)
+    assert "around [0, 0], where rewards add up without bound (rule BR504" in done.err
+    assert babyrobot("solve", name, "--discount", "0.9").err == ""
+    assert babyrobot("solve", name, "--format", "json").err == ""
+
+
+@pytest.mark.parametrize("command", ["preview --values", "preview --policy --format svg", "solve"])
+def test_a_level_without_an_answer_says_why(command: str) -> None:
+    name, *options = command.split()
+    done = babyrobot(name, written(WITHOUT_ANSWER), *options)
+    assert (done.status, done.out) == (1, "")
+    assert "a discount below 1" in done.err
+    assert len(done.err.splitlines()) == 1
+
+
+def test_values_of_wide_levels_are_left_to_pictures() -> None:
+    name = written("version: 1\nsize: [17, 1]\n")
+    done = babyrobot("preview", name, "--values")
+    assert (done.status, done.out) == (0, load(name).draw())
+    assert "16 columns" in done.err
+    assert "-15" in texts(babyrobot("preview", name, "--values", "--format", "svg").out)
