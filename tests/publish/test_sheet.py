@@ -14,11 +14,10 @@ import pypdfium2 as pdfium
 import pytest
 from playwright.sync_api import Page
 from support.markup import Reader
+from support.scenes import bounds
 
 import babyrobot_levels as brl
-from babyrobot_levels.render.pdf import width_of
-from babyrobot_levels.render.scene.shapes import Ellipse, Rect, Scene, Text
-from babyrobot_levels.render.scene.shapes import Path as Line
+from babyrobot_levels.render.scene.shapes import Scene, Text
 
 NAMES = [
     "final-maze",
@@ -45,28 +44,6 @@ def texts(sheet: brl.Sheet) -> list[str]:
 
 def lines(page: Scene) -> Iterator[Text]:
     return (shape for shape in page.shapes if isinstance(shape, Text))
-
-
-def bounds(page: Scene) -> tuple[float, float, float, float]:
-    """Return the left, upper, right and lower end of what is painted."""
-    xs, ys = [], []
-    for shape in page.shapes:
-        match shape:
-            case Rect():
-                xs += [shape.x, shape.x + shape.width]
-                ys += [shape.y, shape.y + shape.height]
-            case Ellipse():
-                xs += [shape.x - shape.rx, shape.x + shape.rx]
-                ys += [shape.y - shape.ry, shape.y + shape.ry]
-            case Line():
-                xs += [number for _, at in shape.commands for number in at[::2]]
-                ys += [number for _, at in shape.commands for number in at[1::2]]
-            case Text():
-                width = width_of(shape.text, shape.size, bold=shape.bold)
-                left = shape.x - {"start": 0, "middle": width / 2, "end": width}[shape.anchor]
-                xs += [left, left + width]
-                ys += [shape.y - shape.size, shape.y + 0.25 * shape.size]
-    return min(xs), min(ys), max(xs), max(ys)
 
 
 # -- what stands on the pages ----------------------------------------------------------------
@@ -106,8 +83,9 @@ def test_nothing_leaves_the_page(per_page: int, paper: str, landscape: bool) -> 
     sheet = brl.sheet(levels, per_page=per_page, paper=paper, landscape=landscape, grids=2)
     for page in sheet.pages:
         assert (page.width > page.height) == landscape
-        left, top, right, bottom = bounds(page)
-        assert min(left, top, page.width - right, page.height - bottom) > 40
+        lefts, tops, rights, bottoms = zip(*map(bounds, page.shapes), strict=True)
+        room = page.width - max(rights), page.height - max(bottoms)
+        assert min(*lefts, *tops, *room) > 40
 
 
 @pytest.mark.slow
@@ -182,7 +160,7 @@ def test_many_rules_stand_on_a_page_of_their_own_and_none_is_lost() -> None:
             assert f"{rule} (level {number})" in behind
     assert "…" not in behind
     for page in sheet.pages:
-        assert page.height - bounds(page)[3] > 40
+        assert page.height - max(bounds(shape)[3] for shape in page.shapes) > 40
 
 
 # -- answers ---------------------------------------------------------------------------------
@@ -348,8 +326,9 @@ def test_titles_are_texts_whatever_they_say(title: str) -> None:
     found = Reader(sheet.to_html()).elements
     assert [tag for tag, _ in found].count("svg") == 1
     assert "script" not in {tag for tag, _ in found}
-    left, _, right, _ = bounds(sheet.pages[0])
-    assert min(left, sheet.pages[0].width - right) > 40
+    (page,) = sheet.pages
+    for left, _, right, _ in map(bounds, page.shapes):
+        assert min(left, page.width - right) > 40
 
 
 @pytest.mark.parametrize(

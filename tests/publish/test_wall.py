@@ -52,15 +52,9 @@ def wall(facts: list[Facts], **options: Any) -> Page:
     return Page(wall_of(facts, **options))
 
 
-def wall_of(
-    facts: list[Facts],
-    *,
-    title: str = "Levels",
-    answers: bool = True,
-    key: bool = False,
-    home: str | None = None,
-) -> str:
-    return wall_html(facts, title=title, answers=answers, key=key, home=home)
+def wall_of(facts: list[Facts], **options: Any) -> str:
+    plain: Any = {"title": "Levels", "answers": True, "key": False, "home": None}
+    return wall_html(facts, **plain | options)
 
 
 def test_each_tile_is_a_link_with_a_picture_that_is_loaded_late() -> None:

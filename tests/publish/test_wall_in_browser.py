@@ -229,14 +229,6 @@ def test_films_are_loaded_only_where_the_pointer_or_the_focus_is(wall: Wall) -> 
     assert [each.split("/")[-2] for each in wall.films()] == ["garden", "key"]
 
 
-def test_pictures_far_below_are_not_loaded(page: Page, tmp_path: Path) -> None:
-    address = written(tmp_path, [facts_of_wall(f"level-{number}") for number in range(500)])
-    wall = opened(page, address)
-    page.wait_for_timeout(300)
-    pictures = [each for each in wall.requests if each.endswith("tile.png")]
-    assert 0 < len(pictures) < 200
-
-
 def test_no_film_plays_where_the_visitor_wants_less_motion(browser: Browser, gallery: str) -> None:
     context = browser.new_context(reduced_motion="reduce")
     wall = opened(context.new_page(), gallery)

@@ -8,13 +8,14 @@ from itertools import combinations
 from typing import Any
 
 import pytest
+from support.scenes import bounds
 from support.worlds import level
 
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_layers, build_scene, overlay_shapes
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, Note, Overlay, layout_of
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import short
 from babyrobot_levels.render.situation import Pose
 
@@ -24,24 +25,6 @@ MARGIN = 3
 
 def corner(x: float, y: float) -> tuple[float, float]:
     return MARGIN + CELL * x, MARGIN + CELL * y
-
-
-def bounds(shape: Shape) -> tuple[float, float, float, float]:
-    match shape:
-        case Rect():
-            return shape.x, shape.y, shape.x + shape.width, shape.y + shape.height
-        case Ellipse():
-            x, y, rx, ry = shape.x, shape.y, shape.rx, shape.ry
-            return x - rx, y - ry, x + rx, y + ry
-        case Path():
-            points = [point for line, _ in polylines(shape.commands) for point in line]
-            half = shape.width / 2 if shape.stroke else 0
-            xs, ys = [x for x, _ in points], [y for _, y in points]
-            return min(xs) - half, min(ys) - half, max(xs) + half, max(ys) + half
-        case Text():
-            width = 0.7 * shape.size * len(shape.text)
-            left = shape.x - {"start": 0, "middle": width / 2, "end": width}[shape.anchor]
-            return left, shape.y - shape.size, left + width, shape.y
 
 
 def strokes(world: Any, color: str) -> Iterator[Path]:
@@ -277,14 +260,9 @@ def touch(a: Box, b: Box) -> bool:
     [
         (0, "0"),
         (-0.001, "0"),
-        (-13.0, "-13"),
-        (0.5, "0.5"),
         (-36.5833, "-36.58"),
-        (999.994, "999.99"),
         (999.996, "1000"),
-        (-12345.6, "-12345.6"),
         (99_999.7, "100k"),
-        (923_000.0, "923k"),
         (999_999.0, "1M"),
         (-1.25e12, "-1.25T"),
         (3e17, "3e17"),

@@ -28,42 +28,16 @@ SVG = "{http://www.w3.org/2000/svg}"
             "On the grid: 3 small puddles and 2 large puddles.",
         ),
         (
-            "frozen-lake",
-            "A grid of 4 columns and 4 rows. The robot is at [0, 0], with walls to the north and "
-            "west. The exit is 3 columns east and 3 rows south. The episode also ends in 4 holes.",
-        ),
-        (
             "treasure-chests",
             "A grid of 7 columns and 5 rows. The robot is at [0, 4], with walls to the south and "
             "west. There is no exit. The episode ends in the gold at [6, 0], the silver at [2, 2] "
             "and the pit at [5, 2].",
         ),
         (
-            "first-key",
-            "A grid of 5 columns and 3 rows. The robot is at [2, 1], with a closed door to the "
-            "east and a wall to the west. The exit is 2 columns east. "
-            "On the grid: the key at [0, 0] and 1 closed door.",
-        ),
-        (
-            "gridworld-4-1",
-            "A grid of 4 columns and 4 rows. The robot is at [1, 0], with a wall to the north. "
-            "The nearest of 2 exits is 1 column west.",
-        ),
-        (
-            "three-gems",
-            "A grid of 7 columns and 7 rows. The robot is at [3, 3], with no wall around it. "
-            "The locked exit is 3 rows south. On the grid: 3 gems and 1 coin.",
-        ),
-        (
             "shell-game",
             "A grid of 7 columns and 4 rows. The robot is at [3, 3], with a wall to the south. "
             "The exit is in one of 3 cells, the nearest 3 rows north. "
             "On the grid: 2 closed doors and 1 switch.",
-        ),
-        (
-            "gridworld-3-5",
-            "A grid of 5 columns and 5 rows. The robot is at [2, 2], with no wall around it. "
-            "There is no exit. On the grid: 2 warps and the areas A, A', B and B'.",
         ),
     ],
 )

@@ -13,7 +13,6 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render import frames
 from babyrobot_levels.render.frames import FramePainter, default_image_size
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.situation import Mood, Pose
 
@@ -39,17 +38,6 @@ def test_only_the_cells_of_the_robot_differ(size: tuple[int, int], grayscale: bo
         assert changed[rows, columns].mean() > 0.15
         changed[rows, columns] = False
     assert not changed.any()
-
-
-@pytest.mark.parametrize("size", [None, (80, 64)])
-def test_a_frame_is_what_painting_everything_gives(size: tuple[int, int] | None) -> None:
-    painter = FramePainter(WORLD, size)
-    for state in (0, 6, 9, 13, 19):
-        scene = build_scene(WORLD, state=state, cells_only=size is not None)
-        expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
-        difference = np.abs(painter.frame(state) - expected)
-        assert difference.mean() < 0.05
-        assert (difference > 24).mean() < 0.001
 
 
 POSES = [

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
-from babyrobot_levels.render.colors import BLACK, WHITE, contrast, rgba, rim_on
+from babyrobot_levels.render.colors import BLACK, contrast, rgba
 from babyrobot_levels.render.scene.heat import STEPS, count_scale, scale_of
 
 THEMES = sorted(BUILTIN_THEMES)
@@ -52,15 +52,6 @@ def test_a_sign_that_is_rounding_is_none() -> None:
 
 
 @pytest.mark.parametrize("theme", THEMES)
-def test_every_number_is_readable_in_its_ink(theme: str) -> None:
-    for values in ([0.0, 1.0], [-1.0, 1.0]):
-        scale = scale_of(values, colors_of(theme))
-        numbers = [-1 + step / STEPS for step in range(2 * STEPS + 1)]
-        for value in (*numbers, math.inf, -math.inf):
-            assert contrast(rim_on([scale.color(value)]), scale.color(value)) >= 4.5
-
-
-@pytest.mark.parametrize("theme", THEMES)
 def test_infinite_values_have_colours_of_their_own(theme: str) -> None:
     for values in ([0.0, 1.0], [-1.0, 1.0]):
         scale = scale_of([*values, math.inf, -math.inf], colors_of(theme))
@@ -74,12 +65,6 @@ def test_a_theme_of_greys_has_greys() -> None:
         scale = scale_of(values, colors_of("print"))
         for color in (*scale.colors, scale.below, scale.above):
             assert len({*rgba(color)[:3]}) == 1
-
-
-def test_colours_are_light_where_walls_are_dark() -> None:
-    for theme, wall in (("default", BLACK), ("high_contrast", WHITE), ("print", BLACK)):
-        scale = scale_of([0.0, 1.0], colors_of(theme))
-        assert all(contrast(color, wall) > 3 for color in scale.colors)
 
 
 def test_equal_numbers_have_a_colour_too() -> None:

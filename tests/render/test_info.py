@@ -80,13 +80,9 @@ def test_values_of_the_moves_alone_are_values_of_actions_without_stay() -> None:
         ("values", np.zeros(6), r"\(6,\).* must be \(2, 3\); reshape it with `.reshape\(2, 3\)`"),
         ("values", np.zeros((2, 3, 5)), r"use `action_values` for values of actions"),
         ("values", [[1, 2, 3], [4, 5]], r"has the shape \(2,\)"),
-        ("values", 7.0, r"has the shape \(\)"),
         ("values", [["a", 1, 2], [3, 4, 5]], "`values` must be numbers, not 'a'"),
         ("values", [[10**400, 1, 2], [3, 4, 5]], "`values` must be numbers"),
-        ("visits", np.zeros((2, 2)), r"`visits` has the shape \(2, 2\)"),
         ("action_values", np.zeros((2, 3, 3)), r"\(2, 3, 3\).* be \(2, 3, 5\) or \(2, 3, 4\)$"),
-        ("action_values", np.zeros((6, 4)), r"reshape it with `.reshape\(2, 3, 4\)`"),
-        ("policy", np.zeros((3, 2), int), r"`policy` has the shape \(3, 2\)"),
         ("policy", np.zeros((2, 3, 7)), r"`policy` has the shape \(2, 3, 7\)"),
     ],
 )
@@ -109,16 +105,11 @@ def test_precision_is_a_small_number(precision: Any) -> None:
     ("told", "expected"),
     [
         (2, (E,)),
-        (2.0, (E,)),
-        (E, (E,)),
         (-1, ()),
-        (None, ()),
         (math.nan, ()),
         ("N", (N,)),
         ("s", (S,)),
         ("south", (S,)),
-        ("stay", (STAY,)),
-        ([], ()),
         ([4, 1], (N, W)),
         ({N, "west"}, (N, W)),
     ],
@@ -198,7 +189,6 @@ def test_texts_have_their_places_and_perhaps_colours() -> None:
     ("told", "message"),
     [
         ([((3, 0), "off")], r"'off' is at \[3, 0\], which is not on the level"),
-        ([((0, -1), "off")], "not on the level"),
         ([((math.nan, 0), "off")], "not on the level"),
         ([((0, 0), "a", "reddish")], "invalid CSS colour: 'reddish'"),
         ([((0, 0), "a", "red\n")], "colour"),
@@ -206,7 +196,6 @@ def test_texts_have_their_places_and_perhaps_colours() -> None:
         ([(0, 0, "a")], r"expected \(\(x, y\), text\)"),
         ("hello", r"expected \(\(x, y\), text\)"),
         (np.zeros((2, 3)), "use `values` for an array of numbers"),
-        (7, "`text` must be a list, not 7"),
     ],
 )
 def test_texts_that_are_none_are_refused(told: Any, message: str) -> None:
@@ -234,13 +223,10 @@ def test_a_mapping_is_refused_where_texts_are_expected(key: str) -> None:
     ("key", "hint"),
     [
         ("value", "did you mean `values`"),
-        ("Policy", "did you mean `policy`"),
         ("sidepanel", "did you mean `side_panel`"),
         ("coords", "use `coordinates`"),
-        ("directions", "use `policy`"),
         ("side_info", "use `side_panel`"),
         ("xyzzy", "the keys are values, policy"),
-        (7, "the keys are values, policy"),
     ],
 )
 def test_unknown_keys_are_told_of_known_ones(key: Any, hint: str) -> None:

@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 from support.each import for_each
+from support.scenes import bounds
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.raster import polylines, to_rgb
+from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Ellipse, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import Rect, Scene
 from babyrobot_levels.render.situation import Mood, Pose, pose_of
 
 POSES = [Pose(facing, mood) for mood in Mood for facing in Action]
@@ -32,20 +33,6 @@ def painted(pose: Pose, side: int, theme: Theme | None = None) -> Pixels:
     ground = Rect(0, 0, CELL, CELL, theme.colors.base)
     scene = Scene(CELL, CELL, (ground, *robot_shapes(theme, 0, 0, pose)))
     return to_rgb(scene, (side, side)).astype(np.int64)
-
-
-def reach(shape: Shape) -> tuple[float, float]:
-    """Return the least and the largest coordinate."""
-    assert not isinstance(shape, Text)
-    if isinstance(shape, Rect):
-        places = [shape.x, shape.y, shape.x + shape.width, shape.y + shape.height]
-    elif isinstance(shape, Ellipse):
-        places = [shape.x - shape.rx, shape.x + shape.rx, shape.y - shape.ry, shape.y + shape.ry]
-    else:
-        half = shape.width / 2 if shape.stroke else 0
-        points = [point for line, _ in polylines(shape.commands) for point in line]
-        places = [place + sign * half for point in points for place in point for sign in (-1, 1)]
-    return min(places), max(places)
 
 
 # -- the rule ------------------------------------------------------------------------------
@@ -93,9 +80,8 @@ def test_states_of_numpy_are_states() -> None:
 @for_each("pose", POSES)
 def test_he_never_leaves_his_cell(pose: Pose, phase: float) -> None:
     for shape in robot_shapes(Theme(), 0, 0, Pose(pose.facing, pose.mood, phase)):
-        least, largest = reach(shape)
-        assert least >= 1, shape
-        assert largest <= CELL - 1, shape
+        assert min(bounds(shape)) >= 1, shape
+        assert max(bounds(shape)) <= CELL - 1, shape
 
 
 @pytest.mark.parametrize(("side", "pixels"), [(64, 80), (16, 8)])

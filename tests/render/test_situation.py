@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 from support.scenes import VAULT
 
-from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.events import hits_of
 from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.colors import contrast
-from babyrobot_levels.render.raster import polylines, to_rgb
+from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL, Overlay
@@ -46,19 +44,6 @@ def added(world: Any, plain: Any) -> list[Shape]:
 
 
 # -- glass ---------------------------------------------------------------------------------
-
-
-def test_glass_says_how_often_it_lets_the_robot_through_once_for_each_stretch() -> None:
-    walls = [
-        {"at": [0, 0], "side": "E", "length": 3, "pass": 0.3},
-        {"at": [0, 3], "side": "E", "pass": 0.8},
-        {"at": [3, 2], "side": "S", "pass": 1},
-    ]
-    found = texts(level(walls=walls))
-    assert set(found) == {"30%", "80%", "100%"}
-    assert found["30%"] == pytest.approx((1, 1.5), abs=0.1)
-    assert found["80%"] == pytest.approx((1, 3.5), abs=0.1)
-    assert found["100%"] == pytest.approx((3.5, 3), abs=0.1)
 
 
 @pytest.mark.parametrize(("chance", "text"), [(0.004, "<1%"), (0.996, ">99%"), (1 / 3, "33%")])
@@ -186,17 +171,6 @@ def test_glints_tell_the_chance_to_skid_coarsely() -> None:
     }
 
 
-@pytest.mark.parametrize("cell", [8, 16, 64])
-def test_a_slippery_level_looks_unlike_a_dry_one_at_any_size(cell: int) -> None:
-    wet, dry = (
-        to_rgb(build_scene(load(name), cells_only=True), (4 * cell, 4 * cell)).astype(int)
-        for name in ("frozen-lake", "frozen-lake-dry")
-    )
-    difference = np.abs(wet - dry).max(axis=2).reshape(4, cell, 4, cell).max(axis=(1, 3))
-    slippery = effects_of(load("frozen-lake")).skids
-    assert {(x, y) for y, x in np.argwhere(difference > 20)} == set(slippery)
-
-
 def test_wind_is_not_shown_where_the_robot_is_not_left_to_it() -> None:
     fields = {
         "wind": {"north": [1] * 5, "east": [0, 0, 2, 0, 0]},
@@ -256,19 +230,6 @@ def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
     ]
     assert points
     assert not [(x, y) for x, y in points if 24 < x < 40 and 24 < y < 40]
-
-
-def test_glints_give_way_to_values_of_actions() -> None:
-    def glints(overlay: Overlay | None) -> bool:
-        wet, dry = (level(**fields) for fields in ({"skid": 0.6}, {}))
-        return (
-            build_scene(wet, overlay=overlay, robot=False).shapes
-            != build_scene(dry, overlay=overlay, robot=False).shapes
-        )
-
-    assert glints(None)
-    assert glints(Overlay(actions=[[(Action.EAST,)] * 5] * 5))
-    assert not glints(Overlay(action_values=[[(None, 1.0, 2.0, 3.0, 4.0)] * 5] * 5))
 
 
 # -- warps ---------------------------------------------------------------------------------

@@ -54,50 +54,6 @@ EXPECTED = {
 └───────┴───┘
 """,
     ),
-    "loose ends": (
-        """\
-+---+---+---+---+
-| S             |
-+   +---+   +   +
-|           |   |
-+   +   +   +   +
-|   |           |
-+   +   +---+   +
-|             E |
-+---+---+---+---+
-""",
-        """\
-┌───────────────┐
-│ S             │
-│   ╶───╴   ╷   │
-│           │   │
-│   ╷   ·   ╵   │
-│   │           │
-│   ╵   ╶───╴   │
-│             E │
-└───────────────┘
-""",
-    ),
-    "corners": (
-        """\
-+---+---+---+
-| S         |
-+   +---+   +
-|   |   |   |
-+   +---+   +
-|         E |
-+---+---+---+
-""",
-        """\
-┌───────────┐
-│ S         │
-│   ┌───┐   │
-│   │   │   │
-│   └───┘   │
-│         E │
-└───────────┘
-""",
-    ),
     "glass": (
         """\
 +---+---+---+
@@ -195,19 +151,6 @@ def test_columns_line_up_with_the_language_s_drawing(
                 assert character in "─│"
 
 
-# -- the robot -----------------------------------------------------------------------------
-
-
-def test_the_robot_stands_in_its_cell_and_changes_nothing_else() -> None:
-    world = level(size=[4, 3], maze={"seed": 5})
-    without, with_robot = picture(world), picture(world, state=6)
-    changed = [
-        i for i, pair in enumerate(zip(without, with_robot, strict=True)) if len({*pair}) > 1
-    ]
-    assert changed == [3 * 18 + 2 + 4 * 2]
-    assert with_robot[changed[0]] == "☻"
-
-
 # -- colours -------------------------------------------------------------------------------
 
 COLORFUL = level(
@@ -225,25 +168,6 @@ def test_colours_change_no_character_and_end_with_the_line() -> None:
     for line in painted.split("\n")[:-1]:
         assert line.endswith("\x1b[0m")
         assert line.startswith("\x1b[38;2;")
-
-
-def test_colours_are_the_theme_s() -> None:
-    rows = []
-    for line in picture(COLORFUL, color=True).split("\n")[:-1]:
-        ground, row = "", []
-        for sent, character in re.findall(r"\x1b\[([\d;]*)m|(.)", line):
-            ground = ";".join(sent.split(";")[-3:]) if sent else ground
-            row += [ground] if character else []
-        rows.append(row)
-    orange, red, green = "255;165;0", "198;20;20", "0;114;0"
-    plum, water = "221;160;221", "31;99;176"
-    assert rows[1][2::4] == [red, orange, orange, orange]
-    assert rows[3][2::4] == [plum, water, water, orange]
-    assert rows[5][2::4] == [plum, orange, orange, green]
-    # Between the cells of an area goes the area's colour on, around it does not.
-    assert rows[4][2] == plum
-    assert rows[3][4] == rows[4][4] == rows[2][2] == orange
-    assert rows[3][8] == water
 
 
 # -- values and policies in colour ---------------------------------------------------------
@@ -411,22 +335,6 @@ def test_blocks_are_the_cells_and_walls_in_their_colours() -> None:
 
 
 # -- things ----------------------------------------------------------------------------------------
-
-
-def test_the_level_as_a_whole_in_unicode() -> None:
-    assert "\n".join([*TextPainter(VAULT).lines(None, held=False), ""]) == (
-        "┌───────────────────┬───────┐\n"
-        "│ S           ¢     │     Ω │\n"
-        "│   ·   ·   ·   ·   │   ·   │\n"
-        "│                   │ ♦     │\n"
-        "│   ·   ·   ·   ·   ╵   ·   │\n"
-        "│         0   1     ┃       │\n"
-        "├───╴━━━╶───────╴   ╷   ·   │\n"
-        "│                   │ ♦ : X │\n"
-        "│   ·   ·   ·   ·   │   ·   │\n"
-        "│ ♀       Ω         │     X │\n"
-        "└───────────────────┴───────┘\n"
-    )
 
 
 @pytest.mark.parametrize(

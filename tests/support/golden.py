@@ -24,6 +24,10 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape
 from babyrobot_levels.render.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
+from babyrobot_levels.render.terminal import ALL_COLORS
+from babyrobot_levels.render.text import TextPainter
+from babyrobot_levels.render.words.describe import goal_of
+from babyrobot_levels.render.words.rules import rules_of
 from support.places import TESTS
 
 FOLDER = TESTS / "render" / "golden"
@@ -89,11 +93,13 @@ def svg(name: str) -> str:
 
 
 def gallery() -> str:
-    """Return the digests of the pictures of all levels of the gallery, a line for each."""
+    """Return digests of all levels of the gallery: of picture, rules and goal, and drawing."""
     lines = []
     for info in levels():
         level = load(info.name)
         level = level.with_maze_seed(0) if level.has_random_maze else level
-        digest = hashlib.sha256(to_svg(build_scene(level)).encode()).hexdigest()
-        lines.append(f"{digest[:16]} {info.name}\n")
+        drawn = TextPainter(level).lines(None, colors=ALL_COLORS)
+        told = (to_svg(build_scene(level)), f"{rules_of(level)} {goal_of(level)}", f"{drawn}")
+        digests = [hashlib.sha256(text.encode()).hexdigest()[:12] for text in told]
+        lines.append(f"{' '.join(digests)} {info.name}\n")
     return "".join(lines)

@@ -6,9 +6,11 @@ from dataclasses import replace
 from typing import Any
 
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.render.pdf import width_of
+from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import Overlay, layout_of
-from babyrobot_levels.render.scene.shapes import Scene
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
 from support.golden import FOLDER
 from support.worlds import level
 
@@ -23,6 +25,25 @@ CORRIDOR = level(
     exit="none",
     hit={"ends": False},
 )
+
+
+def bounds(shape: Shape) -> tuple[float, float, float, float]:
+    """Return the left, upper, right and lower end of a shape."""
+    match shape:
+        case Rect():
+            return shape.x, shape.y, shape.x + shape.width, shape.y + shape.height
+        case Ellipse():
+            x, y, rx, ry = shape.x, shape.y, shape.rx, shape.ry
+            return x - rx, y - ry, x + rx, y + ry
+        case Path():
+            points = [point for line, _ in polylines(shape.commands) for point in line]
+            half = shape.width / 2 if shape.stroke else 0
+            xs, ys = [x for x, _ in points], [y for _, y in points]
+            return min(xs) - half, min(ys) - half, max(xs) + half, max(ys) + half
+        case Text():
+            width = width_of(shape.text, shape.size, bold=shape.bold)
+            left = shape.x - {"start": 0, "middle": width / 2, "end": width}[shape.anchor]
+            return left, shape.y - shape.size, left + width, shape.y + 0.25 * shape.size
 
 
 def without_legend(

@@ -5,10 +5,8 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from itertools import pairwise
 
-import numpy as np
 import pytest
 from support.canvases import Sent
-from support.vault import vault
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.looks import Theme
@@ -188,35 +186,6 @@ def test_what_was_painted_bit_by_bit_is_the_picture(sent: Sent) -> None:
     view.set_overlay(None)
     clean = LayeredCanvas(build_layers(other, state=7, pose=EAST)).widget
     assert sent.seen_on(view.widget) == sent.seen_on(clean) != sent.seen_on(whole)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("actions", ["all", "turns"])
-def test_an_episode_with_things_is_painted_as_the_picture(
-    actions: str, watched: Clock, sent: Sent
-) -> None:
-    level = vault()
-    mdp = level.compile()
-    tables = mdp.turning("S") if actions == "turns" else mdp
-    view = LevelView(level)
-    _ = view.widget
-    random = np.random.default_rng(2)
-    state, seen = int(np.flatnonzero(tables.start)[0]), set()
-    for _ in range(25):
-        if tables.is_terminal[state]:
-            state = int(np.flatnonzero(tables.start)[0])
-        action = int(random.integers(tables.num_actions))
-        state = random.choice(
-            [next_state for _, next_state, _, _ in tables.outcomes(state, action)]
-        )
-        shown = tables.configuration(state) * mdp.cells + state % mdp.cells
-        heading = tables.heading(state) if actions == "turns" else None
-        pose = Pose().turned(heading)
-        view.move(shown, pose)
-        seen.add(tables.configuration(state))
-        whole = LayeredCanvas(build_layers(level, state=shown, heading=heading, pose=pose)).widget
-        assert sent.seen_on(view.widget) == sent.seen_on(whole)
-    assert len(seen) > 10
 
 
 def test_movers_glide_while_the_robot_stays(watched: Clock, sent: Sent) -> None:
