@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
-from itertools import combinations
 from typing import Any
 
 import pytest
@@ -14,7 +12,7 @@ from support.worlds import level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_layers, build_scene, overlay_shapes
-from babyrobot_levels.render.scene.layout import CELL, COMPASS, Note, Overlay, layout_of
+from babyrobot_levels.render.scene.layout import CELL, Note, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import short
 from babyrobot_levels.render.situation import Pose
@@ -31,10 +29,6 @@ def strokes(world: Any, color: str) -> Iterator[Path]:
     for shape in build_scene(world, robot=False).shapes:
         if isinstance(shape, Path) and shape.stroke == color:
             yield shape
-
-
-def lines(path: Path) -> set[tuple[tuple[float, float], ...]]:
-    return {tuple(points) for points, _ in polylines(path.commands)}
 
 
 @pytest.mark.parametrize("size", [[1, 1], [1, 7], [7, 1], [3, 3]])
@@ -88,50 +82,6 @@ def test_layers_painted_one_over_the_other_are_the_scene(
     assert sizes == {(scene.width, scene.height, scene.title)}
 
 
-def test_what_changes_has_a_layer_of_its_own() -> None:
-    world = level(size=[3, 2])
-    panels = Overlay(side_panel=["a"], bottom_panel=["b"])
-    before = build_layers(world, state=1, overlay=panels)
-    moved = build_layers(world, state=2, pose=Pose(Action.EAST), overlay=panels)
-    noted = build_layers(world, state=1, overlay=replace(panels, notes=[Note(1, 1, "a")]))
-    assert {name for name in before if before[name] != moved[name]} == {"robot"}
-    assert {name for name in before if before[name] != noted[name]} == {"text"}
-    told, changed = (
-        build_layers(world, state=1, overlay=replace(OVERLAY, values=[[value, 2, 3], [4, 5, 6]]))
-        for value in (1.0, 7.0)
-    )
-    assert {name for name in told if told[name] != changed[name]} == {"heat", "overlay"}
-    assert build_layers(world, robot=False)["robot"].shapes == ()
-
-
-# -- the robot -----------------------------------------------------------------------------
-
-
-def robot(**options: Any) -> tuple[float, float] | None:
-    """Return the cell that the robot is in."""
-    world = options.pop("world", level(size=[4, 3], start=[[2, 1], [0, 0]]))
-    base = build_scene(world, robot=False).shapes
-    added = [shape for shape in build_scene(world, **options).shapes if shape not in base]
-    if not added:
-        return None
-    boxes = [bounds(shape) for shape in added]
-    left, top = min(box[0] for box in boxes), min(box[1] for box in boxes)
-    return (left - MARGIN) // CELL, (top - MARGIN) // CELL
-
-
-def test_the_robot_stands_where_the_state_says_else_on_the_first_start() -> None:
-    assert robot() == (2, 1)
-    assert robot(state=7) == (3, 1)
-    assert robot(state=0) == (0, 0)
-    assert robot(robot=False) is None
-
-
-def test_a_level_can_hide_the_robot_until_a_state_is_asked_for() -> None:
-    hidden = level(size=[4, 3], display={"robot": {"show": False}})
-    assert robot(world=hidden) is None
-    assert robot(world=hidden, state=5) == (1, 1)
-
-
 # -- the ground ----------------------------------------------------------------------------
 
 
@@ -150,18 +100,6 @@ def test_labels_are_cut_where_they_have_no_room() -> None:
     assert label.endswith("…")
     assert "far too long for a cell".startswith(label[:-1])
     assert len(label) > 5
-
-
-def test_blocked_cells_are_one_shape_without_lines_inside() -> None:
-    world = level(size=[4, 4], blocked=[{"at": [1, 1], "size": [2, 2]}])
-    colors = world.resolved_theme.colors
-    shapes = build_scene(world, robot=False).shapes
-    assert Rect(*corner(1, 1), 2 * CELL, 2 * CELL, colors.blocked) in shapes
-    (grid_lines,) = strokes(world, colors.lines)
-    for points in lines(grid_lines):
-        for x, y in points:
-            inside = all(MARGIN + CELL < place < MARGIN + 3 * CELL for place in (x, y))
-            assert not inside
 
 
 def test_blocked_cells_that_are_no_rectangle_are_one_shape() -> None:
@@ -201,20 +139,9 @@ def test_winds_against_each_other_are_still() -> None:
     assert not list(strokes(world, world.resolved_theme.colors.arrows))
 
 
-# -- beside the grid -----------------------------------------------------------------------
-
-
-def test_a_compass_has_room_with_and_without_a_panel() -> None:
-    assert build_scene(level(display={"compass": True})).width == 198 + COMPASS
-    both = level(display={"compass": True, "side_panel": 200})
-    assert build_scene(both).width == 198 + 200
-    assert {"N", "E", "S", "W"} <= set(texts(both))
-
-
 # -- overlays --------------------------------------------------------------------------------------
 
 N, E, S, W = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST
-EVERY = tuple(Action)
 Box = tuple[float, float, float, float]
 
 
@@ -242,14 +169,6 @@ def text_box(text: Text) -> Box:
     width = 0.5 * text.size * len(text.text)
     left = text.x - {"start": 0, "middle": width / 2, "end": width}[text.anchor]
     return left, text.y - 0.65 * text.size, left + width, text.y
-
-
-def pill_box(rect: Rect) -> Box:
-    return rect.x, rect.y, rect.x + rect.width, rect.y + rect.height
-
-
-def touch(a: Box, b: Box) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 # -- values --------------------------------------------------------------------------------
@@ -359,53 +278,6 @@ def test_the_more_probable_an_action_the_longer_its_arrow() -> None:
     assert north < south < east
 
 
-# -- together ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("coordinates", [False, True])
-def test_overlays_and_texts_do_not_touch(coordinates: bool) -> None:
-    world = level(
-        size=[4, 3],
-        start=[[0, 0], [2, 2]],
-        areas=[{"at": [0, 1], "size": [4, 1], "label": "a label of some length"}],
-        display={"coordinates": coordinates},
-    )
-    overlay = Overlay(in_each_cell(world, -123.45), in_each_cell(world, EVERY))
-    layout = layout_of(world, cells_only=True)
-    layers = build_layers(world, robot=False, cells_only=True, overlay=overlay)
-    texts = [text_box(s) for s in layers["grid"].shapes if isinstance(s, Text)]
-    texts += [text_box(s) for s in layers["text"].shapes if isinstance(s, Text)]
-    numbers = [text_box(s) for s in layers["overlay"].shapes if isinstance(s, Text)]
-    pieces = [
-        box_of(points)
-        for shape in layers["underlay"].shapes
-        if isinstance(shape, Path)
-        for points, _ in polylines(shape.commands)
-    ]
-    assert len(numbers) == 12
-    # START and EXIT give way to coordinates, and these to a label; frames have their colours.
-    assert len(texts) == (1 + 8 if coordinates else 1 + 3)
-    assert layout.legend == 0
-    for number in numbers:
-        assert not any(touch(number, other) for other in (*texts, *pieces))
-    for text in texts:
-        assert not any(touch(piece, text) for piece in pieces)
-    assert not any(touch(a, b) for a, b in combinations((*numbers, *texts), 2))
-
-
-def test_the_robot_hides_neither_the_arrow_nor_the_value_of_its_cell() -> None:
-    world = level(size=[2, 1])
-    overlay = Overlay([[-12.25, None]], [[(N, W, S), ()]])
-    layers = build_layers(world, overlay=overlay)
-    (tips,) = (s for s in layers["underlay"].shapes[-1:] if isinstance(s, Path))
-    arrows = [box_of(points) for points, _ in polylines(tips.commands)]
-    numbers = [text_box(s) for s in layers["overlay"].shapes if isinstance(s, Text)]
-    bodies = [pill_box(s) for s in layers["robot"].shapes if isinstance(s, Rect)]
-    assert len(arrows) == 3
-    for box in (*arrows, *numbers):
-        assert not any(touch(box, body) for body in bodies)
-
-
 # -- action values -------------------------------------------------------------------------
 
 
@@ -464,20 +336,6 @@ def test_long_lines_are_broken_and_those_without_room_are_left_out() -> None:
     many = panel_lines(world, side_panel=[str(number) for number in range(99)])
     assert len(many) < 12
     assert many[-1].text == "…"
-
-
-def test_a_level_without_panels_is_given_those_that_are_written_into() -> None:
-    world = level()
-    plain = build_scene(world)
-    scene = build_scene(world, overlay=Overlay(side_panel=["a"], bottom_panel=["b", "c"]))
-    assert scene.width > plain.width + 100
-    assert scene.height > plain.height + 30
-    ground = world.resolved_theme.colors.text_bg
-    panels = [s for s in scene.shapes if isinstance(s, Rect) and s.fill == ground]
-    assert {(panel.x, panel.y) for panel in panels} == {(198, 0), (0, 198)}
-    assert [text.text for text in panel_lines(world, bottom_panel=["word " * 30])][-1] != "…"
-    cells = build_scene(world, cells_only=True, overlay=Overlay(side_panel=["a"]))
-    assert cells == build_scene(world, cells_only=True)
 
 
 @pytest.mark.parametrize("rows", [[[0.0, 0.0]], [[0.0], [0.0]], [[0.0, 0.0], [0.0]]])

@@ -172,18 +172,6 @@ def test_any_colours_can_be_combined(ground: str, ink: str) -> None:
     assert faint_parts(world, overlay) == []
 
 
-def test_walls_have_a_casing_only_where_they_need_one() -> None:
-    walls = [{"at": [1, 0], "side": "E"}, {"at": [1, 2], "side": "E"}]
-
-    def shapes(**fields: Any) -> tuple[Shape, ...]:
-        return build_scene(level(size=[4, 3], **fields), robot=False).shapes
-
-    area = {"areas": [{"at": [2, 0], "color": "#101010"}]}
-    added = set(shapes(walls=walls, **area)) - set(shapes(walls=walls)) - set(shapes(**area))
-    (casing,) = (shape for shape in added if getattr(shape, "stroke", None) is not None)
-    assert getattr(casing, "stroke", None) == "#ffffff"
-
-
 # -- inks ------------------------------------------------------------------------------------------
 
 

@@ -121,11 +121,6 @@ def test_a_cell_of_a_policy_is_told_in_many_ways(told: Any, expected: Any) -> No
     assert actions[1][2] == (STAY,)
 
 
-def test_a_policy_can_be_an_array_of_actions() -> None:
-    actions = read(policy=np.array([[1, 2, 3], [4, 0, -1]])).actions
-    assert actions == [[(N,), (E,), (S,)], [(W,), (STAY,), ()]]
-
-
 def test_of_probabilities_the_largest_count() -> None:
     shares = np.zeros((2, 3, 5))
     shares[0, 0] = 0.2

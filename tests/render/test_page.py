@@ -11,7 +11,6 @@ from dataclasses import replace
 from importlib.resources import files
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -164,24 +163,6 @@ def outcomes(data: Any, state: int, action: int) -> list[tuple[Any, ...]]:
     """Return the outcomes of an action, six numbers each."""
     row = data["rows"][data["table"][5 * state + action]]
     return [tuple(row[at : at + 6]) for at in range(0, len(row), 6)]
-
-
-@pytest.mark.parametrize("name", ["final-maze", "windy-gridworld"])
-def test_its_tables_are_the_compiled_ones(name: str) -> None:
-    world = load(name)
-    mdp, data = world.compile(), data_of(to_html(world))
-    assert (data["width"], data["height"]) == world.size
-    assert data["starts"] == np.flatnonzero(mdp.start).tolist()
-    for state in range(mdp.num_states):
-        assert (data["table"][5 * state] == -1) == bool(mdp.is_terminal[state])
-        for action in Action:
-            assert data["possible"][state] >> action & 1 == mdp.action_mask[state, action]
-            if not mdp.is_terminal[state]:
-                told = [
-                    (chance, state + shift, reward, bool(terminal))
-                    for chance, shift, reward, terminal, _, _ in outcomes(data, state, action)
-                ]
-                assert told == mdp.outcomes(state, action)
 
 
 def test_the_data_says_who_walks_and_how() -> None:

@@ -45,14 +45,18 @@ def thing(data: Any, name: str) -> Any:
 # -- tables ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("level", [VAULT, load("shell-game")])
+@pytest.mark.parametrize(
+    "level", [VAULT, *map(load, ("shell-game", "final-maze", "windy-gridworld"))], ids=str
+)
 def test_the_tables_are_the_compiled_ones(level: Level) -> None:
     mdp, data = level.compile(), json.loads(json.dumps(page_data(level)))
     hits = hits_of(level, mdp)
+    assert (data["width"], data["height"]) == level.size
     assert data["starts"] == np.flatnonzero(mdp.start).tolist()
     assert len(data["table"]) == NUM_ACTIONS * mdp.num_states
     for state in range(mdp.num_states):
         for action in range(NUM_ACTIONS):
+            assert data["possible"][state] >> action & 1 == mdp.action_mask[state, action]
             if mdp.is_terminal[state]:
                 assert data["table"][5 * state + action] == -1
                 continue

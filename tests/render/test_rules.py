@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.worlds import level
 
@@ -212,6 +212,7 @@ def test_samples_are_pictures_of_the_size_asked_for(theme: str) -> None:
 # -- the box -------------------------------------------------------------------------------------
 
 
+@settings(max_examples=settings().max_examples // 3)
 @given(
     kinds=st.integers(0, 30),
     side=st.sampled_from([0, 80, 130, 200, 400]),

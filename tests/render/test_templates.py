@@ -84,10 +84,6 @@ def test_style_sheets_import_others() -> None:
     assert put_together("a/page.css", sheets) == "b { color: blue }\np { color: red }"
 
 
-def test_a_module_that_exports_a_default_begins_a_script() -> None:
-    assert together(page="export default { render };") == "export default { render };"
-
-
 @pytest.mark.parametrize(
     ("modules", "message"),
     [

@@ -38,10 +38,6 @@ def held(world: Any, configuration: int | None) -> list[bool]:
     return [bool(piece.name[2]) for piece in found if piece.name[0] == "held"]
 
 
-def texts(world: Any, **where: Any) -> list[str]:
-    return [shape.text for shape in build_scene(world, **where).shapes if isinstance(shape, Text)]
-
-
 # -- states ----------------------------------------------------------------------------------
 
 
@@ -52,14 +48,6 @@ def test_a_state_that_the_level_does_not_have_is_refused(world: Any) -> None:
             build_scene(world, state=state)
         with pytest.raises(ValueError, match=f"state {state} is not on the level"):
             FramePainter(world).frame(state)
-
-
-def test_a_state_determines_the_configuration() -> None:
-    number = configuration_with(VAULT, ["key", "plate"])
-    by_state = build_layers(VAULT, state=number * CELLS + 9)
-    by_number = build_layers(VAULT, configuration=number)
-    assert by_state["things"] == by_number["things"]
-    assert by_state["things"] != build_layers(VAULT)["things"]
 
 
 # -- what is shown ---------------------------------------------------------------------------
@@ -76,20 +64,6 @@ def test_an_item_lies_where_it_is_drawn_until_it_is_held() -> None:
         set(),
     ]
     assert [held(world, number) for number in configurations] == [[False], [False], [True]]
-
-
-def test_the_level_as_a_whole_shows_all_places_with_a_question_mark() -> None:
-    world = level(
-        size=[4, 2],
-        items=[{"name": "gem", "one_of": [[1, 0], [2, 0]]}],
-        exit_one_of=[[3, 0], [3, 1]],
-    )
-    assert {("item", 0, (1, 0), True), ("item", 0, (2, 0), True)} <= names(world, None)
-    assert {("perhaps", (3, 0)), ("perhaps", (3, 1))} <= names(world, None)
-    assert texts(world).count("?") == 4
-    assert "?" not in texts(world, state=0)
-    assert texts(world).count("EXIT") == 2
-    assert texts(world, state=0).count("EXIT") == 1
 
 
 def all_pieces(world: Any) -> Iterator[Piece]:
