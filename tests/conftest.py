@@ -57,7 +57,7 @@ NO_NETWORK = "--host-resolver-rules=MAP rebound.test 127.0.0.1, MAP * ~NOTFOUND,
 # `--hypothesis-profile thorough` chooses the second. A loaded machine is no reason to fail, and
 # examples stay the same, but for constants of the modules that happen to be loaded, which are
 # tried too; `exploring` tries others each time: a law has to hold for more than has been tried.
-settings.register_profile("fast", max_examples=50, deadline=None, derandomize=True)
+settings.register_profile("fast", max_examples=20, deadline=None, derandomize=True)
 settings.register_profile("thorough", max_examples=100, deadline=None, derandomize=True)
 settings.register_profile("exploring", max_examples=200, deadline=None)
 settings.load_profile("fast")
