@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.envs.toy_text.frozen_lake import generate_random_map
 from numpy.typing import NDArray
+from support.each import for_each
 from support.places import GALLERY_FOLDER
+from support.worlds import World, level_of
 
+from babyrobot_levels.analysis.solver.evaluation import evaluate, success_within
+from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 from babyrobot_levels.mdp.tables import Mdp
 
@@ -54,44 +61,6 @@ BOOKS = {
 
 def state(mdp: Mdp, cell: Cell) -> int:
     return cell[1] * mdp.width + cell[0]
-
-
-def model(mdp: Mdp) -> tuple[Values, Values]:
-    """Return what the four moves lead to, before the end, and what they give on average.
-
-    Of shapes (states, 4, states) and (states, 4). The books know no action that stays.
-    """
-    chance = mdp.probability[:, 1:]
-    steps = np.zeros((mdp.num_states, 4, mdp.num_states))
-    for here, move, outcome in np.ndindex(*chance.shape):
-        if not mdp.terminal[here, 1 + move, outcome]:
-            there = mdp.next_state[here, 1 + move, outcome]
-            steps[here, move, there] += chance[here, move, outcome]
-    return steps, (chance * mdp.reward[:, 1:]).sum(axis=2)
-
-
-def best(mdp: Mdp, discount: float) -> tuple[Values, Values]:
-    """Return the optimal values of states, and of the moves in them, by value iteration."""
-    steps, gain = model(mdp)
-    values: Values = np.zeros(mdp.num_states)
-    for _ in range(100_000):
-        moves: Values = gain + discount * steps @ values
-        change = np.abs(moves.max(axis=1) - values).max()
-        values = moves.max(axis=1)
-        if change < 1e-12:
-            return values, moves
-    raise AssertionError("the values do not settle")
-
-
-def at_random(mdp: Mdp, discount: float) -> Values:
-    """Return the values of taking each of the four moves with probability 1/4, refused or not."""
-    steps, gain = model(mdp)
-    # Where the episode is over nothing more comes, and the equations would be singular.
-    unknown = np.flatnonzero(~mdp.is_terminal)
-    ahead = np.eye(len(unknown)) - discount * steps.mean(axis=1)[np.ix_(unknown, unknown)]
-    values: Values = np.zeros(mdp.num_states)
-    values[unknown] = np.linalg.solve(ahead, gain.mean(axis=1)[unknown])
-    return values
 
 
 def fewest_steps(mdp: Mdp, start: Cell, end: Cell) -> int:
@@ -149,6 +118,18 @@ def merged(outcomes: Sequence[Outcome]) -> dict[tuple[int, float, bool], float]:
     return result
 
 
+def assert_equal_tables(level: Level, env: Any, moves: Mapping[int, str], but: set[int]) -> None:
+    """Compare every entry of the two tables, except those of the states in `but`."""
+    ours, theirs = level.compile().to_toy_text(first_action=1), env.unwrapped.P
+    assert ours.keys() == set(theirs)
+    for here in ours.keys() - but:
+        assert len(theirs[here]) == len(ours[here]) == 4
+        for move, word in moves.items():
+            expected = merged(theirs[here][move])
+            found = merged(ours[here][OURS[word]])
+            assert found == pytest.approx(expected, abs=1e-12), (here, word)
+
+
 @pytest.mark.parametrize(
     ("name", "peer", "options", "moves", "but"),
     [
@@ -166,53 +147,78 @@ def test_it_is_the_game_of_gymnasium(
     name: str, peer: str, options: dict[str, bool], moves: Mapping[int, str], but: set[int]
 ) -> None:
     env = gymnasium.make(peer, **options)
-    theirs = getattr(env.unwrapped, "P")  # noqa: B009  (not every environment has one)
     level = load(name)
-    mdp = level.compile()
-    ours = mdp.to_toy_text(first_action=1)
-    assert ours.keys() == set(theirs)
-    for here in ours.keys() - but:
-        assert len(theirs[here]) == len(ours[here]) == 4
-        for move, word in moves.items():
-            expected = merged(theirs[here][move])
-            assert merged(ours[here][OURS[word]]) == pytest.approx(expected, abs=1e-12)
-    np.testing.assert_array_equal(mdp.start, getattr(env.unwrapped, "initial_state_distrib"))  # noqa: B009
+    assert_equal_tables(level, env, moves, but)
+    np.testing.assert_array_equal(level.compile().start, env.unwrapped.initial_state_distrib)
     assert env.spec is not None
     # Gymnasium has none for Cliff Walking.
     assert level.max_steps == env.spec.max_episode_steps or env.spec.max_episode_steps is None
 
 
+@pytest.mark.parametrize("is_slippery", [True, False])
+@for_each("size", range(2, 9))
+@pytest.mark.parametrize(
+    ("seed", "rate", "schedule"),
+    [(1, 1 / 3, (1, 0, 0)), (2, 0.8, (10, -5, -0.1)), (3, 0.0, (2, -1, 0.5)), (4, 1.0, (1, 0, 0))],
+)
+def test_random_lakes(
+    size: int, seed: int, rate: float, schedule: tuple[float, float, float], is_slippery: bool
+) -> None:
+    rows = generate_random_map(size=size, p=0.7, seed=seed)
+    env = gymnasium.make(
+        "FrozenLake-v1",
+        desc=rows,
+        is_slippery=is_slippery,
+        success_rate=rate,
+        reward_schedule=schedule,
+    )
+    level = level_of(lake(rows, 1 - rate if is_slippery else 0.0, *schedule))
+    assert_equal_tables(level, env, LAKE_MOVES, but=set())
+
+
+def lake(rows: Sequence[str], skid: float, goal: float, hole: float, ice: float) -> World:
+    """Return a map of Frozen Lake as a level: holes are areas that end the episode."""
+    cells = {(x, y): char for y, row in enumerate(rows) for x, char in enumerate(row)}
+    return {
+        "version": 1,
+        "size": [len(rows[0]), len(rows)],
+        "start": next(list(cell) for cell, char in cells.items() if char == "S"),
+        "exit": [list(cell) for cell, char in cells.items() if char == "G"],
+        "areas": [
+            {"at": list(cell), "ends": True, "reward": hole}
+            for cell, char in cells.items()
+            if char == "H"
+        ],
+        "skid": {"probability": skid, "to": "sides"},
+        "rewards": {"step": ice, "exit": goal},
+    }
+
+
 def test_frozen_lake_is_crossed_14_times_in_17_by_those_who_have_time() -> None:
-    values, _ = best(load("frozen-lake").compile(), 1)
-    assert values[0] == pytest.approx(14 / 17, abs=1e-9)
+    solution = solve("frozen-lake")
+    assert solution.expected_return == pytest.approx(14 / 17, abs=1e-12)
+    assert solution.exit_probability == pytest.approx(14 / 17, abs=1e-12)
 
 
 def test_frozen_lake_within_its_hundred_steps() -> None:
-    mdp = load("frozen-lake").compile()
-    steps, gain = model(mdp)
     # The same moves all the time: those that are best for discount 0.99. (West and east are equally
     # good on the cell between two holes, and lead to the same.)
-    move = best(mdp, 0.99)[1].argmax(axis=1)
-    everywhere = np.arange(mdp.num_states)
-    steady: Values = np.zeros(mdp.num_states)
+    steady = success_within("frozen-lake", solve("frozen-lake", 0.99))
+    assert steady == pytest.approx(0.740165, abs=1e-6)
     # The best that can be done by counting the steps that are left.
-    hurried: Values = np.zeros(mdp.num_states)
-    for _ in range(100):
-        steady = gain[everywhere, move] + steps[everywhere, move] @ steady
-        hurried = (gain + steps @ hurried).max(axis=1)
-    assert steady[0] == pytest.approx(0.740165, abs=1e-6)
-    assert hurried[0] == pytest.approx(0.744190, abs=1e-6)
+    hurried = solve("frozen-lake", within="max_steps").expected_return
+    assert hurried == pytest.approx(0.744190, abs=1e-6)
 
 
 def test_the_large_lake_has_a_safe_way() -> None:
-    assert best(load("frozen-lake-8x8").compile(), 1)[0][0] == pytest.approx(1, abs=1e-6)
+    assert solve("frozen-lake-8x8").expected_return == pytest.approx(1, abs=1e-6)
 
 
 @pytest.mark.parametrize(("name", "size"), [("frozen-lake-dry", 4), ("frozen-lake-8x8-dry", 8)])
 def test_the_dry_lakes_are_crossed_on_a_shortest_path(name: str, size: int) -> None:
     mdp = load(name).compile()
     assert fewest_steps(mdp, (0, 0), (size - 1, size - 1)) == 2 * (size - 1)
-    assert best(mdp, 0.9)[0][0] == pytest.approx(0.9 ** (2 * size - 3), abs=1e-12)
+    assert solve(name, 0.9).expected_return == pytest.approx(0.9 ** (2 * size - 3), abs=1e-12)
 
 
 # -- Sutton and Barto ----------------------------------------------------------------------
@@ -235,13 +241,13 @@ def test_gridworld_3_5() -> None:
         [16.0, 17.8, 16.0, 14.4, 13.0],
         [14.4, 16.0, 14.4, 13.0, 11.7],
     ]
-    assert_table(at_random(level.compile(), 0.9), figure_3_2, 1)
-    assert_table(best(level.compile(), 0.9)[0], figure_3_5, 1)
+    at_random = evaluate(level, "uniform", actions="moves")
+    assert_table(at_random.values, figure_3_2, 1)
+    assert_table(solve(level, actions="moves").values, figure_3_5, 1)
 
 
 def test_gridworld_4_1() -> None:
     level = load("gridworld-4-1")
-    mdp = level.compile()
     assert set(level.exits) == {(0, 0), (3, 3)}
     assert len(level.starts) == 14
     figure_4_1 = [
@@ -250,18 +256,7 @@ def test_gridworld_4_1() -> None:
         [-20, -20, -18, -14],
         [-22, -20, -14, 0],
     ]
-    assert_table(at_random(mdp, 1), figure_4_1, 9)
-    after_ten_sweeps = [
-        [0.0, -6.1, -8.4, -9.0],
-        [-6.1, -7.7, -8.4, -8.4],
-        [-8.4, -8.4, -7.7, -6.1],
-        [-9.0, -8.4, -6.1, 0.0],
-    ]
-    steps, gain = model(mdp)
-    values: Values = np.zeros(16)
-    for _ in range(10):
-        values = (gain + steps @ values).mean(axis=1)
-    assert_table(values, after_ten_sweeps, 1)
+    assert_table(evaluate(level, "uniform", actions="moves").values, figure_4_1, 9)
 
 
 def test_windy_gridworld_takes_fifteen_steps() -> None:
@@ -271,24 +266,24 @@ def test_windy_gridworld_takes_fifteen_steps() -> None:
     assert level.wind.north == (0, 0, 0, 1, 1, 1, 2, 2, 1, 0)
     mdp = level.compile()
     assert fewest_steps(mdp, (0, 3), (7, 3)) == 15
-    assert best(mdp, 1)[0][state(mdp, (0, 3))] == -15
+    for actions in ("all", "moves"):
+        solution = solve(level, actions=actions)
+        assert solution.expected_return == pytest.approx(-15, abs=1e-10)
+        assert solution.expected_steps == pytest.approx(15, abs=1e-10)
 
 
 def test_cliff_walking_costs_thirteen_along_the_edge() -> None:
-    mdp = load("cliff-walking").compile()
-    values, moves = best(mdp, 1)
-    assert values[state(mdp, (0, 3))] == -13
+    solution = solve("cliff-walking", actions="moves")
+    assert solution.expected_return == pytest.approx(-13, abs=1e-10)
     north, east, south = 0, 1, 2
-    assert moves[state(mdp, (0, 3))].argmax() == north
-    assert all(moves[state(mdp, (x, 2))].argmax() == east for x in range(11))
-    assert moves[state(mdp, (11, 2))].argmax() == south
+    assert solution.policy[3, 0] == north
+    assert solution.policy[2].tolist() == [east] * 11 + [south]
 
 
 def test_on_the_slippery_cliff_one_keeps_away_from_the_edge() -> None:
-    mdp = load("cliff-walking-slippery").compile()
-    _, moves = best(mdp, 1)
     # Along the edge one would slip down a third of the time: going north never does.
-    assert all(moves[state(mdp, (x, 2))].argmax() == 0 for x in range(1, 11))
+    solution = solve("cliff-walking-slippery", actions="moves")
+    assert solution.policy[2, 1:11].tolist() == [0] * 10
 
 
 def test_the_dyna_maze_takes_fourteen_steps() -> None:
@@ -299,7 +294,7 @@ def test_the_dyna_maze_takes_fourteen_steps() -> None:
     mdp = level.compile()
     assert fewest_steps(mdp, (0, 2), (8, 0)) == 14
     assert level.discount == 0.95
-    assert best(mdp, 0.95)[0][state(mdp, (0, 2))] == pytest.approx(0.95**13, abs=1e-12)
+    assert solve(level).expected_return == pytest.approx(0.95**13, abs=1e-12)
 
 
 def blocked(drawn: str) -> set[Cell]:
@@ -317,7 +312,7 @@ def test_the_4x3_world() -> None:
     assert (level.size, level.start, level.exit) == ((4, 3), (0, 2), (3, 0))
     mdp = level.compile()
     # A state's utility in the book counts the reward of being there, which is not the step's.
-    utilities = best(mdp, 1)[0] - 0.04
+    solution = solve(level, actions="moves")
     figure_17_3 = {
         (0, 0): 0.812,
         (1, 0): 0.868,
@@ -332,7 +327,10 @@ def test_the_4x3_world() -> None:
     free = [cell for cell in np.ndindex(4, 3) if not mdp.is_terminal[state(mdp, cell)]]
     assert set(free) == set(figure_17_3)
     for cell, utility in figure_17_3.items():
-        assert utilities[state(mdp, cell)] == pytest.approx(utility, abs=0.0005), cell
+        x, y = cell
+        assert solution.values[y, x] - 0.04 == pytest.approx(utility, abs=0.0005), cell
+    # At the bottom, the famous policy goes left and round, away from the bad end.
+    assert solution.policy[2].tolist() == [0, 3, 3, 3]
     # Once an exit is reached, nothing more comes; the step that leads there gives 1 or -1.
     assert merged(mdp.outcomes(state(mdp, (2, 1)), 2)) == pytest.approx(
         {
@@ -372,7 +370,7 @@ def test_the_four_rooms_differ_in_what_a_move_does() -> None:
     assert dry.draw() == wet.draw()
     middle, corner, east = (2, 2), (0, 0), 2
     mdp = dry.compile()
-    assert best(mdp, 0.9)[0][0] == pytest.approx(0.9**13, abs=1e-12)
+    assert solve(dry).expected_return == pytest.approx(0.9**13, abs=1e-12)
     assert mdp.outcomes(state(mdp, middle), east) == [(1, state(mdp, (3, 2)), 0, False)]
     mdp = wet.compile()
     assert merged(mdp.outcomes(state(mdp, middle), east)) == pytest.approx(

@@ -36,8 +36,11 @@ def estimates(level: Any, seeds: int, **arguments: Any) -> Any:
     return np.array(runs)
 
 
-@pytest.mark.parametrize("first_visit", [True, False], ids=["first visits", "every visit"])
-@pytest.mark.parametrize("level", ["russell-norvig-4x3", WORLD], ids=["book", "world"])
+@pytest.mark.parametrize(
+    ("level", "first_visit"),
+    [("russell-norvig-4x3", True), (WORLD, False)],
+    ids=["first visits", "every visit"],
+)
 def test_each_cell_is_worth_what_the_exact_values_say(level: Any, first_visit: bool) -> None:
     runs = estimates(level, 20, episodes=120, first_visit=first_visit, discount=0.9)
     exact = evaluate(level, "random", 0.9).values
@@ -49,8 +52,8 @@ def test_each_cell_is_worth_what_the_exact_values_say(level: Any, first_visit: b
     assert (np.abs(runs.mean(axis=0) - exact) <= 4 * error)[visited[0]].all()
 
 
-@pytest.mark.parametrize("name", ["final-maze", "russell-norvig-4x3"])
-def test_the_start_is_worth_what_trial_runs_return(name: str) -> None:
+def test_the_start_is_worth_what_trial_runs_return() -> None:
+    name = "final-maze"
     policy = solve(name)
     *_, sweep = monte_carlo(name, policy, 400)
     ((x, y),) = load(name).starts

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.distribution import EPISODES
+from babyrobot_levels.analysis.solver import distribution
 
 
 def recursive(level: brl.Level, steps: int, discount: float) -> dict[float, float]:
@@ -37,7 +37,7 @@ def recursive(level: brl.Level, steps: int, discount: float) -> dict[float, floa
 
 
 @pytest.mark.parametrize("discount", [1.0, 0.9])
-@pytest.mark.parametrize("name", ["default", "frozen-lake", "four-corners", "shell-game"])
+@pytest.mark.parametrize("name", ["four-corners", "shell-game"])
 def test_it_is_what_the_recursion_gives(name: str, discount: float) -> None:
     level = brl.load(name)
     expected = recursive(level, 5, discount)
@@ -47,7 +47,7 @@ def test_it_is_what_the_recursion_gives(name: str, discount: float) -> None:
     assert found.probabilities == pytest.approx([expected[each] for each in sorted(expected)])
 
 
-@pytest.mark.parametrize("name", ["final-maze", "treasure-chests", "four-rooms-slippery"])
+@pytest.mark.parametrize("name", ["final-maze", "treasure-chests"])
 def test_its_mean_is_the_exact_average(name: str) -> None:
     solution = brl.solve(name)
     found = brl.return_distribution(name, solution)
@@ -56,8 +56,7 @@ def test_its_mean_is_the_exact_average(name: str) -> None:
     assert found.probabilities.sum() == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("policy", ["random", "best"])
-@pytest.mark.parametrize("name", ["frozen-lake", "bat-cave"])
+@pytest.mark.parametrize(("name", "policy"), [("frozen-lake", "best"), ("bat-cave", "random")])
 def test_episodes_that_are_truncated_count_with_what_they_have(name: str, policy: str) -> None:
     level = brl.load(name)
     steps = 12
@@ -77,11 +76,14 @@ def test_the_frozen_lake_is_crossed_or_not() -> None:
     assert found.standard_deviation == pytest.approx((chance * (1 - chance)) ** 0.5)
 
 
-def test_where_returns_are_too_many_episodes_are_simulated() -> None:
+def test_where_returns_are_too_many_episodes_are_simulated(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(distribution, "EPISODES", 1000)
     found = brl.return_distribution("gridworld-3-5", "random")
-    assert found.episodes == EPISODES
+    assert found.episodes == 1000
     exact = brl.evaluate("gridworld-3-5", "random", within=1000).expected_return
-    assert found.mean == pytest.approx(exact, abs=0.2)
+    assert found.mean == pytest.approx(exact, abs=0.6)
     again = brl.return_distribution("gridworld-3-5", "random")
     assert np.array_equal(found.values, again.values)
 

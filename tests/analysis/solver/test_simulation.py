@@ -6,10 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from support.chains import world
-from support.worlds import World, level_of, worlds
 
 from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate, success_within
 from babyrobot_levels.analysis.solver.optimum import solve
@@ -25,7 +22,8 @@ LAKE = "frozen-lake"
         ("glasshouse", "random", 0.99),
         ("four-corners", "uniform", 1.0),
         (LAKE, "optimal", 0.99),
-        ("ice-rink", "random", 1.0),
+        ("night-watch", "random", 0.95),
+        ("shell-game", "optimal", 1.0),
     ],
 )
 def test_means_are_what_evaluate_expects(name: str, policy: str, discount: float) -> None:
@@ -38,16 +36,6 @@ def test_means_are_what_evaluate_expects(name: str, policy: str, discount: float
     assert abs(runs.steps.mean() - expected.expected_steps) <= 4 * spread + 1e-9
     chance = expected.exit_probability
     assert abs(runs.exit_rate - chance) <= 4 * math.sqrt(chance * (1 - chance) / 4000) + 1e-9
-
-
-@given(worlds(5), st.sampled_from(["all", "moves"]))
-def test_discounted_means_on_random_levels(world: World, actions: str) -> None:
-    level = level_of(world)
-    runs = simulate(level, "random", 500, discount=0.8, within=150, actions=actions)
-    expected = evaluate(level, "random", 0.8, actions)
-    # Six standard errors: hypothesis draws many levels, and other ones each time.
-    assert abs(runs.mean - expected.expected_return) <= 6 * runs.standard_error + 0.02
-    assert (runs.cut | (runs.steps <= 150)).all()
 
 
 def test_the_same_seed_gives_the_same_episodes() -> None:
@@ -79,14 +67,6 @@ def test_episodes_are_cut_at_the_limit() -> None:
     for wrong in ({"episodes": 0}, {"within": 0}):
         with pytest.raises(ValueError, match=r"at least 1|from 1 on"):
             simulate(level, east, **wrong)  # type: ignore[arg-type]
-
-
-def test_success_within_agrees_with_trial_runs() -> None:
-    solution = solve(LAKE)
-    for steps in (6, 20, 100):
-        chance = success_within(LAKE, solution, steps)
-        runs = simulate(LAKE, solution, 20_000, seed=2, within=steps)
-        assert abs(runs.exit_rate - chance) <= 4 * math.sqrt(chance * (1 - chance) / 20_000)
 
 
 def test_success_within_grows_to_the_probability_of_an_exit() -> None:

@@ -116,13 +116,6 @@ def test_a_loop_that_pays() -> None:
     assert np.isfinite(solve(level, 0.9).values).all()
 
 
-def test_a_loop_that_pays_a_little_less_than_it_costs() -> None:
-    areas = [{"at": [1, 0], "reward": 0.75}]
-    level = world(rows=["S  E"], areas=areas, rewards={"bump": -1})
-    solution = solve(level, actions="moves")
-    assert solution.values.tolist() == [[0.75 - 1, -1, 0, 0]]
-
-
 def test_a_loop_that_pays_behind_a_door_of_luck() -> None:
     level = world(
         rows=["S E", "  #"],
@@ -151,12 +144,6 @@ def test_who_can_end_for_nothing_does() -> None:
     assert solution.greedy[:, :4].all()
     assert solution.policy[0].tolist() == [2, 2, 2, 2, -1]
     assert (solution.expected_steps, solution.exit_probability) == (4, 1)
-
-
-def test_of_equally_good_ways_it_takes_the_shortest() -> None:
-    solution = solve(world(rows=["S    E", "      "], rewards={"step": 0, "exit": 1}))
-    assert solution.greedy[0, :5].all()
-    assert solution.expected_steps == 5
 
 
 def test_the_lake_whose_safest_moves_go_round_in_circles() -> None:
@@ -218,15 +205,6 @@ def test_several_starts() -> None:
     assert solve(level).expected_return == pytest.approx((-3 - 1) / 2)
 
 
-def test_ends_that_are_no_exits() -> None:
-    level = world(rows=["X S  E"], areas=[{"at": [0, 0], "ends": True, "reward": -0.5}])
-    solution = solve(level)
-    assert (solution.expected_return, solution.exit_probability) == (-1.5, 0)
-    level["areas"][-1]["reward"] = -5
-    solution = solve(level)
-    assert (solution.expected_return, solution.exit_probability) == (-2, 1)
-
-
 def icy_ridge(width: int, top: int, step: float) -> World:
     """Return a level with a ridge of ice: one step in two slips off it, back to the start.
 
@@ -247,8 +225,7 @@ def icy_ridge(width: int, top: int, step: float) -> World:
     }
 
 
-@pytest.mark.parametrize("step", [-1, 0])
-@pytest.mark.parametrize("width", [20, 40, 80])
+@pytest.mark.parametrize(("width", "step"), [(20, -1), (80, -1), (80, 0)])
 def test_a_way_that_is_short_only_with_a_lot_of_luck(width: int, step: float) -> None:
     solution = solve(icy_ridge(width, 2, step))
     assert solution.expected_return == pytest.approx(1 + step * (width + 2), abs=1e-10)
@@ -257,10 +234,9 @@ def test_a_way_that_is_short_only_with_a_lot_of_luck(width: int, step: float) ->
     assert solution.residual < 1e-10
 
 
-@pytest.mark.parametrize("width", [40, 80])
-def test_ways_that_are_too_long_for_floating_point(width: int) -> None:
-    level = icy_ridge(width, 1, -1)
-    for policy in ("random", np.full((3, width), 2)):
+def test_ways_that_are_too_long_for_floating_point() -> None:
+    level = icy_ridge(80, 1, -1)
+    for policy in ("random", np.full((3, 80), 2)):
         with pytest.raises(EpisodeTooLongError, match="a discount below 1"):
             evaluate(level, policy)
         # With a discount all is well; only how it ends cannot be told.

@@ -9,8 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
+from support.each import for_each
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.solver.horizon import best_return_within
 
 ACTIONS = ("all", "moves", "turns")
 
@@ -82,12 +85,14 @@ def worth(level: brl.Level, steps: int, actions: str, policy: Any = None) -> flo
 
 
 @pytest.mark.parametrize("actions", ACTIONS)
-@pytest.mark.parametrize("seed", range(70))
+@for_each("seed", range(settings().max_examples))
 def test_the_optimum_is_what_the_recursion_gives(seed: int, actions: str) -> None:
     level = brl.Level.from_fields({**random_level(seed), "discount": 1.0 if seed % 4 else 0.9})
     for steps in (1, 2, 6):
         found = brl.solve(level, actions=actions, within=steps)
         assert found.expected_return == pytest.approx(worth(level, steps, actions), abs=1e-12)
+        most = best_return_within(level, steps, actions=actions, discount=level.discount)
+        assert most == pytest.approx(found.expected_return, abs=1e-12)
         assert found.policies is not None
         table = np.asarray(found.policies).reshape(steps, -1).tolist()
         followed = worth(level, steps, actions, lambda state, step, table=table: table[step][state])
@@ -99,7 +104,16 @@ def test_the_optimum_is_what_the_recursion_gives(seed: int, actions: str) -> Non
         assert again.exit_probability == pytest.approx(found.exit_probability)
 
 
-@pytest.mark.parametrize("name", ["frozen-lake", "bat-cave", "first-key", "gridworld-3-5"])
+@pytest.mark.parametrize("actions", ACTIONS)
+@for_each("name", ["four-corners", "treasure-chests", "bat-cave", "shell-game", "gridworld-3-5"])
+def test_the_best_return_is_what_the_recursion_gives(name: str, actions: str) -> None:
+    level = brl.load(name)
+    for steps in (0, 1, 7):
+        found = best_return_within(level, steps, actions=actions, discount=level.discount)
+        assert found == pytest.approx(worth(level, steps, actions))
+
+
+@pytest.mark.parametrize("name", ["frozen-lake", "bat-cave", "first-key"])
 def test_any_policy_within_a_limit(name: str) -> None:
     level = brl.load(name)
     policy = brl.solve(level)
@@ -132,6 +146,9 @@ def test_the_chance_to_cross_the_frozen_lake_in_time() -> None:
     stationary = brl.evaluate("frozen-lake", brl.solve("frozen-lake"), within="max_steps")
     assert stationary.expected_return < found.expected_return
     assert repr(found).endswith("discount=1 within=100>")
+    # Without a limit, 14 in 17 cross it.
+    assert best_return_within("frozen-lake", 100) == pytest.approx(found.expected_return)
+    assert best_return_within("frozen-lake", 100_000) == pytest.approx(14 / 17)
 
 
 def test_a_policy_that_never_ends_has_a_finite_worth_within_a_limit() -> None:
