@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 TESTS = Path(__file__).parent
 
+# For matrices as small as those of tests, threads that wait for each other take longer than one
+# that works, most of all where tests run side by side. NumPy reads this when it is loaded.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 SLOW = {
     "cli/test_edit.py",
     "cli/test_play.py",

@@ -20,15 +20,11 @@ Table = dict[int, dict[int, list[Outcome]]]
 LAKE, CLIFF = (4, 3, 2, 1), (1, 2, 3, 4)
 """For each action of Gymnasium's worlds, ours."""
 
-LARGE = {"map_name": "8x8"}
-DRY = {"is_slippery": False}
+LARGE_AND_DRY = {"map_name": "8x8", "is_slippery": False}
 
 PEERS: list[tuple[str, str, dict[str, Any], tuple[int, ...], int]] = [
     ("frozen-lake", "FrozenLake-v1", {}, LAKE, 11),
-    ("frozen-lake-dry", "FrozenLake-v1", DRY, LAKE, 11),
-    ("frozen-lake-8x8", "FrozenLake-v1", LARGE, LAKE, 53),
-    ("frozen-lake-8x8-dry", "FrozenLake-v1", LARGE | DRY, LAKE, 53),
-    ("cliff-walking", "CliffWalking-v1", {}, CLIFF, 37),
+    ("frozen-lake-8x8-dry", "FrozenLake-v1", LARGE_AND_DRY, LAKE, 53),
     ("cliff-walking-slippery", "CliffWalking-v1", {"is_slippery": True}, CLIFF, 37),
 ]
 
@@ -87,19 +83,8 @@ def test_levels_that_are_written_differently() -> None:
     assert certificate.digest == drawn.digest
 
 
-# Nothing but walls; puddles; glass; warps; wind; ends that are no exits; several starts.
-@pytest.mark.parametrize(
-    "name",
-    [
-        "walls",
-        "puddles",
-        "glasshouse",
-        "teleport-pads",
-        "windy-gridworld",
-        "frozen-lake",
-        "gridworld-4-1",
-    ],
-)
+# Glass; warps; several starts.
+@pytest.mark.parametrize("name", ["glasshouse", "teleport-pads", "gridworld-4-1"])
 def test_a_level_is_equivalent_to_its_table(name: str) -> None:
     level = brl.load(name)
     certificate = compare(level, (level.compile().to_toy_text(1), level.compile().start))

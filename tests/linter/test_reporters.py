@@ -17,7 +17,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from jsonschema import Draft4Validator
 from support.findings import FIX, HOSTILE, MADE_UP, REAL, TITLES, finding
-from support.reports import LEVELS
 
 from babyrobot_levels.linter.reporters import render
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity, one_line
@@ -159,12 +158,6 @@ def test_texts_are_neither_links_nor_control_characters() -> None:
     text = result["message"]["text"]
     assert "](" not in text
     assert all(character.isprintable() or character == "\n" for character in text)
-
-
-def test_every_bad_file_is_among_the_real_findings() -> None:
-    assert {diagnostic.file for diagnostic in REAL} >= {
-        path.name for path in (LEVELS / "bad").glob("*.yaml")
-    }
 
 
 LINE = re.compile(r"::(error|warning|notice) ([^:]*)::(.*)")

@@ -47,6 +47,7 @@ def test_every_file_belongs_to_a_rule() -> None:
     assert {path.parent.name for path in files} == {rule.name for rule in PLAY}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", PLAY, ids=lambda rule: rule.name)
 def test_no_safe_fix_changes_the_mdp(rule: Rule) -> None:
     for path in of(rule, LINT_BAD):
@@ -76,6 +77,7 @@ def check_fixes(path: Path) -> None:
     assert not [each for each in fixed.report.diagnostics if each.fix and each.fix.safe]
 
 
+@pytest.mark.slow
 def test_the_gallery_has_no_findings() -> None:
     for path in GALLERY_FOLDER.rglob("*.yaml"):
         report = lint_source(read_source(path, path.name), all_rules(), path)

@@ -58,44 +58,6 @@ def field(size: int = 3, **fields: object) -> World:
 
 
 @given(worlds())
-def test_probabilities_are_distributions(world: World) -> None:
-    mdp = level_of(world).compile()
-    assert (mdp.probability >= 0).all()
-    assert np.abs(mdp.probability.sum(axis=2) - 1).max() <= 1e-12
-    assert abs(mdp.start.sum() - 1) <= 1e-12
-    starts = world["start"] if isinstance(world["start"][0], list) else [world["start"]]
-    assert sorted(np.flatnonzero(mdp.start)) == sorted(y * mdp.width + x for x, y in starts)
-
-
-@given(worlds())
-def test_outcomes_are_distinct_and_sorted(world: World) -> None:
-    mdp = level_of(world).compile()
-    for state in range(mdp.num_states):
-        for action in range(5):
-            found = [outcome[1:] for outcome in mdp.outcomes(state, action)]
-            assert found == sorted(set(found))
-            padding = mdp.probability[state, action, len(found) :]
-            assert not padding.any()
-
-
-@given(worlds())
-def test_next_states_are_cells_that_exist(world: World) -> None:
-    level = level_of(world)
-    mdp, blocked = level.compile(), level.grid().blocked.ravel()
-    reached = mdp.next_state[~blocked][mdp.probability[~blocked] > 0]
-    assert not blocked[reached].any()
-
-
-@given(worlds())
-def test_where_the_episode_is_over_nothing_happens_any_more(world: World) -> None:
-    mdp = level_of(world).compile()
-    for state in np.flatnonzero(mdp.is_terminal).tolist():
-        for action in range(5):
-            assert mdp.outcomes(state, action) == [(1.0, state, 0.0, True)]
-        assert mdp.action_mask[state].tolist() == [1, 0, 0, 0, 0]
-
-
-@given(worlds())
 def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
     calm = {**world, "skid": None, "puddles": [], "areas": []}
     level = level_of({name: value for name, value in calm.items() if value is not None})
@@ -113,9 +75,8 @@ def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
                 assert {after for _, after, _, _ in found} == {target}
 
 
-@given(worlds())
-def test_arrays_are_as_documented_and_read_only(world: World) -> None:
-    mdp = level_of(world).compile()
+def test_arrays_are_as_documented_and_read_only() -> None:
+    mdp = level_of(field(skid=0.5)).compile()
     states, actions = mdp.width * mdp.height, 5
     most = mdp.probability.shape[2]
     shapes = {
@@ -135,9 +96,6 @@ def test_arrays_are_as_documented_and_read_only(world: World) -> None:
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
 
-
-def test_pickled_tables_are_read_only_too() -> None:
-    mdp = level_of(field()).compile()
     copy: Mdp = pickle.loads(pickle.dumps(mdp))
     assert (copy.next_state == mdp.next_state).all()
     with pytest.raises(ValueError, match="read-only"):
@@ -192,26 +150,6 @@ def test_glass_is_a_wall_to_a_skid(rule: str) -> None:
     assert (2, 1) not in chances(world, (1, 1), NORTH)
 
 
-def test_it_is_the_cell_that_is_left_that_makes_skid() -> None:
-    world = field(puddles=[{"at": [1, 1]}])
-    assert chances(world, (1, 1), NORTH)[1, 0] == 0.6
-    assert chances(world, (0, 1), EAST) == {(1, 1): 1.0}
-
-
-def test_a_skid_against_a_wall_bumps() -> None:
-    world = field(skid={"probability": 0.5, "to": "sides"}, rewards={"bump": -5})
-    assert outcomes(world, (0, 1), NORTH) == {
-        ((0, 0), -1.0, False): 0.5,
-        ((0, 1), -5.0, False): 0.25,
-        ((1, 1), -1.0, False): 0.25,
-    }
-
-
-def test_stay_never_skids() -> None:
-    world = field(skid={"probability": 1, "to": "others"})
-    assert chances(world, (1, 1), STAY) == {(1, 1): 1.0}
-
-
 # -- glass -------------------------------------------------------------------------------------
 
 
@@ -228,10 +166,6 @@ def test_glass_lets_through_or_bounces_the_robot_back() -> None:
     }
 
 
-def test_glass_works_from_both_sides() -> None:
-    assert chances(glass(), (2, 0), WEST) == {(1, 0): 0.25, (3, 0): 0.75}
-
-
 def test_a_bounce_stays_where_a_wall_is_behind() -> None:
     world = corridor(3, walls=[{"at": [0, 0], "side": "E", "pass": 0.25}], rewards={"bump": -50})
     assert outcomes(world, (0, 0), EAST) == {
@@ -244,11 +178,6 @@ def test_a_bounce_stays_where_glass_is_behind() -> None:
     wall = {"at": [1, 0], "pass": 0.25}
     world = corridor(3, walls=[{**wall, "side": "E"}, {**wall, "side": "W"}], exit="none")
     assert chances(world, (1, 0), EAST) == {(1, 0): 0.75, (2, 0): 0.25}
-
-
-def test_a_bounce_can_reach_an_exit() -> None:
-    world = glass(exit=[0, 0], start=[1, 0])
-    assert outcomes(world, (1, 0), EAST)[(0, 0), -1.0, True] == 0.75
 
 
 def test_skidding_makes_glass_harder_and_nothing_else() -> None:
@@ -273,11 +202,6 @@ def test_glass_beside_a_blocked_cell_is_a_wall() -> None:
     )
     assert only(world, (1, 0), WEST)[0] == (1, 0)
     assert level_of(world).compile().obstruction[1, WEST] == REFUSED
-
-
-def test_an_opening_takes_glass_away() -> None:
-    world = glass(openings=[{"at": [2, 0], "side": "W"}])
-    assert chances(world, (1, 0), EAST) == {(2, 0): 1.0}
 
 
 # -- warps -------------------------------------------------------------------------------------
@@ -335,14 +259,6 @@ def test_leave_acts_on_every_move_and_on_no_stay() -> None:
     assert (level_of(world).compile().obstruction[1] == FREE).all()
 
 
-def test_leave_leads_on_through_enter_warps() -> None:
-    warps = [
-        {"at": [1, 0], "to": [2, 0], "when": "leave"},
-        {"at": [2, 0], "to": [3, 0], "reward": 6},
-    ]
-    assert only(corridor(5, warps=warps), (1, 0), WEST) == ((3, 0), 6.0, False)
-
-
 @pytest.mark.parametrize("when", ["enter", "leave"])
 def test_where_the_episode_is_over_a_warp_does_nothing(when: str) -> None:
     world = corridor(
@@ -385,11 +301,6 @@ def test_a_move_that_the_wind_cancels_is_not_refused() -> None:
         assert level_of(world).compile().action_mask[cell[1] * 3, NORTH] == 1
 
 
-def test_a_stronger_wind_blows_the_robot_back() -> None:
-    world = field(wind={"south": [2, 0, 0]}, rewards={"bump": -5})
-    assert only(world, (0, 0), NORTH) == ((0, 1), -1.0, False)
-
-
 def test_a_refused_move_still_drifts_and_bumps() -> None:
     world = field(wind={"east": [1, 0, 0]}, rewards={"bump": -5})
     assert only(world, (0, 0), NORTH) == ((1, 0), -5.0, False)
@@ -399,16 +310,6 @@ def test_a_move_that_the_wind_cancels_may_skid() -> None:
     """The wind keeps the robot off the wall, so that the wall does not refuse the move."""
     world = field(skid=0.5, wind={"south": [1, 0, 0]})
     assert chances(world, (0, 0), NORTH) == {(0, 0): 0.5, (1, 1): 0.25, (0, 2): 0.25}
-
-
-def test_exits_on_the_way_do_not_count() -> None:
-    world = corridor(4, exit=[2, 0], wind={"east": [2]})
-    assert only(world, (0, 0), EAST) == ((3, 0), -1.0, False)
-
-
-def test_stay_is_not_moved_by_wind() -> None:
-    world = field(wind={"east": [2, 2, 2]})
-    assert only(world, (0, 0), STAY) == ((0, 0), -1.0, False)
 
 
 def test_a_bounce_is_not_moved_by_wind() -> None:
@@ -464,11 +365,6 @@ def test_later_areas_win_property_by_property() -> None:
     assert chances(corridor(3, areas=areas), (1, 0), EAST) == {(2, 0): 0.5, (0, 0): 0.5}
 
 
-def test_an_area_below_a_puddle_still_ends_the_episode() -> None:
-    world = corridor(3, areas=[{"at": [1, 0], "ends": True, "reward": 8}], puddles=[{"at": [1, 0]}])
-    assert only(world, (0, 0), EAST) == ((1, 0), -2.0, True)
-
-
 def test_a_number_means_the_rule_open_whatever_the_level_says() -> None:
     world = field(skid={"probability": 0.5, "to": "others"}, areas=[{"at": [0, 0], "skid": 0.5}])
     assert chances(world, (0, 0), NORTH) == {(0, 0): 1.0}
@@ -501,10 +397,6 @@ def test_closer_and_farther_speak_of_the_nearest_exit_as_the_crow_flies() -> Non
     level = {"version": 1, "size": [4, 1], "start": [0, 0], "exit": [[0, 0], [3, 0]]}
     level |= {"start": [1, 0], "rewards": rewards, "walls": [{"at": [1, 0], "side": "W"}]}
     assert only(level, (1, 0), EAST)[1] == 0, "as far from the one as from the other"
-
-
-def test_without_exits_nothing_is_closer() -> None:
-    assert only(field(rewards={"closer": 5, "farther": 6}), (1, 1), NORTH)[1] == -1
 
 
 def test_the_tables_can_be_had_as_gymnasium_has_them() -> None:

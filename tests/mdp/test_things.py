@@ -129,21 +129,6 @@ def test_what_lies_under_a_start_is_held_from_the_beginning() -> None:
 
 
 @given(thing_worlds())
-def test_configurations_are_sorted_distinct_and_in_range(world: World) -> None:
-    level = level_of(world)
-    mdp, things = level.compile(), level.things()
-    rows = mdp.configurations.tolist()
-    assert mdp.configurations.dtype == np.int16
-    assert rows == sorted(rows)
-    assert len({*map(tuple, rows)}) == len(rows) == mdp.num_configurations
-    assert all(
-        0 <= value < radix for row in rows for value, radix in zip(row, things.radices, strict=True)
-    )
-    assert mdp.num_states == mdp.num_configurations * mdp.cells
-    assert mdp.shape == ((len(rows), *level.size[::-1]) if level.has_things else level.size[::-1])
-
-
-@given(thing_worlds())
 def test_grids_have_walls_at_closed_doors_and_nothing_else(world: World) -> None:
     level = level_of(world)
     plain = level.grid()

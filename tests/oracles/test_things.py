@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from oracles.random_things import random_level
 from oracles.things_reference import (
     EAST,
@@ -521,7 +521,7 @@ def compare_turning(seed: int, things: bool = True) -> None:
         raise
 
 
-@for_each("seed", range(100))
+@for_each("seed", range(settings().max_examples))
 def test_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
     compare(seed)
 
@@ -532,12 +532,12 @@ def test_tables_of_worlds_are_those_of_the_reference(world: World) -> None:
     assert_same_tables(level_of(world).compile(), level, actions=5)
 
 
-@for_each("seed", range(50))
+@for_each("seed", range(settings().max_examples // 2))
 def test_turning_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
     compare_turning(seed)
 
 
-@for_each("seed", range(50))
+@for_each("seed", range(settings().max_examples // 2))
 def test_turning_tables_of_levels_without_things_are_those_of_the_reference(seed: int) -> None:
     compare_turning(seed, things=False)
 

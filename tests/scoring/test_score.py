@@ -16,15 +16,15 @@ import babyrobot_levels as brl
 NAMES = ["frozen-lake", "first-key", "four-rooms", "treasure-chests"]
 
 
+@pytest.mark.slow
 def test_the_optimal_policy_has_no_regret_in_any_level_of_the_gallery() -> None:
-    levels = [brl.load(info.name) for info in brl.levels()]
-    levels = [level for level in levels if not level.has_random_maze]
-    policies = {level.digest: brl.solve(level, within="max_steps") for level in levels}
-    for level in levels:
-        # What is optimal at each step depends on the time: such a policy is evaluated by step.
-        found = brl.evaluate(level, policies[level.digest])
-        best = brl.score("random", level)[0].optimum
-        assert abs(best - found.expected_return) <= 1e-12 * max(1.0, abs(best))
+    for info in brl.levels():
+        level = brl.load(info.name)
+        if not level.has_random_maze:
+            # What is optimal at each step depends on the time: it is evaluated by step.
+            found = brl.evaluate(level, brl.solve(level, within="max_steps"))
+            best = brl.score("random", level)[0].optimum
+            assert abs(best - found.expected_return) <= 1e-12 * max(1.0, abs(best))
 
 
 def test_chance_has_a_share_of_zero() -> None:
@@ -141,7 +141,7 @@ def test_few_episodes_do_not_hide_what_is_rare() -> None:
 @pytest.mark.filterwarnings("ignore:of an agent with memory")
 def test_the_interval_of_a_summary() -> None:
     names = ["frozen-lake", "final-maze", "maze", "first-key"]
-    (few, all_) = (brl.score(Drawer(1), names, episodes=n, actions="moves") for n in (5, 200))
+    (few, all_) = (brl.score(Drawer(1), names, episodes=n, actions="moves") for n in (5, 50))
     for scores in (few, all_):
         assert scores.summary.low < 0 < scores.summary.high
         assert scores[:2].summary.low < scores[:2].summary.high
@@ -161,24 +161,6 @@ def test_few_episodes_are_warned_of() -> None:
     assert brl.score(Turner(), "maze", actions="moves", episodes=100).notice is None
     with pytest.raises(ValueError, match="episodes must be at least 1, not 0"):
         brl.score(Turner(), "maze", actions="moves", episodes=0)
-
-
-def test_the_interval_of_an_agent_that_is_played_holds_its_worth() -> None:
-    solution = brl.solve("frozen-lake")
-
-    class Follower:
-        def reset(self) -> None:
-            pass
-
-        def act(self, observation: Any, mask: Any) -> int:
-            return int(solution.policy[observation[1], observation[0]])
-
-    played = brl.score(Follower(), "frozen-lake", episodes=2000, seed=1)[0]
-    exact = brl.score(solution, "frozen-lake")[0]
-    assert played.low <= exact.expected_return <= played.high
-    assert played.high - played.low < 0.05
-    assert played.success == pytest.approx(exact.success, abs=0.05)
-    assert played.steps == pytest.approx(exact.steps, rel=0.1)
 
 
 def test_parts_of_suites_share_the_space_of_the_suite() -> None:

@@ -158,8 +158,7 @@ def test_luck_that_would_take_too_long_is_not_computed(
     assert math.isfinite(verification.log_probability)
 
 
-@pytest.mark.parametrize("actions", ["all", "moves", "turns"])
-@pytest.mark.parametrize("level", ["final-maze", "first-key"])
+@pytest.mark.parametrize(("level", "actions"), [("final-maze", "all"), ("first-key", "turns")])
 def test_the_film_shows_the_steps(tmp_path: Path, level: str, actions: str) -> None:
     from babyrobot_levels.scoring.verify import steps_of
 

@@ -81,15 +81,6 @@ def test_large_mazes_need_no_recursion(algorithm: str) -> None:
 
 
 @each_algorithm
-def test_seeds_give_different_mazes(algorithm: str) -> None:
-    assert len({grow(empty(8, 8), seed, algorithm) for seed in range(20)}) == 20
-
-
-def test_starts_give_different_mazes() -> None:
-    assert len({grow(empty(8, 8, start), 1) for start in range(20)}) == 20
-
-
-@each_algorithm
 def test_many_mazes_are_those_that_are_grown_one_by_one(algorithm: str) -> None:
     seeds = [5, -5, 0, 2**32, 2**70]
     many = carve_many(6, 4, bytes(24), 7, seeds, algorithm, 0.5)
@@ -174,29 +165,6 @@ def test_recursive_division_begins_with_a_wall_across_the_longer_side_with_one_g
 
 
 # -- for ever --------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("size", "seed", "loops", "expected"),
-    [
-        ((4, 3), 0, 0.0, "46c455553939"),
-        ((4, 3), 0, 0.5, "6ec455553939"),
-        ((4, 3), -1, 0.0, "2ac446953ba9"),
-        ((7, 2), 2024, 0.0, "46c2ec4393a939"),
-        ((7, 2), 2024, 1.0, "6eeaeec393a939"),
-        ((1, 5), 3, 1.0, "45551"),
-        ((5, 5), 10**30, 0.25, "42c6c3c555697957c16d3ba91"),
-    ],
-)
-def test_the_same_seed_gives_the_same_maze_for_ever(
-    size: tuple[int, int], seed: int, loops: float, expected: str
-) -> None:
-    assert hexed(grow(empty(*size), seed, loops=loops)) == expected
-
-
-def test_a_maze_around_blocked_cells_is_the_same_for_ever() -> None:
-    blocked = bytes([0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0])
-    assert hexed(grow((4, 3, blocked, 9), 5)) == "6aac500512a9"
 
 
 FOREVER = {
