@@ -146,7 +146,7 @@ def assert_equal_tables(level: Level, env: Any, moves: Mapping[int, str], but: s
 def test_it_is_the_game_of_gymnasium(
     name: str, peer: str, options: dict[str, bool], moves: Mapping[int, str], but: set[int]
 ) -> None:
-    env = gymnasium.make(peer, **options)
+    env: Any = gymnasium.make(peer, **options)
     level = load(name)
     assert_equal_tables(level, env, moves, but)
     np.testing.assert_array_equal(level.compile().start, env.unwrapped.initial_state_distrib)
