@@ -7,7 +7,7 @@ import json
 import pickle
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.conversions import level_of_world, sample, world_of
 
@@ -137,7 +137,6 @@ def test_hostile_texts_are_refused_with_a_message(text: str) -> None:
 
 @each_format
 @given(text=st.text(alphabet="#SEX@.$WGFH> \n[]{}()',:01rgc\"=", max_size=60))
-@settings(max_examples=150)
 def test_any_text_is_a_level_or_an_error(name: str, text: str) -> None:
     try:
         level_of_world(world_of(text, name))

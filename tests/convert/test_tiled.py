@@ -59,7 +59,7 @@ def test_a_map_is_what_tiled_saves_but_for_its_version() -> None:
 
 
 @given(decorated_worlds())
-@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow])
 def test_all_fields_come_back(world: World) -> None:
     level = level_of(world)
     conversion = export(level, "tiled")

@@ -191,24 +191,13 @@ def _bend(draw: DrawFn, here: Any) -> None:
         here[key] = draw(JUNK)
 
 
-@given(decorated_worlds())
+@given(decorated_worlds() | thing_worlds())
 def test_good_levels_are_accepted(world: dict[str, Any]) -> None:
     assert shape_faults(world, LevelSpec) == []
     LEVEL.validate(world)
 
 
-@given(thing_worlds())
-def test_good_levels_with_things_are_accepted(world: dict[str, Any]) -> None:
-    assert shape_faults(world, LevelSpec) == []
-    LEVEL.validate(world)
-
-
-@given(bent(thing_worlds()))
-def test_they_agree_on_things(data: dict[str, Any]) -> None:
-    assert_agreed(data)
-
-
-@given(bent(decorated_worlds()))
+@given(bent(decorated_worlds() | thing_worlds()))
 def test_the_schema_accepts_the_shapes_that_the_loader_accepts(data: dict[str, Any]) -> None:
     assert_agreed(data)
 

@@ -7,11 +7,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.things import FIELDS, thing_worlds
+from support.things import thing_worlds
 from support.worlds import World, level_of, level_of_text
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.fields import LevelFields, Role
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import grid_with_doors
 from babyrobot_levels.text.errors import LevelError
@@ -53,37 +52,10 @@ def test_a_level_without_things_has_none() -> None:
     assert (level.hit.reward, level.hit.ends) == (-1, True)
 
 
-@pytest.mark.parametrize(
-    "fields",
-    [
-        {"items": [{"name": "key", "at": [1, 1]}]},
-        {"switches": [{"name": "lever", "at": [1, 1]}]},
-        {"movers": [{"path": [[1, 1]]}]},
-        {"doors": [{"at": [1, 1], "side": "E"}]},
-        {"exit_one_of": [[1, 1], [2, 2]]},
-    ],
-    ids=lambda fields: next(iter(fields)),
-)
-def test_each_of_these_makes_it_a_level_with_things(fields: World) -> None:
-    assert level_of({"version": 1, **fields}).has_things
-
-
-@pytest.mark.parametrize("fields", [{"heading": "S"}, {"hit": {"reward": 3}}, {"exit_needs": []}])
-def test_these_do_not(fields: World) -> None:
-    assert not level_of({"version": 1, **fields}).has_things
-
-
 def test_exits_are_the_cells_that_may_be_drawn() -> None:
     level = level_of({"version": 1, "exit_one_of": [[1, 1], [2, 2]]})
     assert level.exits == ((1, 1), (2, 2))
     assert level.exit == "none"
-
-
-def test_things_are_part_of_the_dynamics() -> None:
-    roles = {name: LevelFields.model_fields[name].metadata for name in FIELDS}
-    geometry = {name for name, marks in roles.items() if Role.GEOMETRY in marks}
-    assert geometry == {"exit_one_of"}
-    assert all(Role.DYNAMICS in roles[name] for name in set(FIELDS) - geometry)
 
 
 @pytest.mark.parametrize(
@@ -212,19 +184,6 @@ def test_lists_stand_behind_what_is_drawn() -> None:
     assert [item.name for item in level.items] == ["key", "coin", "star", "box"]
     assert level.to_dict()["items"] == [{"name": "box", "at": [0, 0]}]
     assert [switch.name for switch in level.switches] == ["lever", "lamp"]
-
-
-@given(thing_worlds())
-def test_a_share_code_holds_things(world: World) -> None:
-    level = level_of(world)
-    other = brl.load(level.share_code())
-    assert other.to_dict(whole=True) == level.to_dict(whole=True)
-    assert other.digest == level.digest
-
-
-def test_a_drawn_level_is_shared_as_it_is() -> None:
-    level = level_of_text(DRAWN)
-    assert brl.load(level.share_code()) == level
 
 
 # -- changes -------------------------------------------------------------------------------

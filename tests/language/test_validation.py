@@ -6,8 +6,6 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
 from support.each import for_each
 from support.reports import BAD, GOOD, read, report
 from support.work import counted_calls
@@ -17,9 +15,6 @@ from babyrobot_levels.language.kinds import LISTED
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
-from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import SourceFile
 
 IN_TEXTS = {
@@ -235,15 +230,10 @@ def test_what_may_be_written(text: str) -> None:
     "text",
     [
         "size: null",
-        "start: null",
         "exit: null",
         "walls: null",
-        "rewards: null",
         "rewards: {step: null}",
-        "display: null",
-        "theme: null",
         "discount: null",
-        "tags: null",
         "puddle_types: {small: null}",
     ],
 )
@@ -350,59 +340,6 @@ def test_files_full_of_faults_are_told_quickly(text: str) -> None:
 
 
 # -- whatever a file holds ---------------------------------------------------------------------
-
-TEXTS = [path.read_bytes() for path in (*GOOD, *BAD) if path.stat().st_size < 1500]
-SNIPPETS = [
-    *(bytes([code]) for code in range(256)),
-    *(
-        word.encode()
-        for word in ("null", "- ", ": ", "[0, 0]", "{", "]", "&a ", "*a", "|\n", ">\n")
-    ),
-    *(word.encode() for word in ("!!str ", "9" * 50, ".nan", "1e999", "-0.0", "\n---\n", "# ")),
-    *(word.encode() for word in ("  +---+\n  | S |\n  +---+\n", "\ufeff", "迷", "\u2028", "\x85")),
-]
-
-
-@st.composite
-def mutations(draw: st.DrawFn) -> bytes:
-    """Texts of the test files with bytes deleted, inserted, and swapped."""
-    data = bytearray(draw(st.sampled_from(TEXTS)))
-    for _ in range(draw(st.integers(1, 4))):
-        first = draw(st.integers(0, len(data)))
-        last = min(len(data), first + draw(st.integers(0, 12)))
-        match draw(st.sampled_from(["delete", "insert", "swap", "repeat"])):
-            case "delete":
-                del data[first:last]
-            case "insert":
-                data[first:first] = draw(st.sampled_from(SNIPPETS))
-            case "swap":
-                other = draw(st.integers(0, len(data)))
-                part, there = data[first:last], data[other : other + last - first]
-                data[other : other + len(there)] = part
-                data[first:last] = there
-            case _:
-                data[first:first] = data[first:last] * 2
-    return bytes(data)
-
-
-@given(mutations())
-@example(b"")
-@example(b"\xef\xbb\xbf")
-@example(b"version: 1\nlegend: {x: {}}\nmap: null\n")
-@example(b"version: 1\nmap: ''\nlegend: {}\n")
-def test_any_file_gives_a_level_or_diagnostics(data: bytes) -> None:
-    try:
-        source = source_of(data, "x.yaml")
-    except LevelError:
-        return
-    level, diagnostics = parse(source, Level)
-    assert (level is None) == bool(diagnostics)
-    for found in diagnostics:
-        assert str(found)
-        assert found.to_dict()["code"].startswith("BR")
-        assert 1 <= found.line <= len(source.lines) + 1
-    if level is not None:
-        assert parse(SourceFile("y.yaml", emit(level.to_dict())), Level)[1] == []
 
 
 def test_what_is_missing_at_the_end_of_a_line_takes_no_room() -> None:

@@ -37,17 +37,6 @@ def test_changed_bytes_are_noticed() -> None:
         assert archive.files == FILES
 
 
-def test_every_single_bit_counts() -> None:
-    for place in range(len(GOOD)):
-        data = bytearray(GOOD)
-        data[place] ^= 1 << place % 8
-        try:
-            parse_archive(bytes(data))
-        except PackError:
-            continue
-        raise AssertionError(f"nobody notices another byte at {place}")
-
-
 def resealed(seed: int) -> bytes:
     """Return an archive with other files or another manifest, for which all sums are right."""
     rng, files = Random(seed), dict(FILES)

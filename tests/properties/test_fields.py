@@ -119,7 +119,7 @@ def contrasts(where: str) -> Iterator[tuple[Level, Level]]:
 @cache
 def contrasts_of(where: str) -> list[tuple[Level, Level]]:
     """Return the first of the contrasts of a field."""
-    return [*islice(contrasts(where), 6)]
+    return [*islice(contrasts(where), 3)]
 
 
 PLAYING = sorted(
@@ -134,8 +134,8 @@ PLAYING = sorted(
 
 @pytest.mark.parametrize("where", PLAYING)
 def test_rules_in_words_tell_what_changes_the_tables(where: str) -> None:
-    found = contrasts_of(where)
-    assert found, "no random level shows what it changes"
+    assert contrasts_of(where), "no random level shows what it changes"
+    found = islice(contrasts(where), 6)
     is_told = any(rules_of(level) != rules_of(other) for level, other in found)
     assert is_told == (where not in NOT_IN_WORDS)
 
@@ -172,6 +172,7 @@ def test_random_levels_with_things_have_every_field() -> None:
     assert {where for where in expected - drawn if not where.startswith("maze")} == set()
 
 
+@pytest.mark.slow
 def test_random_levels_without_things_have_every_field() -> None:
     drawn: set[str] = set()
 

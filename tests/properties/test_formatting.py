@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,6 @@ from support.places import TESTS
 from support.things import thing_worlds
 from support.worlds import decorated_worlds, level_of_text, worlds
 
-import babyrobot_levels as brl
 from babyrobot_levels.generation.starter import TEMPLATES, StarterOptions, starter
 from babyrobot_levels.language.formatting import format_source, tidy
 from babyrobot_levels.library.level import Level, load_file
@@ -147,15 +145,3 @@ def test_good_files(path: Path) -> None:
     if not level.has_random_maze:
         assert level.digest == load_file(path).digest
     assert formatted(result) == result
-
-
-@pytest.mark.parametrize("change", [str.lower, str.upper], ids=["lower", "upper"])
-def test_the_comparison_sees_differences(change: Callable[[str], str]) -> None:
-    # The tests above would be content with one that sees none.
-    assert not is_exactly({"a": [1, True]}, {"a": [1, 1]})
-    assert not is_exactly({"a": 1}, {"a": 1.0})
-    assert is_exactly({"a": change("A")}, {"a": change("a")})
-
-
-def test_format_text_is_the_same() -> None:
-    assert brl.format("size: [3,3]\nversion: 1") == "version: 1\nsize: [3, 3]\n"

@@ -104,7 +104,7 @@ def test_safe_fixes_do_not_change_the_mdp(text: str) -> None:
     assert left == []
 
 
-@settings(untimed, max_examples=60)
+@untimed
 @given(decorated_worlds(), st.randoms(use_true_random=False), st.sampled_from([0.0, 0.1, 0.4]))
 def test_fixing_twice_changes_nothing_more(world: World, rng: random.Random, chatty: float) -> None:
     text = Scribe(rng, chatty).write(world)
