@@ -25,9 +25,17 @@ from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.jax.loading import MAX_BYTES, Loader, bounds_of, levels_in
 from babyrobot_levels.jax.observations import gymnax_space, look_up
-from babyrobot_levels.jax.params import HIT, REACHED, SKIDDED, TERMINAL, EnvParams
-from babyrobot_levels.jax.room import Room
-from babyrobot_levels.jax.words import below, chosen, draw_words
+from babyrobot_levels.jax.params import (
+    HIT,
+    REACHED,
+    SKIDDED,
+    TERMINAL,
+    EnvParams,
+    Room,
+    below,
+    chosen,
+    draw_words,
+)
 from babyrobot_levels.suites.named import Levels
 from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Suite

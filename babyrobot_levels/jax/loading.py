@@ -17,9 +17,17 @@ from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.spaces import ActionSet
 from babyrobot_levels.envs.vector.levels import misfit
 from babyrobot_levels.jax.observations import ObservationTables, bytes_of, joined, tables_of
-from babyrobot_levels.jax.params import REACHED, SKIDDED, TERMINAL, UNLIMITED, EnvParams
-from babyrobot_levels.jax.room import Counts, Room
-from babyrobot_levels.jax.words import NEVER, thresholds
+from babyrobot_levels.jax.params import (
+    NEVER,
+    REACHED,
+    SKIDDED,
+    TERMINAL,
+    UNLIMITED,
+    Counts,
+    EnvParams,
+    Room,
+    thresholds,
+)
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.named import named_levels

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import prod
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import jax
 import jax.numpy as jnp
@@ -24,8 +24,10 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.observations import OBSERVATIONS, DictObserver, make_observer, space_of
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.observations.planes import PlaneObserver
-from babyrobot_levels.jax.room import Room
 from babyrobot_levels.library.level import Level
+
+if TYPE_CHECKING:
+    from babyrobot_levels.jax.params import Room
 
 
 def look_up(table: Array, index: Any) -> Array:

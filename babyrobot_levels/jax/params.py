@@ -6,17 +6,18 @@ room as it has states, however large the others are.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
+from numpy.typing import NDArray
 
 from babyrobot_levels.jax.observations import ObservationTables
-from babyrobot_levels.jax.words import below
 
 TERMINAL, HIT, REACHED, SKIDDED = 1, 2, 4, 8
 """The bits of what is told of an outcome."""
@@ -214,3 +215,127 @@ class EnvParams:
             observations=self.observations.take(level, base, states),
             draws_levels=False,
         )
+
+
+# -- how much room levels take in tables, and whether others fit into it ---------------------
+
+
+class Counts(NamedTuple):
+    """How much a level has, or several together.
+
+    Attributes:
+        states: how many states.
+        branches: how many stochastic rows: pairs of state and action with several outcomes.
+        starts: how many states in which episodes start.
+        configurations: how many configurations, if the observation has something for each.
+    """
+
+    states: int
+    branches: int
+    starts: int
+    configurations: int
+
+
+_NONE = Counts(0, 0, 0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """The size of tables, which compiled code depends on.
+
+    Attributes:
+        levels: how many levels there are.
+        total: how much they have together.
+        most: the most that one of them has.
+        outcomes: the most outcomes of an action.
+    """
+
+    levels: int = 0
+    total: Counts = _NONE
+    most: Counts = _NONE
+    outcomes: int = 1
+
+    def and_level(self, counts: Counts, outcomes: int) -> Self:
+        """Return the room for one more level."""
+        return replace(
+            self,
+            levels=self.levels + 1,
+            total=Counts(*map(sum, zip(self.total, counts, strict=True))),
+            most=Counts(*map(max, self.most, counts)),
+            outcomes=max(self.outcomes, outcomes),
+        )
+
+    def for_any(self, others: Iterable[tuple[Counts, int]]) -> Self:
+        """Return the room for as many levels, each as large as the largest of these and others."""
+        largest = self
+        for counts, outcomes in others:
+            largest = largest.and_level(counts, outcomes)
+        total = Counts(*(self.levels * count for count in largest.most))
+        return replace(self, total=total, most=largest.most, outcomes=largest.outcomes)
+
+    def misfit(self, needed: Room) -> str | None:
+        """Return why as many levels do not fit that need other room, None if they do."""
+        for what, need, have in zip(_NAMES, needed.total, self.total, strict=True):
+            if need > have:
+                return f"they have {need:,} {what} together, and there is room for {have:,}"
+        for what, need, have in zip(_NAMES, needed.most, self.most, strict=True):
+            if need > have:
+                return f"one of them has {need:,} {what}, and there is room for {have:,}"
+        if needed.outcomes > self.outcomes:
+            return (
+                f"an action has {needed.outcomes} outcomes, and there is room for {self.outcomes}"
+            )
+        return None
+
+
+_NAMES = ("states", "pairs of state and action with several outcomes", "starts", "configurations")
+
+
+# -- randomness as words ---------------------------------------------------------------------
+
+# Comparing and scaling words of 32 bits is exact, whatever floats are in use. A word w stands for
+# the draw `w / 2**32`, from 0 up to but not including 1.
+
+NEVER = np.uint32(2**32 - 1)
+"""The largest word: no word is above this threshold."""
+
+_HALF = 16
+_LOW = 2**_HALF - 1
+
+
+def draw_words(key: Array, count: int) -> Array:
+    """Return words, uint32 `[count]`; without randomness if none are needed."""
+    if not count:
+        return jnp.zeros(0, jnp.uint32)
+    return jax.random.bits(key, (count,), jnp.uint32)
+
+
+def below(word: Array, count: Array) -> Array:
+    """Return a whole number below a count, int32: the draw times the count, rounded down.
+
+    Args:
+        word: uint32.
+        count: at least 1.
+    """
+    count = jnp.asarray(count).astype(jnp.uint32)
+    high, low = word >> _HALF, word & _LOW
+    count_high, count_low = count >> _HALF, count & _LOW
+    # The upper half of a product of 64 bits, from products of 32 bits.
+    middle = high * count_low + (low * count_low >> _HALF)
+    carried = low * count_high + (middle & _LOW)
+    return (high * count_high + (middle >> _HALF) + (carried >> _HALF)).astype(jnp.int32)
+
+
+def thresholds(cumulated: NDArray[np.float64]) -> NDArray[np.uint32]:
+    """Return the largest word whose draw is below each of some cumulated probabilities.
+
+    Args:
+        cumulated: float64, above 0.
+    """
+    least_not_below = np.ceil(np.minimum(cumulated, 1.0) * 2.0**32)
+    return (least_not_below - 1).astype(np.uint32)
+
+
+def chosen(word: Array, limits: Array) -> Array:
+    """Return how many of some rising thresholds a word is above, int32."""
+    return jnp.sum(word > limits, axis=-1, dtype=jnp.int32)

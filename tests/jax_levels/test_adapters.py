@@ -98,16 +98,6 @@ def test_wrappers_that_flatten_and_log() -> None:
     assert info["returned_episode_lengths"].tolist() == [0, 2, 2, 2]
 
 
-def test_sticky_actions() -> None:
-    env, params = brl_jax.make(CORRIDOR)
-    # The action before the first one is stay.
-    wrapped = gymnax.wrappers.StickyActionWrapper(env, 1.0)
-    shown, state = wrapped.reset(key(), params)
-    for _ in range(2):
-        shown, state, *_ = wrapped.step(key(), state, EAST, params)
-    assert shown.tolist() == [0, 0]
-
-
 def test_dm_env() -> None:
     env, params = brl_jax.make(CORRIDOR, observation="view")
     wrapped = gymnax.wrappers.GymnaxToDmEnvWrapper(env)
@@ -150,53 +140,6 @@ def suite() -> tuple[brl_jax.UnderspecifiedEnv, brl_jax.EnvParams]:
     return brl_jax.UnderspecifiedEnv(env), params
 
 
-def test_a_buffer_replays_the_levels_with_most_regret(jaxued: Any, suite: Any) -> None:
-    env, params = suite
-    sampler = jaxued.level_sampler.LevelSampler(
-        params.num_levels, staleness_coeff=0.0, duplicate_check=True
-    )
-    levels = jnp.arange(params.num_levels, dtype=jnp.int32)
-    scores = brl_jax.regret(params, brl_jax.random_policy(params), within="max_steps")
-
-    def train(buffer: Any, rng: jax.Array) -> Any:
-        rng_sample, rng_reset, rng_act = jax.random.split(rng, 3)
-        buffer, _ = sampler.insert_batch(buffer, levels, scores)
-        decision = sampler.sample_replay_decision(buffer, rng_sample)
-        buffer, (places, drawn) = sampler.sample_replay_levels(buffer, rng_sample, 64)
-        _, state = jax.vmap(env.reset_to_level, in_axes=(0, 0, None))(
-            jax.random.split(rng_reset, 64), drawn, params
-        )
-
-        def act(state: Any, rng: jax.Array) -> Any:
-            rng_action, rng_step = jax.random.split(rng)
-            actions = jax.random.randint(rng_action, (64,), 0, env.action_space(params).n)
-            _, state, reward, done, info = jax.vmap(env.step, in_axes=(0, 0, 0, None))(
-                jax.random.split(rng_step, 64), state, actions, params
-            )
-            return state, (reward, done, info)
-
-        state, told = jax.lax.scan(act, state, jax.random.split(rng_act, 8))
-        buffer = sampler.update_batch(buffer, places, jnp.zeros(64))
-        return buffer, decision, drawn, told
-
-    buffer = sampler.initialize(jnp.int32(0))
-    buffer, decision, drawn, (rewards, dones, info) = jax.jit(train)(buffer, jax.random.PRNGKey(1))
-    assert buffer["levels"].tolist() == levels.tolist()
-    assert int(buffer["size"]) == params.num_levels
-    assert bool(decision)
-    assert (info["level_index"] == drawn).all()
-    # Nothing is reset, and so all are over in the end, some of them at the exit.
-    assert dones[-1].all()
-    assert rewards.shape == (8, 64)
-    # Sampled by rank, the level with the most regret comes most often, with a third of all.
-    counts = np.bincount(drawn, minlength=params.num_levels)
-    assert counts.argmax() == scores.argmax()
-    assert counts.max() == pytest.approx(64 / 3.1, abs=12)
-    replayed = np.unique(drawn)
-    assert (buffer["scores"][replayed] == 0).all()
-    assert same(np.delete(buffer["scores"], replayed), np.delete(scores, replayed))
-
-
 def test_a_level_is_replayed_when_it_is_over(jaxued: Any, suite: Any) -> None:
     env, params = suite
     wrapped = jaxued.wrappers.AutoReplayWrapper(env)
@@ -233,18 +176,3 @@ def test_another_level_is_drawn_when_one_is_over(jaxued: Any, suite: Any) -> Non
     assert times.tolist() == [1, 2, 3, 4, 5, 6, 7, 0] * 20
     assert (levels[:7] == 5).all()
     assert len(np.unique(levels)) > 6
-
-
-def test_scores_of_rollouts(jaxued: Any, suite: Any) -> None:
-    env, params = brl_jax.make(CORRIDOR)
-    wrapped = jaxued.wrappers.AutoReplayWrapper(brl_jax.UnderspecifiedEnv(env))
-
-    def step(state: Any, rng: jax.Array) -> Any:
-        _, state, reward, done, _ = wrapped.step(rng, state, EAST, params)
-        return state, (reward[None], done[None])
-
-    _, state = wrapped.reset_to_level(key(), 0, params)
-    _, (rewards, dones) = jax.lax.scan(step, state, jax.random.split(key(), 5))
-    most, _, episodes = jaxued.utils.compute_max_mean_returns_epcount(dones, rewards)
-    assert jaxued.utils.compute_max_returns(dones, rewards).tolist() == most.tolist() == [4]
-    assert episodes.tolist() == [2]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 
 import pytest
 from support.places import ROOT
@@ -40,30 +39,6 @@ def test_levels_are_measured_beside_others_and_missing_peers_are_named(
     assert pool.missing == {
         jax_envs.ENGINE_POOL: "numba is not installed (the extra `fast`)",
     }
-
-
-def test_a_walk_takes_all_actions_and_counts_the_steps_of_all_environments(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    import jax
-    import jax.numpy as jnp
-    import jax_walks
-
-    taken: set[int] = set()
-    ticks = iter(range(100))
-    monkeypatch.setattr(time, "perf_counter", lambda: next(ticks))
-
-    def reset(key: jax.Array) -> tuple[jax.Array, jax.Array]:
-        return jnp.zeros(64), jnp.zeros(64)
-
-    def step(key: jax.Array, state: jax.Array, actions: jax.Array) -> tuple[jax.Array, ...]:
-        jax.debug.callback(lambda drawn: taken.update(drawn.tolist()), actions)
-        return state, state, state, jnp.zeros(64, bool)
-
-    measure = jax_walks.walk(64, 3, reset, step)
-    assert measure() == 64
-    jax.effects_barrier()
-    assert taken == {0, 1, 2}
 
 
 def test_optima_and_regret_in_jax_are_those_of_solve_and_score() -> None:

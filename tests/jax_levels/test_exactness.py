@@ -11,7 +11,7 @@ from support.jax_walks import POOL, WordDraws, bits_64
 
 import babyrobot_levels as brl
 import babyrobot_levels.jax as brl_jax
-from babyrobot_levels.jax.words import draw_words
+from babyrobot_levels.jax.params import draw_words
 
 STEPS, COPIES = 300, 6
 

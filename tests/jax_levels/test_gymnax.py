@@ -9,9 +9,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from gymnax.environments import environment
-from gymnax.experimental.rollout import RolloutWrapper
-from gymnax.wrappers.gym import GymnaxToVectorGymWrapper
-from gymnax.wrappers.purerl import FlattenObservationWrapper, LogWrapper
 
 import babyrobot_levels as brl
 import babyrobot_levels.jax as brl_jax
@@ -45,23 +42,6 @@ def test_an_episode_by_the_optimal_policy() -> None:
     assert info["action_mask"].tolist() == env.action_mask(state).tolist()
 
 
-def test_a_step_without_a_reset_ends_in_a_terminal_state() -> None:
-    level = brl.load("default")
-    mdp = level.compile()
-    env, params = brl_jax.make(level)
-    reached = {0}
-    for number in range(mdp.num_states):
-        state = brl_jax.EnvState(jnp.int32(0), jnp.int32(number), jnp.int32(0))
-        assert bool(env.is_terminated(state, params)) == bool(mdp.is_terminal[number])
-        assert float(env.discount(state, params)) == 1.0 - mdp.is_terminal[number]
-        _, after, reward, terminated, _ = env.step_env(KEY, state, 2, params)
-        assert int(after.state) == mdp.next_state[number, 2, 0]
-        assert bool(terminated) == bool(mdp.is_terminal[after.state])
-        assert float(reward) == pytest.approx(float(mdp.reward[number, 2, 0]))
-        reached.add(int(after.state))
-    assert any(mdp.is_terminal[each] for each in reached)
-
-
 def test_episodes_end_at_their_time_limit_or_never() -> None:
     env, limited = brl_jax.make("walls", max_episode_steps=3)
     _, endless = brl_jax.make("walls", max_episode_steps=-1)
@@ -90,24 +70,6 @@ def test_a_level_with_a_single_free_cell_beside_its_exit() -> None:
     _, state = env.reset(KEY, params)
     assert (params.step_words, params.reset_words, params.held.shape) == (0, 0, (2, 0))
     assert bool(env.step(KEY, state, 1, params)[3])
-
-
-def test_wrappers_of_gymnax() -> None:
-    env, params = brl_jax.make("maze", observation="vector", actions="moves")
-    wrapped = LogWrapper(FlattenObservationWrapper(env))
-    _, state = wrapped.reset(KEY, params)
-    assert wrapped.step(KEY, state, 1, params)[5]["returned_episode_lengths"] == 0
-    rollout = RolloutWrapper(env=env, env_params=params)
-    assert rollout.num_env_steps == brl.load("maze").max_steps
-    observed, action, reward, _, done, total = rollout.batch_rollout(jax.random.split(KEY, 3), None)
-    assert observed.shape == (3, 500, *env.observation_space(params).shape)
-    assert action.max() < env.action_space(params).n
-    first = np.argmax(np.append(done, np.ones((3, 1), bool), axis=1), axis=1)
-    returns = [sum(reward[each, : end + 1].tolist()) for each, end in enumerate(first)]
-    assert total[:, 0] == pytest.approx(returns)
-    vector = GymnaxToVectorGymWrapper(env, 2, params, seed=1)
-    observed, _ = vector.reset()
-    assert vector.observation_space.contains(np.asarray(observed))
 
 
 def test_a_step_calls_nothing_outside_of_the_compiled_program() -> None:

@@ -56,13 +56,3 @@ def test_observations_are_those_of_the_vector_environment(
     for one, two, of_all in zip(*map(jax.tree.leaves, (each, last, found)), strict=True):
         assert np.array_equal(one, of_all[states])
         assert np.array_equal(two, of_all[-1])
-
-
-def test_observations_are_in_their_space() -> None:
-    names = ("position", "index", "walls", "vector", "planes", "view")
-    env, params = brl_jax.make(SMALL[:3], observation=names)
-    found, spaces = env.observations(params), env.observation_space(params).spaces
-    for name, space in spaces.items():
-        assert np.asarray(jax.vmap(space.contains)(found[name])).all()
-        assert found[name].shape[1:] == space.shape
-        assert found[name].dtype == space.dtype

@@ -13,6 +13,7 @@ from support.jax_walks import POOL
 
 import babyrobot_levels as brl
 import babyrobot_levels.jax as brl_jax
+from babyrobot_levels.jax.params import below, chosen, thresholds
 
 SUITE = brl.load_suite("small-mazes")
 
@@ -50,17 +51,6 @@ def test_a_folder_is_all_of_its_levels(tmp_path: Path) -> None:
         (tmp_path / f"{size}.yaml").write_text(text, encoding="utf-8")
     _, params = brl_jax.make(tmp_path)
     assert brl_jax.optimum(params).returns.tolist() == [0, -1]
-
-
-def test_room_that_a_level_does_not_use_is_terminal() -> None:
-    _, params = brl_jax.make(["frozen-lake", "final-maze"], observation="planes")
-    one = params.take(0)
-    unused = np.arange(int(one.offset[1]) * one.num_actions, one.num_rows)
-    assert unused.size
-    assert np.array_equal(one.next_state[unused], unused // one.num_actions)
-    assert not np.asarray(one.reward[unused]).any()
-    assert (np.asarray(one.outcome[unused]) == 1).all()
-    assert not np.asarray(one.mask[int(one.offset[1]) :]).any()
 
 
 def test_levels_are_drawn_by_their_weights() -> None:
@@ -226,3 +216,37 @@ def test_sampled_actions_are_valid_and_equally_frequent() -> None:
         allowed = masks[number].astype(bool)
         assert not counts[~allowed].any()
         assert counts[allowed] == pytest.approx(2000 / allowed.sum(), rel=0.25)
+
+
+# -- words -----------------------------------------------------------------------------------
+
+
+WORDS = np.unique(
+    np.concatenate(
+        [
+            np.random.default_rng(0).integers(0, 2**32, 2000, np.uint32),
+            np.array([0, 1, 2**16, 2**31 - 1, 2**31, 2**32 - 2, 2**32 - 1], np.uint32),
+        ]
+    )
+)
+
+
+def test_a_word_selects_the_number_that_its_draw_selects() -> None:
+    counts = np.array([1, 2, 3, 7, 1000, 2**16, 2**16 + 1, 2**30, 2**31 - 1])
+    found = jax.vmap(jax.vmap(below, (None, 0)), (0, None))(WORDS, jnp.asarray(counts))
+    wanted = [[word * count >> 32 for count in counts.tolist()] for word in WORDS.tolist()]
+    assert np.asarray(found).tolist() == wanted
+
+
+def test_a_word_draws_the_outcome_that_its_draw_draws() -> None:
+    rows = np.cumsum([[0.1, 0.2, 0.7], [1 / 3, 1 / 3, 1 / 3], [2.0**-40, 0.5, 0.5]], axis=1)
+    # The draws at the thresholds themselves, and beside them.
+    edges = np.ceil(rows[:, :-1].reshape(-1) * 2.0**32).astype(np.int64)
+    words = np.concatenate([WORDS, *((edges + step).clip(0, 2**32 - 1) for step in (-1, 0, 1))])
+    for row in rows:
+        # An action with one outcome fewer than another has a threshold of 1.
+        for cumulated in (row[:-1], np.append(row[:-1], 1.0)):
+            limits = jnp.asarray(thresholds(cumulated))
+            found = chosen(jnp.asarray(words, jnp.uint32)[:, None], limits)
+            wanted = (words[:, None] / 2.0**32 >= cumulated).sum(axis=1)
+            assert np.array_equal(found, wanted)
