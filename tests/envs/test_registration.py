@@ -13,7 +13,6 @@ from support.combinations import swept
 from support.playing import GALLERY, level_named
 from support.subprocesses import python, run
 
-import babyrobot_levels as brl
 from babyrobot_levels.envs.single import LevelEnv
 
 OWN_IDS = ("babyrobot/Level-v0", "babyrobot/Suite-v0")
@@ -178,19 +177,6 @@ def test_no_other_ids_are_taken() -> None:
     assert ours == set(OWN_IDS) | {f"babyrobot/{name}-v0" for name in GALLERY}
 
 
-def test_the_spec_of_any_level() -> None:
-    spec = gymnasium.spec("babyrobot/Level-v0")
-    assert (spec.namespace, spec.name, spec.version) == ("babyrobot", "Level", 0)
-    assert spec.max_episode_steps is None
-    assert gymnasium.make(spec, level="walls").reset()[0].tolist() == [0, 0]
-
-
-def test_an_id_takes_all_arguments() -> None:
-    env = gymnasium.make("babyrobot/walls-v0", observation="walls", actions="moves")
-    assert env.observation_space.shape == (6,)
-    assert env.action_space == gymnasium.spaces.Discrete(4)
-
-
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
@@ -203,7 +189,3 @@ def test_an_id_takes_all_arguments() -> None:
 def test_an_unknown_id_names_near_ones(asked: str, told: str) -> None:
     with pytest.raises(error.UnregisteredEnv, match=re.escape(told)):
         gymnasium.make(asked)
-
-
-def test_the_version_is_a_public_name() -> None:
-    assert re.fullmatch(r"\d+\.\d+\.\d+\S*", brl.__version__)

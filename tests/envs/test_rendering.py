@@ -80,17 +80,6 @@ def test_he_cheers_at_the_exit_and_stands_when_an_episode_begins() -> None:
     assert (env.render() == frames.frame(0)).all()
 
 
-@pytest.mark.parametrize(("action", "cheers"), [(E, True), (W, False)])
-def test_he_cheers_at_an_end_that_pays_but_not_at_one_that_costs(action: int, cheers: bool) -> None:
-    areas = [{"at": [x, 0], "ends": True, "reward": reward} for x, reward in ((0, -5), (2, 5))]
-    env = make("rgb_array", {"version": 1, "size": [3, 1], "start": [1, 0], "areas": areas})
-    _, _, terminated, *_ = env.step(action)
-    assert terminated
-    pose = Pose(mood=Mood.CHEER) if cheers else Pose(brl.Action(action))
-    frames = FramePainter(env.get_wrapper_attr("level"))
-    assert (env.render() == frames.frame(env.get_wrapper_attr("_state"), pose)).all()
-
-
 def test_he_slips() -> None:
     level = {"version": 1, "size": [3, 1], "start": [1, 0], "exit": "none"}
     env = make("rgb_array", {**level, "skid": {"probability": 1.0, "to": "others"}})
@@ -167,13 +156,6 @@ def test_infos_as_text() -> None:
     assert rest == ["[0.5, 2] between", "one\ntwo", "three\\x1b[2J"]
 
 
-def test_numbers_of_wide_levels_are_left_to_pictures() -> None:
-    env: Any = make("ansi", {"version": 1, "size": [17, 2]})
-    before = env.render()
-    env.show_info({"values": np.ones((2, 17))})
-    assert env.render() == before
-
-
 @pytest.mark.parametrize("mode", [None, "svg"])
 @pytest.mark.parametrize(
     "info", [{"valeus": np.ones((3, 3))}, {"values": np.ones((2, 3))}, {"text": "x"}]
@@ -185,17 +167,6 @@ def test_infos_that_cannot_be_shown_change_nothing(info: Any, mode: str | None) 
     with pytest.raises(ValueError, match=r"value|text|rows"):
         env.show_info(info)
     assert mode is None or plain(env.render()) == before
-
-
-def test_infos_stay_when_another_maze_grows() -> None:
-    env: Any = make("svg", "random-maze")
-    width, height = env.level.size
-    info = {"values": np.zeros((height, width))}
-    env.show_info(info)
-    env.reset(options={"maze_seed": 3})
-    overlay = overlay_from(info, env.level)
-    state = int(env.level.compile().start.argmax())
-    assert env.render() == to_svg(build_scene(env.level, state=state, overlay=overlay))
 
 
 # -- files ------------------------------------------------------------------------------------

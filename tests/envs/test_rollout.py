@@ -92,37 +92,6 @@ def test_shapes_and_kinds(engine: str, num_envs: int) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_each_step_is_one_of_the_tables(engine: str) -> None:
-    level = level_named("deep-puddles")
-    rolled = brl.rollout(level, num_envs=50, num_steps=50, seed=2, engine=engine)
-    mdp = level.compile()
-    for step in zip(
-        rolled.observations.flat,
-        rolled.actions.flat,
-        rolled.next_observations.flat,
-        rolled.rewards.flat,
-        rolled.terminations.flat,
-        strict=True,
-    ):
-        state, action, *outcome = step
-        assert tuple(outcome) in [told[1:] for told in mdp.outcomes(int(state), int(action))]
-    chosen = np.take_along_axis(rolled.action_masks, rolled.actions[..., None].astype(int), axis=2)
-    assert chosen.all()
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("actions", ["all", "moves"])
-def test_greedy_policies_collect_what_the_solution_promises(engine: str, actions: str) -> None:
-    level = level_named("maze")
-    solution = brl.solve(level, discount=1.0, actions=actions)
-    steps = int(solution.expected_steps)
-    rolled = brl.rollout(level, solution, 2, steps, actions=actions, engine=engine)
-    assert rolled.terminations[-1].all()
-    assert not rolled.terminations[:-1].any()
-    assert rolled.rewards.sum(axis=0) == pytest.approx(solution.expected_return)
-
-
-@pytest.mark.parametrize("engine", ENGINES)
 def test_chance_comes_out_as_the_solution_expects(engine: str) -> None:
     solution = brl.solve("final-maze", discount=1.0)
     rolled = brl.rollout("final-maze", solution, 2000, 400, seed=1, engine=engine)

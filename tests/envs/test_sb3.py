@@ -93,20 +93,6 @@ def test_a_masked_policy_learns_the_way_through_a_corridor() -> None:
     assert total == -3
 
 
-@pytest.mark.parametrize("gray", [False, True])
-def test_a_convolutional_policy_sees_the_picture(gray: bool) -> None:
-    from stable_baselines3 import PPO
-    from stable_baselines3.common.torch_layers import NatureCNN
-
-    env = make("image-maze", observation="image", image_size=(48, 64), grayscale=gray)
-    learner = PPO("CnnPolicy", env, n_steps=32, batch_size=16, n_epochs=1, seed=4)
-    assert isinstance(learner.policy.features_extractor, NatureCNN)
-    learner.learn(64)
-    observation, _ = env.reset(seed=5)
-    action, _ = learner.predict(observation)
-    assert env.action_space.contains(action)
-
-
 def test_the_picture_that_levels_choose_themselves_is_large_enough() -> None:
     from stable_baselines3 import PPO
 

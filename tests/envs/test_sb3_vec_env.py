@@ -249,19 +249,6 @@ def test_monitors_and_evaluation_find_the_best_return_of_the_best_policy() -> No
 
 
 @needs_sb3
-def test_evaluation_agrees_with_the_exact_answer_where_there_is_chance() -> None:
-    from stable_baselines3.common.evaluation import evaluate_policy
-    from stable_baselines3.common.vec_env import VecMonitor
-
-    envs = VecMonitor(many(num_envs=2000))
-    envs.seed(8)
-    model: Any = Knows("final-maze")
-    mean, deviation = evaluate_policy(model, envs, n_eval_episodes=2000)
-    error = float(deviation) / 2000**0.5
-    assert abs(float(mean) - brl.solve("final-maze").expected_return) < 4 * error
-
-
-@needs_sb3
 def test_a_model_is_saved_and_loaded_with_either_kind_of_environment(tmp_path: Path) -> None:
     from stable_baselines3 import PPO
     from stable_baselines3.common.utils import check_for_correct_spaces
@@ -279,15 +266,3 @@ def test_a_model_is_saved_and_loaded_with_either_kind_of_environment(tmp_path: P
         loaded.learn(80)
     with pytest.raises(ValueError, match="Action spaces do not match"):
         PPO.load(tmp_path / "model", env=many(actions="moves"))
-
-
-@needs_sb3
-def test_learners_of_all_kinds_step_it() -> None:
-    from sb3_contrib import MaskablePPO
-    from stable_baselines3 import DQN, PPO
-
-    few: dict[str, Any] = {"n_steps": 8, "batch_size": 20, "n_epochs": 1}
-    pictures = many("image-maze", observation="image", image_size=(36, 40), max_episode_steps=5)
-    PPO("CnnPolicy", pictures, **few).learn(40)
-    MaskablePPO("MlpPolicy", many(max_episode_steps=5), **few).learn(80)
-    DQN("MlpPolicy", many(observation="index", max_episode_steps=5), learning_starts=5).learn(60)

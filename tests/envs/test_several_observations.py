@@ -55,8 +55,8 @@ def test_vector_environments_give_each_an_array_of_its_own(engine: str, copy: bo
         assert np.array_equal(first[name], before[name]) is copy or same(first[name], second[name])
 
 
-@pytest.mark.parametrize("observation", ["planes", "vector", ("planes", "vector", "index")])
-def test_they_survive_pickling_and_json(observation: Any) -> None:
+def test_they_survive_pickling_and_json() -> None:
+    observation = ("planes", "vector", "index")
     envs: Any = LevelVectorEnv(
         "random-maze", num_envs=3, observation=observation, autoreset_mode="SameStep"
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import pickle
 import time
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -262,11 +261,6 @@ def test_habits_and_misspellings_are_told_what_to_do(
             making(env_id, **more, **given)
 
 
-def test_the_ids_that_are_named_exist() -> None:
-    lakes = {f"babyrobot/frozen-lake{kind}-v0" for kind in ("", "-dry", "-8x8", "-8x8-dry")}
-    assert lakes <= set(registry)
-
-
 # -- frames of suites ------------------------------------------------------------------------
 
 
@@ -288,11 +282,3 @@ def test_all_frames_of_a_suite_have_one_size() -> None:
         assert env.render().shape == shape
         env.unwrapped.clear_info()
     assert len(sizes) > 1
-
-
-def test_pictures_of_a_level_of_a_suite_keep_its_size(tmp_path: Path) -> None:
-    env: Any = gymnasium.make(SUITE_ID, suite="small-mazes", render_mode="svg").unwrapped
-    env.reset(options={"index": 1})
-    assert env.render() == env.level.make(render_mode="svg").render()
-    env.save(tmp_path / "level.png")
-    assert (tmp_path / "level.png").read_bytes() == env.level.to_png()

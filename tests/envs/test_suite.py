@@ -211,13 +211,6 @@ def test_a_part_of_a_suite_is_not_written_as_the_whole() -> None:
             env.spec.to_json()
 
 
-def test_pictures_follow_the_level() -> None:
-    env = make(render_mode="ansi")
-    number, level = small_level()
-    env.reset(options={"index": number})
-    assert len(env.render().splitlines()) == 2 * level.size[1] + 1
-
-
 def test_he_cheers_at_the_exit_of_every_level() -> None:
     env = make(suite={**FIELDS, "exit": "random"}, render_mode="rgb_array")
     ends = set()

@@ -55,11 +55,6 @@ def shown(view: View, *planes: str) -> list[str]:
 # -- what hides other cells ------------------------------------------------------------------
 
 
-def test_an_open_room_is_seen_and_nothing_outside_of_it() -> None:
-    level = brl.load({"version": 1, "size": [3, 2], "start": [1, 1]})
-    assert shown(view_of(level, radius=2)) == ["", " ...", " ...", "", ""]
-
-
 def test_a_line_passes_the_end_of_a_wall_but_not_a_corner_of_two() -> None:
     end = {"version": 1, "size": [2, 2], "walls": [{"at": [0, 0], "side": "E"}]}
     assert shown(view_of(brl.load(end), radius=1)) == ["", " .", " .."]

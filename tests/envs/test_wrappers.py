@@ -16,7 +16,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium import spaces, wrappers
-from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.wrappers import vector
 from support.each import for_each
 from support.ids import KINDS, LEVEL_ID, SUITE_ID
@@ -282,31 +281,3 @@ def wrapped_or_refused(module: Any, name: str, env: Any) -> Any:
     # In earlier versions, most of them assert without a message.
     assert not str(caught.value) or re.search(reason, str(caught.value))
     return None
-
-
-ALIKE = ["ClipReward", "DtypeObservation", "FilterObservation", "FlattenObservation",
-         "GrayscaleObservation", "RescaleObservation", "ReshapeObservation",
-         "ResizeObservation"]  # fmt: skip
-
-
-@casts_are_told
-@pytest.mark.parametrize("name", ALIKE)
-@for_each("kind", KINDS)
-def test_wrapping_many_is_as_wrapping_each(name: str, kind: str) -> None:
-    if name in PASSING_ON and kind not in FEW_CASES:
-        return
-    one = wrapped_or_refused(vector, name, many(kind))
-    if one is None:
-        return
-
-    def wrap(env: Any) -> Any:
-        return getattr(wrappers, name)(env, **ARGUMENTS[name](env))
-
-    other = many(kind, "sync", wrappers=[wrap])
-    for space in ("single_observation_space", "observation_space", "action_space"):
-        assert getattr(one, space) == getattr(other, space)
-    assert data_equivalence(one.reset(seed=[3, 4, 5])[0], other.reset(seed=[3, 4, 5])[0])
-    for _ in range(STEPS):
-        actions = one.action_space.sample()
-        told, wanted = one.step(actions), other.step(actions)
-        assert all(map(data_equivalence, told[:4], wanted[:4]))

@@ -180,6 +180,18 @@ def walked(envs: LevelVectorEnv, steps: int, seed: Any = 0) -> list[Any]:
     return told
 
 
+def assert_same_from_here(one: LevelVectorEnv, other: LevelVectorEnv, steps: int) -> None:
+    """Take the same sampled actions in two environments, which have to tell the same."""
+    over = np.asarray(one._envs.done)
+    for _ in range(steps):
+        if one.autoreset_mode is AutoresetMode.DISABLED and over.any():
+            mask = over.copy()
+            assert same(*(each.reset(options={"reset_mask": mask}) for each in (one, other)))
+        actions = one.action_space.sample()
+        assert same(actions, other.action_space.sample())
+        assert same(one.step(actions), other.step(actions))
+
+
 def single(levels: Sequence[Level], **kwargs: Any) -> Single:
     """Return what makes single environments of levels, as `LevelVectorEnv` has them play these."""
     return lambda number: gymnasium.make(

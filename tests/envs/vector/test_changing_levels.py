@@ -11,13 +11,12 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium import error
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.combinations import combined
-from support.fleets import ENGINES, MODES, kinds_of, levels, same, walked
+from support.fleets import ENGINES, MODES, assert_same_from_here, kinds_of, levels, same, walked
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.engine.tables import (
@@ -155,17 +154,6 @@ def made_levels(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     monkeypatch.setattr(Suite, "__getitem__", counted)
     return made
-
-
-def test_the_spec_as_json_makes_the_same_game() -> None:
-    for envs in (
-        make("wet", suite=load_suite(WET), split="test", autoreset_mode=AutoresetMode.SAME_STEP),
-        make("mazes", level=brl.load(GROWS)),
-    ):
-        assert envs.spec is not None
-        again = gymnasium.make_vec(EnvSpec.from_json(envs.spec.to_json()))
-        assert isinstance(again, LevelVectorEnv)
-        assert same(walked(envs, 40), walked(again, 40))
 
 
 @pytest.mark.parametrize(
@@ -412,15 +400,7 @@ def test_copies_go_on_with_the_same_episodes(
         assert np.array_equal(one.render(), again.render())
         assert one.call("level") == again.call("level")
         assert same(one.action_masks(), again.action_masks())
-        over = np.asarray(one._envs.done)
-        for _ in range(30):
-            if mode is AutoresetMode.DISABLED and over.any():
-                mask = over.copy()
-                results = [each.reset(options={"reset_mask": mask}) for each in (one, again)]
-                assert same(*results)
-            actions = one.action_space.sample()
-            assert same(actions, again.action_space.sample())
-            assert same(one.step(actions), again.step(actions))
+        assert_same_from_here(one, again, 30)
     assert same(walked(unbegun, 20, 3), told)
 
 

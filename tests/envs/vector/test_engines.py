@@ -160,29 +160,6 @@ def test_levels_without_chance_draw_nothing(engine: str) -> None:
     assert drawn == np.random.default_rng(0).random()
 
 
-class Counting:
-    """In the place of a generator: counts what is drawn."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self._source = np.random.default_rng(1)
-
-    def random(self, out: Any) -> None:
-        self.count += len(out)
-        self._source.random(out=out)
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_only_those_draw_whose_action_has_several_outcomes(engine: str) -> None:
-    envs: Any = LevelVectorEnv("final-maze", num_envs=1000, engine=engine)
-    envs.np_random = counting = Counting()
-    envs.reset()
-    # They stay where they are, and there is no puddle.
-    for _ in range(100):
-        envs.step(np.zeros(1000, int))
-    assert counting.count <= envs._draws.memory.size
-
-
 class Quarters:
     """In the place of a generator: draws that lie on the thresholds themselves."""
 

@@ -10,7 +10,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium import error, spaces
+from gymnasium import error
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
@@ -20,6 +20,7 @@ from support.fleets import (
     ENGINES,
     MODES,
     SEEDS,
+    assert_same_from_here,
     assert_same_walks,
     copied,
     kinds_of,
@@ -343,17 +344,9 @@ def test_copies_go_on_with_the_same_episodes(
     told = walked(envs, 10, 3)
     envs.render()
     for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
-        one, other = copy.deepcopy(envs), again
-        over = np.asarray(one._envs.done)
-        for _ in range(25):
-            if mode is AutoresetMode.DISABLED and over.any():
-                mask = over.copy()
-                results = [each.reset(options={"reset_mask": mask}) for each in (one, other)]
-                assert same(*results)
-            actions = one.action_space.sample()
-            assert same(actions, other.action_space.sample())
-            assert same(one.step(actions), other.step(actions))
-        assert np.array_equal(one.render(), other.render())
+        one = copy.deepcopy(envs)
+        assert_same_from_here(one, again, 25)
+        assert np.array_equal(one.render(), again.render())
     assert same(walked(unbegun, 10, 3), told)
 
 
@@ -386,62 +379,11 @@ def test_global_generators_are_left_alone() -> None:
 # -- several levels --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("observation", ["position", "index", "image"])
-def test_levels_of_all_sizes_share_their_spaces(observation: str) -> None:
-    levels = [level_named(name) for name in ("frozen-lake", "cliff-walking", "final-maze")]
-    envs = LevelVectorEnv(levels=levels, num_envs=7, observation=observation)
-    for told in walked(envs, 30):
-        assert told[0 if len(told) == 2 else 1] in envs.observation_space
-    assert envs.call("level") == tuple(levels[number % 3] for number in range(7))
-    _, info = envs.reset(seed=1)
-    assert info["level_index"].tolist() == [0, 1, 2, 0, 1, 2, 0]
-    assert info["_level_index"].all()
-    if observation == "image":
-        corner = LevelVectorEnv("frozen-lake", observation="image", image_size=(64, 64))
-        observations, _ = envs.reset(seed=1)
-        assert observations[0][:64, :64].tolist() == corner.reset()[0][0].tolist()
-        assert not observations[0][64:].any()
-        assert not observations[0][:, 64:].any()
-    if observation == "position":
-        assert envs.single_observation_space == spaces.MultiDiscrete([12, 5])
-    if observation == "index":
-        assert envs.single_observation_space == spaces.Discrete(60)
-
-
 def test_the_smallest_of_levels_can_be_seen() -> None:
     levels = [{"version": 1, "size": size} for size in ([2, 2], [40, 2], [2, 40])]
     envs = LevelVectorEnv(levels=levels, observation="image", image_size=(6, 6))
     for picture in envs.reset(seed=1)[0]:
         assert picture[0, 0].any()
-
-
-@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-@pytest.mark.parametrize("engine", ENGINES)
-def test_drawn_levels_change_at_each_beginning(engine: str, mode: AutoresetMode) -> None:
-    levels = [brl.load({"version": 1, "size": [size, 1]}) for size in (2, 3, 4)]
-    envs = LevelVectorEnv(
-        levels=levels,
-        num_envs=50,
-        draw_levels=True,
-        engine=engine,
-        autoreset_mode=mode,
-        observation="index",
-    )
-    _, info = envs.reset(seed=1)
-    played, steps = info["level_index"], np.zeros(50, int)
-    terminated = np.zeros(50, bool)
-    for _ in range(40):
-        acted = ~terminated if mode is AutoresetMode.NEXT_STEP else np.ones(50, bool)
-        _, _, terminated, _, info = envs.step(np.full(50, brl.Action.EAST))
-        steps += acted
-        # A corridor of n cells takes n - 1 steps.
-        assert terminated.tolist() == (acted & (steps == played + 1)).tolist()
-        if mode is AutoresetMode.SAME_STEP and terminated.any():
-            ended = info["final_info"]["level_index"][terminated]
-            assert ended.tolist() == played[terminated].tolist()
-        steps[terminated] = 0
-        played = info["level_index"]
-    assert set(played) == {0, 1, 2}
 
 
 # -- the action space ------------------------------------------------------------------------

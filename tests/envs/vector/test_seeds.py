@@ -18,9 +18,9 @@ from support.fleets import (
     MODES,
     SEEDS,
     SIZE,
+    assert_same_from_here,
     assert_same_walks,
     levels,
-    same,
     single,
     walked,
 )
@@ -188,13 +188,7 @@ def test_copies_go_on_with_their_generators(mode: AutoresetMode, engine: str) ->
     walked(envs, 20, SEEDS)
     for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
         one = copy.deepcopy(envs)
-        for _ in range(30):
-            if mode is AutoresetMode.DISABLED and one._envs.done.any():
-                mask = one._envs.done.copy()
-                results = [each.reset(options={"reset_mask": mask}) for each in (one, again)]
-                assert same(*results)
-            actions = one.action_space.sample()
-            assert same(one.step(actions), again.step(actions))
+        assert_same_from_here(one, again, 30)
         assert [*one.np_random_seed] == [*again.np_random_seed] == SEEDS
 
 
