@@ -7,9 +7,7 @@ and policies are evaluated by solving linear systems: they may take millions of 
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial, reduce
 from typing import Any
@@ -19,6 +17,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 from jax.tree_util import register_dataclass
 
+from babyrobot_levels.analysis.solver.results import check_discount, check_within
 from babyrobot_levels.jax import linear
 from babyrobot_levels.jax.params import TERMINAL, UNLIMITED, EnvParams
 
@@ -417,10 +416,7 @@ def _factors(params: EnvParams, discount: float | None) -> Array:
     """
     if discount is None:
         return params.discount
-    with suppress(TypeError):
-        if 0 < discount <= 1:
-            return jnp.full(params.num_levels, discount, params.reward.dtype)
-    raise ValueError(f"discount must be above 0 and at most 1, not {discount!r}")
+    return jnp.full(params.num_levels, check_discount(discount, 1), params.reward.dtype)
 
 
 def _limits(params: EnvParams, within: int | str | None) -> Array | None:
@@ -429,14 +425,10 @@ def _limits(params: EnvParams, within: int | str | None) -> Array | None:
     Raises:
         ValueError: it is no such number.
     """
-    if within is None:
-        return None
     if within == "max_steps":
         return params.limit
-    with suppress(TypeError):
-        if not isinstance(within, bool | str) and operator.index(within) >= 1:
-            return jnp.full(params.num_levels, min(operator.index(within), UNLIMITED), jnp.int32)
-    raise ValueError(f"within must be a number of steps from 1 on, or 'max_steps', not {within!r}")
+    steps = check_within(within, None)
+    return None if steps is None else jnp.full(params.num_levels, min(steps, UNLIMITED), jnp.int32)
 
 
 def _checked(params: EnvParams, policy: Any) -> Array:

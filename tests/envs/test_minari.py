@@ -116,13 +116,3 @@ def test_a_level_of_ones_own_travels_with_the_dataset() -> None:
     env: Any = dataset.recover_environment()
     assert env.unwrapped.level.digest == level.digest
     check_replay(dataset, env)
-
-
-@pytest.mark.parametrize("jpeg", [True, False])
-def test_images_are_exact_without_jpeg_only(jpeg: bool) -> None:
-    env = gymnasium.make(
-        "babyrobot/maze-v0", observation="image", image_size=(40, 64), max_episode_steps=5
-    )
-    dataset, observations = record(env, jpeg_encoding=jpeg)
-    for episode, seen in zip(dataset, observations, strict=True):
-        assert np.array_equal(episode.observations, np.stack(seen)) is not jpeg

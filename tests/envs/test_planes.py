@@ -193,53 +193,6 @@ def test_walls_and_glass_are_what_is_missing_to_the_chance_to_pass(name: str) ->
         assert stopped == pytest.approx(1 - chance[..., number])
 
 
-def reached_in(shown: dict[str, NDArray[Any]]) -> dict[tuple[int, int], int]:
-    """Return how many steps it takes to each cell, by the planes alone."""
-    (y, x), *_ = np.argwhere(shown["robot"])
-    steps, queue = {(int(x), int(y)): 0}, [(int(x), int(y))]
-    for cell in queue:
-        x, y = cell
-        if shown["exit"][y, x] or shown["ends"][y, x]:
-            continue
-        for side, (right, down) in SIDES.items():
-            there = x + right, y + down
-            if shown[f"wall-{side}"][y, x] == 0 and there not in steps:
-                steps[there] = steps[cell] + 1
-                queue.append(there)
-    return steps
-
-
-def reached_by_tables(level: Level) -> dict[tuple[int, int], int]:
-    """Return how many steps it takes to each cell, by the exact tables."""
-    mdp = level.compile()
-    begins = mdp.start.nonzero()[0][:1].tolist()
-    steps, queue = dict.fromkeys(begins, 0), list(begins)
-    for state in queue:
-        for action in range(mdp.num_actions):
-            for _, there, _, _ in mdp.outcomes(state, action):
-                if there not in steps:
-                    steps[there] = steps[state] + 1
-                    queue.append(there)
-    return {mdp.cell(state): count for state, count in steps.items()}
-
-
-@for_each("seed", range(12))
-def test_a_search_over_planes_goes_as_far_as_one_over_the_tables(seed: int) -> None:
-    level = brl.load(
-        {
-            "version": 1,
-            "size": [9, 6],
-            "exit": [[8, 5], [4, 3]],
-            "maze": {"seed": seed, "loops": 0.3},
-            "blocked": [{"at": [seed % 4, 2], "size": [1, 2]}],
-            "walls": [{"at": [2, 4], "side": "N", "length": 3, "pass": 0.5}],
-            "areas": [{"at": [6, seed % 5], "ends": True}],
-        }
-    )
-    env, planes = reset(level)
-    assert reached_in(named(env, planes)) == reached_by_tables(level)
-
-
 # -- vectors ---------------------------------------------------------------------------------
 
 

@@ -50,6 +50,18 @@ print("gymnasium" in sys.modules, "PIL" in sys.modules, "ipycanvas" in sys.modul
     assert run(code, tmp_path) == "False False False\nTrue False False\n"
 
 
+def test_the_adapter_of_stable_baselines_says_how_to_install_it(tmp_path: Path) -> None:
+    code = """
+import sys
+sys.modules["stable_baselines3"] = None
+try:
+    import babyrobot_levels.envs.sb3
+except ImportError as error:
+    print(error)
+"""
+    assert "install the extra `sb3`: pip install" in run(code, tmp_path)
+
+
 # -- the order of imports --------------------------------------------------------------------
 
 

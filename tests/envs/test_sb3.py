@@ -17,15 +17,12 @@ from support.playing import each_level_and, level_named
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.spaces import ACTION_SETS
 
-pytestmark = pytest.mark.libraries
+pytestmark = [pytest.mark.libraries, pytest.mark.usefixtures("on_one_thread")]
 
 
 @pytest.fixture(autouse=True)
-def quiet_and_on_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Networks as small as these learn slower on several threads; logs go where all else goes."""
-    import torch
-
-    torch.set_num_threads(1)
+def quiet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Logs go where all else goes."""
     monkeypatch.setenv("SB3_LOGDIR", str(tmp_path))
 
 

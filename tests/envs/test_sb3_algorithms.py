@@ -11,7 +11,7 @@ import pytest
 
 import babyrobot_levels as brl
 
-pytestmark = pytest.mark.libraries
+pytestmark = [pytest.mark.libraries, pytest.mark.usefixtures("on_one_thread")]
 
 ON_POLICY: dict[str, Any] = {"n_steps": 8, "batch_size": 16}
 ALGORITHMS: dict[str, dict[str, Any]] = {
@@ -38,14 +38,6 @@ OBSERVATIONS: dict[str, tuple[str, dict[str, Any]]] = {
 """The kind of policy, and the arguments of the environment."""
 
 REFUSED = [("RecurrentPPO", "position"), ("RecurrentPPO", "walls")]
-
-
-@pytest.fixture(autouse=True)
-def on_one_thread() -> None:
-    """Networks as small as these learn slower on several threads."""
-    import torch
-
-    torch.set_num_threads(1)
 
 
 def many(level: str = "final-maze", num_envs: int = 2, **kwargs: Any) -> Any:

@@ -11,7 +11,6 @@ import gymnasium
 import numpy as np
 import pytest
 from support.playing import noted, plain
-from support.subprocesses import run
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.observations import OBSERVATIONS
@@ -21,16 +20,7 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.envs.sb3 import LevelVecEnv
 
-needs_sb3 = pytest.mark.libraries
-
-
-@pytest.fixture(autouse=True)
-def on_one_thread(request: pytest.FixtureRequest) -> None:
-    """Networks as small as these learn slower on several threads."""
-    if request.node.get_closest_marker("libraries"):
-        import torch
-
-        torch.set_num_threads(1)
+pytestmark = [pytest.mark.libraries, pytest.mark.usefixtures("on_one_thread")]
 
 
 TRAPS: dict[str, Any] = {
@@ -92,22 +82,9 @@ class Knows:
         return self.policy[observations[:, 1], observations[:, 0]], None
 
 
-def test_it_says_how_to_install_what_is_missing(tmp_path: Path) -> None:
-    code = """
-import sys
-sys.modules["stable_baselines3"] = None
-try:
-    import babyrobot_levels.envs.sb3
-except ImportError as error:
-    print(error)
-"""
-    assert "install the extra `sb3`: pip install" in run(code, tmp_path)
-
-
 # -- the contract ----------------------------------------------------------------------------
 
 
-@needs_sb3
 @pytest.mark.parametrize(("name", "observation", "actions"), CASES, ids=str)
 def test_it_walks_as_single_environments_do(name: str, observation: Any, actions: str) -> None:
     level = LEVELS[name]
@@ -135,7 +112,6 @@ def test_it_walks_as_single_environments_do(name: str, observation: Any, actions
     assert ends == ({True} if name == "teleport-pads" else {True, False})
 
 
-@needs_sb3
 def test_a_seed_is_used_once() -> None:
     envs = many("four-corners", num_envs=20)
     envs.seed(3)
@@ -145,7 +121,6 @@ def test_a_seed_is_used_once() -> None:
     assert envs.reset().tolist() == first
 
 
-@needs_sb3
 def test_options_are_used_once_and_are_the_same_for_all() -> None:
     envs = many("maze")
     envs.set_options({"start": [3, 2]})
@@ -160,7 +135,6 @@ def test_options_are_used_once_and_are_the_same_for_all() -> None:
     assert envs.reset().tolist() == [[0, 0]] * 5
 
 
-@needs_sb3
 def test_infos_of_the_end_are_about_the_old_level_and_reset_infos_about_the_new_one() -> None:
     levels = ["maze", "default"]
     envs = many(None, num_envs=30, levels=levels, draw_levels=True, max_episode_steps=1)
@@ -173,7 +147,6 @@ def test_infos_of_the_end_are_about_the_old_level_and_reset_infos_about_the_new_
         assert [info["level_index"] for info in infos] == before
 
 
-@needs_sb3
 @pytest.mark.parametrize("argument", [{"copy": False}, {"autoreset_mode": "NextStep"}])
 def test_what_stable_baselines_could_not_bear_is_refused(argument: dict[str, Any]) -> None:
     with pytest.raises(TypeError, match="multiple values"):
@@ -183,7 +156,6 @@ def test_what_stable_baselines_could_not_bear_is_refused(argument: dict[str, Any
 # -- one robot of many -----------------------------------------------------------------------
 
 
-@needs_sb3
 def test_masks() -> None:
     from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
     from stable_baselines3.common.vec_env import VecMonitor
@@ -201,7 +173,6 @@ def test_masks() -> None:
     assert [mask.tolist() for mask in some] == get_action_masks(envs)[[3, 1]].tolist()
 
 
-@needs_sb3
 def test_attributes() -> None:
     from stable_baselines3.common.monitor import Monitor
 
@@ -222,7 +193,6 @@ def test_attributes() -> None:
     envs.close()
 
 
-@needs_sb3
 def test_the_picture_shows_the_robots_side_by_side() -> None:
     envs = many("default", num_envs=4, render_mode="rgb_array")
     assert envs.render_mode == "rgb_array"
@@ -237,7 +207,6 @@ def test_the_picture_shows_the_robots_side_by_side() -> None:
 # -- what Stable-Baselines3 puts around it ---------------------------------------------------
 
 
-@needs_sb3
 def test_monitors_and_evaluation_find_the_best_return_of_the_best_policy() -> None:
     from stable_baselines3.common.evaluation import evaluate_policy
     from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
@@ -248,7 +217,6 @@ def test_monitors_and_evaluation_find_the_best_return_of_the_best_policy() -> No
     assert (returns, lengths) == ([-32] * 7, [33] * 7)
 
 
-@needs_sb3
 def test_a_model_is_saved_and_loaded_with_either_kind_of_environment(tmp_path: Path) -> None:
     from stable_baselines3 import PPO
     from stable_baselines3.common.utils import check_for_correct_spaces

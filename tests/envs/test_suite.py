@@ -87,28 +87,6 @@ def test_gymnasiums_checker_is_content() -> None:
     check_env(make().unwrapped)
 
 
-def small_level() -> tuple[int, brl.Level]:
-    """Return a level that is smaller than the largest both ways."""
-    suite = load_suite(FIELDS)
-    return next((i, level) for i, level in enumerate(suite) if level.size == (4, 4))
-
-
-def test_observations_of_smaller_levels() -> None:
-    number, level = small_level()
-    options = {"index": number, "start": (1, 2)}
-    position, _ = make().reset(seed=0, options=options)
-    assert position.tolist() == [1, 2]
-    index, _ = make(observation="index").reset(seed=0, options=options)
-    assert index == 2 * 7 + 1
-    walls, _ = make(observation="walls").reset(seed=0, options=options)
-    assert walls.tolist() == [1, 2, *level.grid().open[2, 1].astype(int).tolist()]
-    image, _ = make(observation="image", image_size=(50, 70)).reset(seed=0, options=options)
-    own = level.make(observation="image", image_size=(40, 40))
-    assert np.array_equal(image[:40, :40], own.reset(seed=0, options={"start": (1, 2)})[0])
-    assert not image[40:].any()
-    assert not image[:, 40:].any()
-
-
 def test_every_level_is_drawn_and_told() -> None:
     env, suite = make(split="test"), load_suite(FIELDS).split("test")
     _, info = env.reset(seed=1)

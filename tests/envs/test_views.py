@@ -183,19 +183,6 @@ def test_all_levels_share_the_planes() -> None:
 # -- turning ---------------------------------------------------------------------------------
 
 
-def test_up_is_where_a_robot_that_turns_looks() -> None:
-    level = brl.load({"version": 1, "size": [2, 1], "exit": [1, 0]})
-    views = [view_of(level, radius=1, heading=heading) for heading in range(4)]
-    assert [shown(view, "exit") for view in views] == [
-        ["", " .#", ""],
-        [" #", " .", ""],
-        ["", "#.", ""],
-        ["", " .", " #"],
-    ]
-    opens = [[side for side in SIDES if view[1, 1, PLANE[f"open-{side}"]]] for view in views]
-    assert opens == [["right"], ["up"], ["left"], ["down"]]
-
-
 def turned(fields: dict[str, Any]) -> dict[str, Any]:
     """Turn a level so that its east is up: cells, sides and sizes."""
     width, height = fields["size"]

@@ -6,7 +6,6 @@ import copy
 import pickle
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
@@ -55,36 +54,6 @@ def test_long_walks_of_several_levels_with_several_starts(mode: AutoresetMode, e
     envs = LevelVectorEnv(levels=played, num_envs=SIZE, engine=engine, autoreset_mode=mode)
     # Words are drawn anew many times.
     assert_same_walks(envs, single(played), SEEDS, 400)
-
-
-@combined(1, mode=MODES, engine=ENGINES)
-def test_mazes_are_grown_from_each_environments_own_generator(
-    mode: AutoresetMode, engine: str
-) -> None:
-    level = brl.load("random-maze").replace(max_steps=6)
-    envs = LevelVectorEnv(level, num_envs=SIZE, engine=engine, autoreset_mode=mode)
-    theirs = [level.make() for _ in range(SIZE)]
-    _, info = envs.reset(seed=SEEDS)
-    for env, seed, number in zip(theirs, SEEDS, info["maze_seed"], strict=True):
-        assert env.reset(seed=seed)[1]["maze_seed"] == number
-    for _ in range(3):
-        _, info = envs.reset()
-        assert info["maze_seed"].tolist() == [env.reset()[1]["maze_seed"] for env in theirs]
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("is_list", [True, False])
-def test_levels_are_drawn_from_each_environments_own_generator(is_list: bool, engine: str) -> None:
-    suite = brl.load_suite("small-mazes")[:7]
-    played: Any = list(suite) if is_list else suite
-    envs = LevelVectorEnv(levels=played, num_envs=SIZE, draw_levels=True, engine=engine)
-    theirs: Any = [gymnasium.make("babyrobot/Suite-v0", suite=suite) for _ in range(SIZE)]
-    for seeds in (SEEDS, None, None):
-        observations, info = envs.reset(seed=seeds)
-        for number, env in enumerate(theirs):
-            observation, told = env.reset(seed=None if seeds is None else seeds[number])
-            assert info["level_index"][number] == told["level_index"]
-            assert observations[number].tolist() == observation.tolist()
 
 
 @pytest.mark.parametrize("engine", ENGINES)
