@@ -24,14 +24,13 @@ from babyrobot_levels.envs.observations import space_of
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.jax.loading import MAX_BYTES, Loader, bounds_of, levels_in
-from babyrobot_levels.jax.observations import gymnax_space, look_up
+from babyrobot_levels.jax.observations import Room, gymnax_space, look_up
 from babyrobot_levels.jax.params import (
     HIT,
     REACHED,
     SKIDDED,
     TERMINAL,
     EnvParams,
-    Room,
     below,
     chosen,
     draw_words,

@@ -16,16 +16,21 @@ from babyrobot_levels.envs.engine.tables import NO_LIMIT, Part, info_dtype, part
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.spaces import ActionSet
 from babyrobot_levels.envs.vector.levels import misfit
-from babyrobot_levels.jax.observations import ObservationTables, bytes_of, joined, tables_of
+from babyrobot_levels.jax.observations import (
+    Counts,
+    ObservationTables,
+    Room,
+    bytes_of,
+    joined,
+    tables_of,
+)
 from babyrobot_levels.jax.params import (
     NEVER,
     REACHED,
     SKIDDED,
     TERMINAL,
     UNLIMITED,
-    Counts,
     EnvParams,
-    Room,
     thresholds,
 )
 from babyrobot_levels.library.catalogue import load
