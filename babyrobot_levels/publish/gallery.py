@@ -21,10 +21,9 @@ from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.parallel import executor_for
-from babyrobot_levels.publish.assets import ASSETS
 from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
 from babyrobot_levels.publish.level_page import level_html, values_svg, with_neighbours
-from babyrobot_levels.publish.wall import wall_html
+from babyrobot_levels.publish.wall import ASSETS, wall_html
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.raster import reduced, to_png
 from babyrobot_levels.render.scene.layout import CELL

@@ -210,13 +210,13 @@ class _Painter:
         self,
         level: GridWorld,
         layout: Layout,
-        overlay: Overlay | None,
+        overlay: Overlay,
         scale: float,
         configuration: int,
     ) -> None:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
-        self._small = overlay is not None and overlay.is_crowded
+        self._small = overlay.is_crowded
         self._grounds: Backdrops | None = None
         if level.has_things:
             self._grounds = Backdrops(level, layout, self._size, overlay=overlay)

@@ -47,7 +47,7 @@ from babyrobot_levels.render.page_format import (
 )
 from babyrobot_levels.render.page_things import Marks, things_data
 from babyrobot_levels.render.scene.build import (
-    build_layers,
+    build_scene,
     floor_shapes,
     ground_layer,
     sign_shapes,
@@ -61,14 +61,7 @@ from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.scene.things import CORNERS, SMALL
 from babyrobot_levels.render.situation import Pose
-from babyrobot_levels.render.svg import (
-    FONT,
-    elements,
-    label_elements,
-    labelled,
-    number,
-    to_svg,
-)
+from babyrobot_levels.render.svg import element, number, to_svg
 from babyrobot_levels.render.templates import as_html, embedded_json, html, put_together
 from babyrobot_levels.render.words.describe import describe, goal_of
 from babyrobot_levels.render.words.phrases import with_limit
@@ -146,17 +139,9 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
             values=answers.values if "values" in shown else None,
             actions=answers.actions if "policy" in shown else None,
         )
-    layers = build_layers(level, robot=False, overlay=overlay)
-    scene = replace(layers["base"], description=describe(level, robot=False))
-    parts = [
-        f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
-        f'width="{number(scene.width)}" height="{number(scene.height)}" {labelled(scene)} '
-        f'font-family="{FONT}" stroke-linejoin="round">',
-        label_elements(scene),
-        *(elements(layer.shapes) for layer in layers.values()),
-        "</svg>",
-    ]
-    return "\n".join(part for part in parts if part)
+    scene = build_scene(level, robot=False, overlay=overlay)
+    width, height = number(scene.width), number(scene.height)
+    return element(scene, f'viewBox="0 0 {width} {height}" width="{width}" height="{height}"')
 
 
 @cache

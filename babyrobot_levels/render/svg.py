@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 from zlib import crc32
 
@@ -30,44 +30,23 @@ def to_svg(scene: Scene, scale: float | None = 1.0) -> str:
     if scale is not None:
         width, height = number(scale * scene.width), number(scale * scene.height)
         shown = f'width="{width}" height="{height}" {shown}'
+    return element(scene, f'xmlns="http://www.w3.org/2000/svg" {shown}') + "\n"
+
+
+def element(scene: Scene, attributes: str) -> str:
+    """Return the scene as an `<svg>` with these attributes, labelled by title and description."""
+    # A document may contain several pictures: only those with the same texts have the same ids.
+    number = crc32(f"{scene.title}\n{scene.description}".encode("utf-8", "replace"))
+    texts = {"title": scene.title, "desc": scene.description}
+    labels = {f"{kind}-{number:08x}": (kind, text) for kind, text in texts.items() if text}
+    role = 'role="img"' + (f' aria-labelledby="{" ".join(labels)}"' if labels else "")
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {shown} {labelled(scene)} '
-        f'font-family="{FONT}" stroke-linejoin="round">',
-        label_elements(scene),
-        elements(scene.shapes),
+        f'<svg {attributes} {role} font-family="{FONT}" stroke-linejoin="round">',
+        *(f'<{kind} id="{id_}">{escaped(text)}</{kind}>' for id_, (kind, text) in labels.items()),
+        *map(_element, scene.shapes),
         "</svg>",
     ]
-    return "\n".join(line for line in lines if line) + "\n"
-
-
-def labelled(scene: Scene) -> str:
-    """Return the attributes of an `<svg>` that is an image, with `label_elements` in it."""
-    ids = [name for name, _, text in _labels(scene) if text]
-    return 'role="img"' + (f' aria-labelledby="{" ".join(ids)}"' if ids else "")
-
-
-def label_elements(scene: Scene) -> str:
-    """Return the title and the description of a scene, which come first in its `<svg>`."""
-    return "\n".join(
-        f'<{kind} id="{name}">{escaped(text)}</{kind}>'
-        for name, kind, text in _labels(scene)
-        if text
-    )
-
-
-def _labels(scene: Scene) -> Iterator[tuple[str, str, str]]:
-    """Yield id, element and content of title and description.
-
-    A document may contain several pictures: only those with the same texts have the same ids.
-    """
-    number = crc32(f"{scene.title}\n{scene.description}".encode("utf-8", "replace"))
-    yield f"title-{number:08x}", "title", scene.title
-    yield f"desc-{number:08x}", "desc", scene.description
-
-
-def elements(shapes: Iterable[Shape]) -> str:
-    """Return shapes as SVG elements, one per line, for the inside of an `<svg>`."""
-    return "\n".join(map(_element, shapes))
+    return "\n".join(lines)
 
 
 def number(value: float) -> str:

@@ -12,8 +12,7 @@ import pytest
 from playwright.sync_api import expect
 from support.walls import facts_of_wall
 
-from babyrobot_levels.publish.assets import ASSETS
-from babyrobot_levels.publish.wall import wall_html
+from babyrobot_levels.publish.wall import ASSETS, wall_html
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page

@@ -9,7 +9,7 @@ from posixpath import dirname, join, normpath
 import pytest
 
 from babyrobot_levels.editor.state import served_script, widget_script
-from babyrobot_levels.publish.assets import ASSETS
+from babyrobot_levels.publish.wall import ASSETS
 from babyrobot_levels.render.templates import put_together, static
 
 ENTRIES = [

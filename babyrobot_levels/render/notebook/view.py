@@ -98,8 +98,9 @@ class LevelView:
             level, state=state, heading=pose.heading, pose=pose, overlay=overlay
         )
         self._layout = layout_of(level, overlay=overlay)
-        self._slots = Slots(level, self._layout, overlay or Overlay())
-        self._level, self._state, self._pose, self._overlay = level, state, pose, overlay
+        self._level, self._state, self._pose = level, state, pose
+        self._overlay = overlay or Overlay()
+        self._slots = Slots(level, self._layout, self._overlay)
 
     # -- where it is shown -----------------------------------------------------------------
 
@@ -226,7 +227,7 @@ class LevelView:
             layers["things"] = tuple(shape for piece in still for shape in piece.shapes)
             moving = (figure for _, figure in self._movers(place))
             layers["movers"] = tuple(shape for figure in moving for shape in figure)
-        if self._overlay is not None and self._overlay.parts is not None:
+        if self._overlay.parts is not None:
             part = self._overlay.at(place.configuration, pose.heading)
             layers |= overlay_shapes(level, part, layout, self._slots)._asdict()
         scenes = {name: self._scene(shapes) for name, shapes in layers.items()}
@@ -270,14 +271,14 @@ class LevelView:
     def _movers(self, place: RobotPlace) -> list[tuple[Cell, tuple[Shape, ...]]]:
         """Return the cell and the figure of each mover."""
         situation = situation_of(self._level, place.configuration)
-        crowded = self._overlay is not None and self._overlay.fills_cells
+        crowded = self._overlay.fills_cells
         found = moving_pieces(self._level, self._layout, situation, place.cell, crowded=crowded)
         return [(cell, piece.shapes) for cell, piece in found]
 
     def _robot(self, y: float, x: float, pose: Pose) -> Scene:
         """Return the robot's layer with the robot in a cell, or between two."""
         corner = self._layout.corner(x, y)
-        small = self._overlay is not None and self._overlay.is_crowded
+        small = self._overlay.is_crowded
         return self._scene(robot_shapes(self._level.resolved_theme, *corner, pose, small=small))
 
     def _scene(self, shapes: Iterable[Shape]) -> Scene:

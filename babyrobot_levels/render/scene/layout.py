@@ -259,6 +259,7 @@ def layout_of(
         cells_only: whether to leave out the margin, the panels and the compass.
         overlay: what is shown over it; its lines get a panel if the level has none.
     """
+    overlay = overlay or Overlay()
     columns, rows = level.size
     items = len(level.items)
     if cells_only:
@@ -268,25 +269,25 @@ def layout_of(
     # Half of the border is outside of the cells and must not be cut off.
     margin = float(math.ceil(max(widths.padding, widths.border / 2)))
     side, bottom = panel_width(level.display.side_panel), panel_width(level.display.bottom_panel)
-    if overlay is not None and overlay.side_panel and not side:
+    if overlay.side_panel and not side:
         side = Panel().width
     held_in: Literal["side", "bottom", "strip"] = "side" if side else "strip"
     if level.display.compass:
         side = max(side, COMPASS)
-    if held_in == "strip" and (bottom or (overlay is not None and overlay.bottom_panel)):
+    if held_in == "strip" and (bottom or overlay.bottom_panel):
         held_in = "bottom"
-    if overlay is not None and overlay.bottom_panel and not bottom:
+    if overlay.bottom_panel and not bottom:
         # With items, first as high as their pictures, which leave less room for the text.
         layout = Layout(columns, rows, margin, side, _SLOT + 4, items, held_in)
         bottom = height_of(wrapped(overlay.bottom_panel, bottom_room(layout)))
         bottom = max(bottom, layout.bottom) if items and held_in == "bottom" else bottom
     strip = STRIP if items and held_in == "strip" else 0.0
     legend = 0.0
-    if overlay is not None and overlay.has_colors:
+    if overlay.has_colors:
         # Large pictures are made smaller to be looked at.
         legend = LEGEND * max(1.0, max(columns, rows) / _LEGEND_CELLS)
     layout = Layout(columns, rows, margin, side, bottom, items, held_in, strip, legend)
-    return with_rules(level, overlay, layout) if overlay is not None and overlay.rules else layout
+    return with_rules(level, overlay, layout) if overlay.rules else layout
 
 
 def with_rules(level: GridWorld, overlay: Overlay, layout: Layout) -> Layout:
