@@ -499,23 +499,14 @@ def assert_same_tables(mdp: Any, level: Reference | TurningReference, actions: i
             assert_same_outcomes(found, expected, where=(state, action))
 
 
-def compare(seed: int, things: bool = True) -> None:
+def compare(seed: int, things: bool = True, *, turning: bool = False) -> None:
     fields = random_level(Random(seed), things)
-    level = Reference(fields)
+    level, mdp = Reference(fields), brl.Level.from_fields(fields).compile()
     try:
-        mdp = brl.Level.from_fields(fields).compile()
-        assert_same_tables(mdp, level, actions=5)
-    except Exception as error:
-        error.add_note(f"the level: {fields}")
-        raise
-
-
-def compare_turning(seed: int, things: bool = True) -> None:
-    fields = random_level(Random(seed), things)
-    level = TurningReference(Reference(fields), "E")
-    try:
-        mdp: Any = brl.Level.from_fields(fields).compile()
-        assert_same_tables(mdp.turning("E"), level, actions=3)
+        if turning:
+            assert_same_tables(mdp.turning("E"), TurningReference(level, "E"), actions=3)
+        else:
+            assert_same_tables(mdp, level, actions=5)
     except Exception as error:
         error.add_note(f"the level: {fields}")
         raise
@@ -534,12 +525,12 @@ def test_tables_of_worlds_are_those_of_the_reference(world: World) -> None:
 
 @for_each("seed", range(settings().max_examples // 2))
 def test_turning_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
-    compare_turning(seed)
+    compare(seed, turning=True)
 
 
 @for_each("seed", range(settings().max_examples // 2))
 def test_turning_tables_of_levels_without_things_are_those_of_the_reference(seed: int) -> None:
-    compare_turning(seed, things=False)
+    compare(seed, things=False, turning=True)
 
 
 @pytest.mark.sweep
@@ -552,4 +543,4 @@ def test_tables_of_many_random_levels_are_those_of_the_reference(block: int) -> 
 @pytest.mark.sweep
 @for_each("seed", range(1000, 1400))
 def test_turning_tables_of_many_random_levels_are_those_of_the_reference(seed: int) -> None:
-    compare_turning(seed)
+    compare(seed, turning=True)

@@ -126,16 +126,6 @@ def test_a_policy_of_a_result_knows_its_numbering() -> None:
         assert steps.terminations[-1].all()
 
 
-def test_the_policy_of_a_result_is_drawn_by_its_numbering() -> None:
-    env = brl.load("cliff-walking").make(render_mode="svg")
-    env.reset()
-    pictures = []
-    for actions in ("all", "moves"):
-        env.unwrapped.show_info({"policy": solve("cliff-walking", actions=actions).policy})  # type: ignore[attr-defined]
-        pictures.append(env.render())
-    assert pictures[0] == pictures[1]
-
-
 def test_a_policy_array_is_an_array_like_any_other() -> None:
     policy = solve("cliff-walking", actions="moves").policy
     plain = np.asarray(policy)

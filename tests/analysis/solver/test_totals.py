@@ -61,13 +61,6 @@ def test_no_loop_is_named_that_cannot_be_reached() -> None:
     assert np.isneginf(right.values[0, :2]).all()
 
 
-def test_no_exit_at_all() -> None:
-    assert solve(world(rows=["S  "])).expected_return == -INF
-    idle = solve(world(rows=["S  "], rewards={"step": 0}))
-    assert idle.values.tolist() == [[0, 0, 0]]
-    assert (idle.expected_steps, idle.exit_probability) == (INF, 0)
-
-
 def test_a_cell_that_is_a_trap() -> None:
     trap = [{"at": [1, 0], "to": [1, 0], "when": "leave"}]
     level = world(rows=["S  E", "   #"], warps=trap)
@@ -193,16 +186,6 @@ def test_what_cancels_out_does_not_matter_where_ending_is_better() -> None:
         solve(level)
     # The same rewards, with a hundred for the exit.
     assert solve("image-maze").exit_probability == 1
-
-
-def test_several_starts() -> None:
-    level = world(rows=["S#S E"])
-    solution = solve(level)
-    assert solution.values[0].tolist()[2:] == [-1, 0, 0]
-    assert (solution.expected_return, solution.expected_steps) == (-INF, INF)
-    assert solution.exit_probability == 0.5
-    level = world(rows=["S S E"])
-    assert solve(level).expected_return == pytest.approx((-3 - 1) / 2)
 
 
 def icy_ridge(width: int, top: int, step: float) -> World:
