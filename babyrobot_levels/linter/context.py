@@ -23,7 +23,7 @@ from babyrobot_levels.text.source import SourceFile, Span
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.linter.barriers import Barriers
-    from babyrobot_levels.linter.necessity import Necessity
+    from babyrobot_levels.linter.optimal_policy import Necessity
     from babyrobot_levels.linter.terrain import AreaEffect, TerrainEffects
     from babyrobot_levels.linter.things import ThingEffects
     from babyrobot_levels.mdp.states import Reach
@@ -235,7 +235,7 @@ class LintContext:
     @cached_property
     def necessity(self) -> Necessity:
         """Which doors, and which needs of them and of the exits, make no difference."""
-        from babyrobot_levels.linter.necessity import Necessity
+        from babyrobot_levels.linter.optimal_policy import Necessity
 
         check_needs = "need-without-effect" in self.active
         return Necessity(self.level, self.things.working_doors, check_needs=check_needs)

@@ -6,7 +6,7 @@ from unittest.mock import patch
 
 import pytest
 
-from babyrobot_levels.linter import necessity, optimal_policy, things
+from babyrobot_levels.linter import optimal_policy, things
 from babyrobot_levels.linter.fixer import apply, fix
 from babyrobot_levels.linter.rules import all_rules, select
 from babyrobot_levels.linter.runner import lint_source
@@ -149,7 +149,7 @@ def test_levels_that_are_too_large_are_not_solved_for_their_doors() -> None:
 def test_only_so_many_variants_are_solved() -> None:
     text = WAY_AROUND.replace("items", "  - {at: [1, 1], side: E, needs: key}\nitems")
     assert codes(text, "BR532") == ["BR532", "BR532"]
-    with patch.object(necessity, "MAX_STATES", 15):
+    with patch.object(optimal_policy, "MAX_STATES", 15):
         # The variant that reaches the limit is the last one.
         assert codes(text, "BR532") == ["BR532"]
 

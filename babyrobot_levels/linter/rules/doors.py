@@ -143,7 +143,7 @@ def door_always_open(context: LintContext) -> Iterator[Finding]:
     for number, door in enumerate(level.doors):
         if context.things.is_closed(number).any():
             continue
-        from babyrobot_levels.linter.necessity import without
+        from babyrobot_levels.linter.optimal_policy import without
 
         why = "it needs nothing"
         if door.keys:
