@@ -268,7 +268,7 @@ class _Game:
 
     def _hitter(self, before: int, action: int) -> str:
         """Return the name of the mover that hit the robot in the last step."""
-        from babyrobot_levels.mdp.events import hits_by_mover
+        from babyrobot_levels.mdp.tables import hits_by_mover
 
         is_outcome = (self._mdp.probability[before, action] > 0) & (
             self._mdp.next_state[before, action] == self._state

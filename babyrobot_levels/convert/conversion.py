@@ -185,8 +185,8 @@ def _tidy(text: str) -> str:
     """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
     # Here, because exporting does not need the linter.
     from babyrobot_levels.language.formatting import format_source
-    from babyrobot_levels.linter.fixer import fix
     from babyrobot_levels.linter.rules import select
+    from babyrobot_levels.linter.runner import fix
 
     try:
         source = source_of(text.encode("utf-8"), "<imported>")

@@ -36,7 +36,7 @@ from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_
 from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.events import Event, events_of, hits_of
+from babyrobot_levels.mdp.tables import Event, events_of, hits_of
 
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec

@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
-from babyrobot_levels.linter.fixer import fix as fixed_text
 from babyrobot_levels.linter.rule import REGISTERED, Rule
 from babyrobot_levels.linter.rules import UnknownRuleError, select
 from babyrobot_levels.linter.rules import select as select_rules
 from babyrobot_levels.linter.rules.files import EQUIVALENT_MDP, equivalent_mdp
 from babyrobot_levels.linter.runner import diagnostic_of, is_suppressed, lint_source
+from babyrobot_levels.linter.runner import fix as fixed_text
 from babyrobot_levels.suites.checking import texts_of
 from babyrobot_levels.text.diagnostics import Diagnostic, Findings
 from babyrobot_levels.text.errors import BabyRobotError, LevelError

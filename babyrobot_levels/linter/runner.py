@@ -1,4 +1,4 @@
-"""Linting a text: its errors, else what the rules find."""
+"""Linting a text: its errors, else what the rules find; and applying fixes until none is left."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.suites.checking import check_document
-from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Severity
+from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix, Issue, Severity
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
@@ -146,3 +146,96 @@ def is_suppressed(rule: Rule, found: Diagnostic, context: LintContext) -> bool:
     # All suppressions are checked, so that each records what it suppresses.
     answers = [each.covers(rule.names, found.span) for each in context.suppressions]
     return any(answers)
+
+
+MAX_ROUNDS = 100
+"""One fix may enable another. Rules that undo each other's fixes would never finish."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """A text after its fixes.
+
+    Attributes:
+        text: the text.
+        count: the number of fixes that were applied.
+        report: the findings that are left.
+    """
+
+    text: str
+    count: int
+    report: Report
+
+
+def fix(
+    source: SourceFile, rules: Sequence[Rule], path: Path | None = None, *, unsafe: bool = False
+) -> Fixed:
+    """Apply all safe fixes to a text and, with `unsafe`, the others too.
+
+    A fix is refused if the level does not load after it, or if the fix claims to be safe and
+    changes the MDP. Refused fixes are tried again after the others: some depend on them, such as
+    the removal of an anchored value after the removal of its last alias.
+    """
+    report = lint_source(source, rules, path)
+    count, rounds, since = 0, 0, 0
+    refused: set[Diagnostic] = set()
+    while rounds < MAX_ROUNDS:
+        left = [each for each in report.diagnostics if each not in refused]
+        batch = _disjoint([each for each in left if each.fix and (each.fix.safe or unsafe)])
+        if not batch:
+            if not refused or since == count:
+                break
+            refused.clear()
+            since = count
+            continue
+        while True:
+            text = apply((edit for each in batch for edit in _edits(each)), source)
+            fixed = SourceFile(source.name, text)
+            after = lint_source(fixed, rules, path)
+            if not _is_broken(report, after, safe=all(_is_safe(each) for each in batch)):
+                source, report = fixed, after
+                count, rounds = count + len(batch), rounds + 1
+                break
+            if len(batch) == 1:
+                refused.add(batch[0])
+                break
+            batch = batch[: len(batch) // 2]
+    return Fixed(source.text, count, report)
+
+
+def apply(edits: Iterable[Edit], source: SourceFile) -> str:
+    """Return a text after edits, which must not overlap."""
+    text = source.text
+    for edit in sorted(edits, key=lambda each: each.span, reverse=True):
+        first, last = source.index(edit.span.start), source.index(edit.span.end)
+        text = text[:first] + edit.text + text[last:]
+    return text
+
+
+def _disjoint(found: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return those whose edits do not touch the edits of earlier ones."""
+    taken: list[Edit] = []
+    batch = []
+    for each in found:
+        edits = _edits(each)
+        if not any(_touch(edit, other) for edit in edits for other in taken):
+            taken += edits
+            batch.append(each)
+    return batch
+
+
+def _touch(one: Edit, other: Edit) -> bool:
+    return one.span.start <= other.span.end and other.span.start <= one.span.end
+
+
+def _edits(found: Diagnostic) -> tuple[Edit, ...]:
+    return found.fix.edits if isinstance(found.fix, Fix) else ()
+
+
+def _is_safe(found: Diagnostic) -> bool:
+    return found.fix is not None and found.fix.safe
+
+
+def _is_broken(before: Report, after: Report, *, safe: bool) -> bool:
+    """Return whether the level no longer loads, or changed although it must not."""
+    return not after.is_valid or (safe and before.digest != after.digest)

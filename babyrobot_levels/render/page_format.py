@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
-from babyrobot_levels.mdp.events import Event, events_of, hits_by_mover
+from babyrobot_levels.mdp.tables import Event, events_of, hits_by_mover
 from babyrobot_levels.render.colors import gray, rgba
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.shapes import (

@@ -27,8 +27,7 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.scoring.agents import Chooser, Player, Table, read_agent
-from babyrobot_levels.scoring.intervals import Played, extremes
-from babyrobot_levels.scoring.results import LevelScore, Scores
+from babyrobot_levels.scoring.results import LevelScore, Played, Scores, extremes
 from babyrobot_levels.suites.named import named_levels
 from babyrobot_levels.suites.suite import Suite
 

@@ -26,7 +26,7 @@ from babyrobot_levels.envs.arguments import start_states
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.mdp.actions import Action, Turn
-from babyrobot_levels.mdp.events import Event, events_of
+from babyrobot_levels.mdp.tables import Event, events_of
 from babyrobot_levels.scoring.plays import Play, read_plays, return_of
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import write_bytes

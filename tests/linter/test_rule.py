@@ -9,10 +9,9 @@ import pytest
 
 import babyrobot_levels
 from babyrobot_levels.linter.finding import Needs
-from babyrobot_levels.linter.fixer import apply
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import all_pages, all_rules, documents, titles
-from babyrobot_levels.linter.runner import lint_source
+from babyrobot_levels.linter.runner import apply, lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic, Fix, Severity
 from babyrobot_levels.text.source import SourceFile
 

@@ -9,10 +9,9 @@ import pytest
 from support.places import GALLERY_FOLDER
 from support.reports import GOOD, LINT_BAD, LINT_GOOD, RULES, lint_report, linted
 
-from babyrobot_levels.linter.fixer import apply, fix
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import all_rules, select, walls
-from babyrobot_levels.linter.runner import is_note, lint_source
+from babyrobot_levels.linter.runner import apply, fix, is_note, lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile

@@ -7,9 +7,8 @@ from unittest.mock import patch
 import pytest
 
 from babyrobot_levels.linter import optimal_policy, things
-from babyrobot_levels.linter.fixer import apply, fix
 from babyrobot_levels.linter.rules import all_rules, select
-from babyrobot_levels.linter.runner import lint_source
+from babyrobot_levels.linter.runner import apply, fix, lint_source
 from babyrobot_levels.linter.things import ThingEffects
 from babyrobot_levels.mdp.compiler import layers
 from babyrobot_levels.text.diagnostics import Diagnostic

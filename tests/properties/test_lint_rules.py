@@ -29,7 +29,6 @@ from support.worlds import (
 from babyrobot_levels.analysis.solver.evaluation import success_within
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.linter.fixer import apply, fix
 from babyrobot_levels.linter.optimal_policy import (
     endless_loop,
     is_within_limit,
@@ -37,7 +36,7 @@ from babyrobot_levels.linter.optimal_policy import (
     surely_terminates,
 )
 from babyrobot_levels.linter.rules import all_rules
-from babyrobot_levels.linter.runner import lint_source
+from babyrobot_levels.linter.runner import apply, fix, lint_source
 from babyrobot_levels.linter.variants import gives
 from babyrobot_levels.mdp import graph
 from babyrobot_levels.mdp.states import Reach, reach_of

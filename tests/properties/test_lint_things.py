@@ -18,9 +18,8 @@ from support.reading import read_level
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.linter.fixer import fix
 from babyrobot_levels.linter.rules import all_rules, select
-from babyrobot_levels.linter.runner import lint_source
+from babyrobot_levels.linter.runner import fix, lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.source import SourceFile

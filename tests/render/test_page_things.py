@@ -14,7 +14,7 @@ from support.vault import vault
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.events import hits_of
+from babyrobot_levels.mdp.tables import hits_of
 from babyrobot_levels.render import page as pages
 from babyrobot_levels.render import page_format
 from babyrobot_levels.render.page import Guide, link_fragment, page_data, to_html

@@ -9,8 +9,8 @@ from support.scenes import VAULT
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.mdp.events import hits_of
 from babyrobot_levels.mdp.states import configuration_with
+from babyrobot_levels.mdp.tables import hits_of
 from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_scene

@@ -24,8 +24,7 @@ from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.language.kinds import KIND, NEEDED
 from babyrobot_levels.language.things import DRAWN_NAMES
 from babyrobot_levels.language.walls import GLASS_PASS
-from babyrobot_levels.linter.fixer import apply
-from babyrobot_levels.linter.runner import Report
+from babyrobot_levels.linter.runner import Report, apply
 
 _NEEDS = ("needs", "unless", "exit_needs")
 """Fields that hold names of things."""

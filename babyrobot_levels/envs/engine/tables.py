@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.events import Event, events_of, hits_of
-from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.mdp.tables import Event, Mdp, events_of, hits_of
 
 Ints = NDArray[np.intp]
 Floats = NDArray[np.float64]

@@ -1,8 +1,8 @@
 """From level and grid to the exact tables.
 
-`terrain` says what each cell does, `moves` where moves and warps end, `outcomes` what a step comes
-to; `compile_cells` puts them together. Of levels with things, `layers` finds the configurations
-that occur, `movers` says where movers go, and `things` puts it all together.
+`terrain` says what each cell does, and where moves and warps end; `outcomes` what a step comes to;
+`compile_cells` puts them together. Of levels with things, `layers` finds the configurations that
+occur, `movers` says where movers go, and `things` puts it all together.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.mdp.compiler.moves import build_moves, build_warps, obstructions
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
     Outcomes,
@@ -22,7 +21,12 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     stochastic_branches,
     stochastic_rows,
 )
-from babyrobot_levels.mdp.compiler.terrain import build_terrain
+from babyrobot_levels.mdp.compiler.terrain import (
+    build_moves,
+    build_terrain,
+    build_warps,
+    obstructions,
+)
 from babyrobot_levels.mdp.configurations import MAX_WIDE_STATES, most_outcomes, too_large
 from babyrobot_levels.mdp.grid import Grid, build_grid
 from babyrobot_levels.mdp.tables import REFUSED, Mdp

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.compiler.movers import Crowd
-from babyrobot_levels.mdp.compiler.moves import Moves, Warps, build_moves, build_warps
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
     Pay,
@@ -29,7 +28,14 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     stochastic_branches,
     stochastic_rows,
 )
-from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
+from babyrobot_levels.mdp.compiler.terrain import (
+    Moves,
+    Terrain,
+    Warps,
+    build_moves,
+    build_terrain,
+    build_warps,
+)
 from babyrobot_levels.mdp.configurations import MAX_STATES, Things, Values
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints

@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.cells import PRECEDENCE, Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
-from babyrobot_levels.mdp.compiler.moves import Moves, Warps
-from babyrobot_levels.mdp.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain
+from babyrobot_levels.mdp.compiler.terrain import (
+    OPEN_RULE,
+    OTHERS_RULE,
+    SIDES_RULE,
+    Moves,
+    Terrain,
+    Warps,
+)
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
 PART = 1 << 15

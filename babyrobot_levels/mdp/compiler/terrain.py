@@ -1,16 +1,20 @@
-"""What each cell does to a robot: arrays over the cells, painted from the level's fields."""
+"""What each cell does to a robot, and where moves and warps end: arrays over the cells."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.cells import SkidLike, SkidRule, as_skid
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.cells import SkidLike, SkidRule, Warp, as_skid, shifts
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Flags
 
 RULES = tuple(SkidRule)
 OPEN_RULE, SIDES_RULE, OTHERS_RULE = range(3)
@@ -137,3 +141,184 @@ def _least_with_distance(values: NDArray[np.int64]) -> NDArray[np.int64]:
         nearest[:, x], best[:, x] = np.divmod(least, width)
         step //= 2
     return nearest
+
+
+States = NDArray[np.int32]
+
+NORTH, EAST, SOUTH, WEST = range(NUM_MOVES)
+BACK = (SOUTH, WEST, NORTH, EAST)
+"""The opposite of each direction."""
+
+VERTICAL = (True, False, True, False)
+SIGN = (-1, 1, 1, -1)
+"""The direction of each move on its axis: south and east are positive."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Arrays `[4, states]`, one row a direction: north, east, south, west.
+
+    Attributes:
+        open: whether nothing closes that side of the cell. Walls of glass do.
+        landing: where a robot comes to stand that tries the direction; glass is a wall to it.
+        refused: whether a wall refused the move: it pushed against the side and did not go.
+        glass: the probability of getting through the wall of glass that the move tries, else 0.
+        through: where the robot comes to stand if it gets through; without glass of no meaning.
+        bounce: where it comes to stand if it bounces off.
+    """
+
+    open: Flags
+    landing: States
+    refused: Flags
+    glass: NDArray[np.float64]
+    through: States
+    bounce: States
+
+
+def build_moves(level: LevelFields, grid: Grid) -> Moves:
+    """Walk every direction out of every cell."""
+    count = grid.width * grid.height
+    states = np.arange(count, dtype=np.int32)
+    open_ = np.ascontiguousarray(grid.open.reshape(count, NUM_MOVES).T)
+    delta = np.array([-grid.width, 1, grid.width, -1], np.int32)[:, None]
+    step = np.where(open_, states + delta, states)
+    glass = np.zeros((NUM_MOVES, count))
+    for (cell, side), probability in grid.glass.items():
+        glass[SIDES.index(side), cell] = probability
+    bounce = step[list(BACK)]
+    if level.wind is None:
+        through = np.where(glass > 0, states + delta, states) if grid.glass else step
+        return Moves(open_, step, ~open_, glass, through, bounce)
+
+    south, east = shifts(level.wind, grid.width, grid.height)
+    pushes = {
+        True: np.tile(np.array(south, np.int32), grid.height),
+        False: np.repeat(np.array(east, np.int32), grid.width),
+    }
+    landing = np.empty_like(step)
+    through = np.empty_like(step) if grid.glass else landing
+    refused = np.empty_like(open_)
+
+    free = _free_runs(open_, grid)
+
+    def walk(start: States, amount: States, vertical: bool) -> States:
+        """Walk `amount` cells along an axis, each state until a wall stops it."""
+        ahead, back = (SOUTH, NORTH) if vertical else (EAST, WEST)
+        forth = np.minimum(amount, free[ahead, start])
+        taken = np.where(amount > 0, forth, -np.minimum(-amount, free[back, start]))
+        ends: States = start + taken * delta[ahead]
+        return ends
+
+    for way in range(NUM_MOVES):
+        vertical, sign = VERTICAL[way], SIGN[way]
+        along, across = pushes[vertical] + sign, pushes[not vertical]
+        pushing = along * sign > 0
+        landing[way] = walk(walk(states, along, vertical), across, not vertical)
+        refused[way] = pushing & ~open_[way]
+        if not grid.glass:
+            continue
+        glass[way] *= pushing
+        behind = np.where(glass[way] > 0, states + delta[way], states)
+        rest = np.where(glass[way] > 0, along - sign, 0)
+        drift = np.where(glass[way] > 0, across, 0)
+        through[way] = walk(walk(behind, rest, vertical), drift, not vertical)
+    return Moves(open_, landing, refused, glass, through, bounce)
+
+
+def _free_runs(open_: Flags, grid: Grid) -> States:
+    """Return, `[4, states]`, how many cells one can go in each direction until a wall."""
+    runs = np.zeros((NUM_MOVES, grid.height, grid.width), np.int32)
+    for way, (is_open, run) in enumerate(zip(open_.reshape(runs.shape), runs, strict=True)):
+        # Lines across the way, from the one where the grid ends.
+        across, along = (is_open, run) if VERTICAL[way] else (is_open.T, run.T)
+        if SIGN[way] > 0:
+            across, along = across[::-1], along[::-1]
+        for number in range(1, len(along)):
+            along[number] = np.where(across[number], along[number - 1] + 1, 0)
+    return runs.reshape(open_.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class Warps:
+    """Arrays `[states]`. The state number `states` itself stands for "one of the starts".
+
+    Attributes:
+        arrive: where a robot stands that would come to stand on the state.
+        arrive_reward: the reward of that step, nan where the warps give none.
+        leaves: whether every move out of the state is a warp.
+        leave_to: where those moves lead, `arrive` included.
+        leave_reward: the reward of those moves, nan where the warps give none.
+    """
+
+    arrive: NDArray[np.int64]
+    arrive_reward: NDArray[np.float64]
+    leaves: NDArray[np.bool_]
+    leave_to: NDArray[np.int64]
+    leave_reward: NDArray[np.float64]
+
+    @cached_property
+    def pay(self) -> bool:
+        """Whether any warp gives a reward."""
+        return not (np.isnan(self.arrive_reward).all() and np.isnan(self.leave_reward).all())
+
+
+def build_warps(level: LevelFields, grid: Grid) -> Warps:
+    """Follow every warp to its end: one that leads onto another goes on from there."""
+    count = grid.width * grid.height
+    enter = {_state(warp.at, grid): warp for warp in level.warps if warp.when == "enter"}
+    arrive = np.arange(count + 1)
+    arrive_reward = np.full(count + 1, np.nan)
+    for state in enter:
+        arrive[state], arrive_reward[state] = _follow(state, enter, level, grid)
+    leaves = np.zeros(count, bool)
+    leave_to = np.arange(count)
+    leave_reward = np.full(count, np.nan)
+    for warp in level.warps:
+        if warp.when == "leave":
+            state, to = _state(warp.at, grid), _target(warp, level, grid)
+            leaves[state] = True
+            leave_to[state] = arrive[to]
+            leave_reward[state] = arrive_reward[to] if warp.reward is None else warp.reward
+    return Warps(arrive, arrive_reward, leaves, leave_to, leave_reward)
+
+
+def _follow(
+    state: int, enter: dict[int, Warp], level: LevelFields, grid: Grid
+) -> tuple[int, float]:
+    """Return where the chain of warps ends, and the first reward that it gives."""
+    reward = None
+    # The fields were checked: no chain is a circle.
+    while state in enter:
+        warp = enter[state]
+        reward = warp.reward if reward is None else reward
+        state = _target(warp, level, grid)
+    return state, np.nan if reward is None else reward
+
+
+def _target(warp: Warp, level: LevelFields, grid: Grid) -> int:
+    if isinstance(warp.to, str):
+        starts = level.starts
+        return _state(starts[0], grid) if len(starts) == 1 else grid.width * grid.height
+    return _state(warp.to, grid)
+
+
+def _state(cell: tuple[int, int], grid: Grid) -> int:
+    return cell[1] * grid.width + cell[0]
+
+
+def obstructions(
+    moves: Moves, terrain: Terrain, warps: Warps
+) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
+    """Return what hinders each action, and where it leads without chance."""
+    states = np.arange(terrain.over.size)
+    obstruction = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
+    target = np.empty((states.size, NUM_ACTIONS), np.int32)
+    target[:, Action.STAY] = states
+    glass = moves.glass > 0
+    moves_on = ~warps.leaves & ~terrain.over
+    obstruction[:, 1:][(moves_on & moves.refused).T] = REFUSED
+    obstruction[:, 1:][(moves_on & glass).T] = GLASS
+    goals = warps.arrive[np.where(glass, moves.through, moves.landing)]
+    target[:, 1:] = np.where(warps.leaves, warps.leave_to, goals).T
+    target[terrain.over] = states[terrain.over, None]
+    return obstruction, target

@@ -27,8 +27,8 @@ from babyrobot_levels.mdp.compiler.layers import (
     hits,
 )
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
-from babyrobot_levels.mdp.compiler.moves import obstructions
 from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, merged
+from babyrobot_levels.mdp.compiler.terrain import obstructions
 from babyrobot_levels.mdp.configurations import (
     MAX_OUTCOMES,
     MAX_STATES,

@@ -8,10 +8,10 @@ import pytest
 
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
-from babyrobot_levels.linter.fixer import apply, fix
 from babyrobot_levels.linter.fixes import append, remove, replace
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import all_rules
+from babyrobot_levels.linter.runner import apply, fix
 from babyrobot_levels.text.diagnostics import Edit, Fix, Severity
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile

@@ -9,7 +9,7 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.policies import space_of
-from babyrobot_levels.scoring import intervals
+from babyrobot_levels.scoring import results
 
 
 @pytest.mark.parametrize("episodes", [5, 30])
@@ -18,7 +18,7 @@ def test_the_interval_holds_the_mean(episodes: int, chance: float) -> None:
     random = np.random.default_rng(1)
     held = 0
     for _ in range(200):
-        low, high = intervals.interval((random.random(episodes) < chance).astype(float), 0, 1)
+        low, high = results.interval((random.random(episodes) < chance).astype(float), 0, 1)
         held += low <= chance <= high
     assert held >= 186
 
@@ -27,7 +27,7 @@ def test_of_levels_with_few_episodes_the_interval_holds_the_mean() -> None:
     random = np.random.default_rng(2)
     chances = np.repeat(random.beta(0.2, 1.0, 40), 5)
     samples = (random.random((200, 200)) < chances).astype(float)
-    found = [intervals.interval(sample, 0.0, 1.0) for sample in samples]
+    found = [results.interval(sample, 0.0, 1.0) for sample in samples]
     assert sum(low <= chances.mean() <= high for low, high in found) >= 186
     assert max(high - low for low, high in found) < 0.14
 
@@ -39,13 +39,13 @@ def test_of_levels_with_few_episodes_the_interval_holds_the_mean() -> None:
 def test_two_values_have_the_interval_of_clopper_and_pearson(
     hits: int, known: tuple[float, float]
 ) -> None:
-    found = intervals.interval(np.repeat([1.0, 0.0], [hits, 30 - hits]), 0, 1)
+    found = results.interval(np.repeat([1.0, 0.0], [hits, 30 - hits]), 0, 1)
     assert found == pytest.approx(known, abs=0.01)
 
 
 def test_many_values_are_grouped() -> None:
     values = np.random.default_rng(3).exponential(size=20_000)
-    low, high = intervals.interval(values, 0, 20)
+    low, high = results.interval(values, 0, 20)
     error = 1.96 * values.std() / 20_000**0.5
     assert (low, high) == pytest.approx((values.mean() - error, values.mean() + error), abs=0.003)
 
@@ -75,10 +75,10 @@ def test_extremes_are_those_of_all_episodes(
     puddle = {"at": [1, 0], "size": "large"}
     level = brl.load({"version": 1, "size": [3, 1], "puddles": [puddle], "rewards": rewards})
     space, every = space_of(level, "all"), returns_of(level, 5, discount)
-    found = intervals.extremes(space, 5, discount)
+    found = results.extremes(space, 5, discount)
     assert found == pytest.approx((min(every), max(every)))
     # Where it would take long, the extremes are outside of these.
-    monkeypatch.setattr(intervals, "_MOST_SWEEPS", 2)
-    low, high = intervals.extremes(space, 5, discount)
+    monkeypatch.setattr(results, "_MOST_SWEEPS", 2)
+    low, high = results.extremes(space, 5, discount)
     assert low <= min(every) + 1e-9
     assert high >= max(every) - 1e-9

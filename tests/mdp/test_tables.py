@@ -13,7 +13,7 @@ from support.each import for_each
 
 import babyrobot_levels as brl
 from babyrobot_levels.mdp.actions import Turn
-from babyrobot_levels.mdp.events import Event, events_of, hits_of
+from babyrobot_levels.mdp.tables import Event, events_of, hits_of
 
 
 def happening(level: dict[str, Any], actions: list[int]) -> list[tuple[str, bool]]:
