@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from threading import Event, Thread
 from typing import Any
 
 import pytest
@@ -11,10 +10,7 @@ from support.gestures import send
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.editor import answers as module
-from babyrobot_levels.editor.answers import Optimum
-from babyrobot_levels.editor.protocol import answer, prepare
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import page_data
 
 CORRIDOR = "version: 1\nsize: [5, 1]\nstart: [0, 0]\nexit: [4, 0]\n"
@@ -128,34 +124,6 @@ def test_a_gesture_does_not_wait_for_episodes_of_many_steps() -> None:
     usual, long = (Session(f"{CORRIDOR}max_steps: {limit}\n") for limit in (500, 50_000))
     assert send(usual, "state")["state"]["answers"]["status"] == "done"
     assert send(long, "state")["state"]["answers"]["status"] == "pending"
-
-
-def test_a_long_solution_holds_up_no_gesture_and_is_dropped_when_it_is_late(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(module, "BUDGET", 0.0)
-    session = Session(CORRIDOR)
-    begun, go_on = Event(), Event()
-    usual = module.solved
-
-    def slow(level: Level) -> Optimum:
-        begun.set()
-        assert go_on.wait(20)
-        return usual(level)
-
-    monkeypatch.setattr(module, "solved", slow)
-    message = {"id": 1, "do": "answers", "revision": session.revision}
-    thread = Thread(target=prepare, args=(session, message))
-    thread.start()
-    assert begun.wait(20)
-    state = send(session, "paint", brush="large", cells=[[2, 0]])["state"]
-    assert state["answers"]["status"] == "pending"
-    monkeypatch.setattr(module, "solved", usual)
-    go_on.set()
-    thread.join(20)
-    assert session.answers.optimum is None
-    assert "state" not in answer(session, message)
-    assert send(session, "answers")["state"]["answers"]["best"] < -3.0
 
 
 # -- policies that are drawn by hand ------------------------------------------------------------

@@ -119,14 +119,6 @@ def test_without_a_clipboard_the_text_is_copied_as_well(editor_page: OpenEditor)
     assert page.evaluate("navigator.clipboard.readText()") == LEVEL
 
 
-def test_an_invalid_level_is_copied_as_a_text_only(editor_page: OpenEditor) -> None:
-    page = editor_page("version: 1\nsize: none\n").page
-    copying = asked(page, "Copy or download", "Copy the level")
-    copying.get_by_role("button", name="Share code").click()
-    expect(copying.get_by_role("alert")).to_contain_text("errors")
-    expect(copying.get_by_label("What is copied")).to_have_value("")
-
-
 def test_a_level_without_a_file_is_downloaded(editor_page: OpenEditor) -> None:
     editor = editor_page(session_of("gallery/final-maze"))
     type_change(editor)

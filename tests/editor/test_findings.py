@@ -85,13 +85,6 @@ def test_an_error_is_shown_in_the_last_picture_where_it_is_on_it() -> None:
     assert (found["cells"], found["sides"]) == ([], [])
 
 
-def test_a_text_that_is_no_yaml_has_a_finding_without_a_place() -> None:
-    session = Session(GRID)
-    session.type("version: [1\n")
-    (found,) = state_of(session)["findings"]
-    assert (found["cells"], found["sides"]) == ([], [])
-
-
 DRAWN = """\
 version: 1
 map: |

@@ -139,14 +139,6 @@ def test_a_door_needs_what_is_checked(editor_page: OpenEditor) -> None:
     )
 
 
-def test_an_entry_is_removed_and_nothing_is_selected_then(editor_page: OpenEditor) -> None:
-    editor = editor_page(LEVEL)
-    inspector = select(editor, "{at: [2, 1]}")
-    inspector.get_by_role("button", name="Remove").click()
-    until(lambda: "puddles" not in editor.session.text, "the puddle is removed")
-    expect(inspector.get_by_role("heading")).to_have_text("Nothing is selected")
-
-
 def test_what_else_is_in_the_cell_is_offered(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL.replace("at: [0, 2]", "at: [2, 1]"))
     inspector = select(editor, "- {at: [2, 1]}")

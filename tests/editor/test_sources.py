@@ -113,16 +113,6 @@ def test_another_level_is_opened_as_one_step(source: str, expected: brl.Level) -
     assert session.text == before
 
 
-@pytest.mark.parametrize("name", ["maze-map", "sokoban"])
-def test_what_is_exported_can_be_pasted(name: str) -> None:
-    from babyrobot_levels.convert.formats import export
-
-    text = export(brl.load("maze"), name).text
-    session = session_of(None)
-    assert "error" not in send(session, "open", source=text, format=name)
-    assert session.is_valid
-
-
 @pytest.mark.parametrize(
     ("source", "said"),
     [

@@ -321,17 +321,6 @@ def test_pipes_are_not_waited_for(name: str) -> None:
     assert f"'{name}' is not a regular file" in result.err
 
 
-@needs_posix
-def test_a_pack_yaml_that_is_a_pipe_or_a_link() -> None:
-    folder = write_files(Path("zoo"), zoo())
-    (folder / "pack.yaml").rename("pack.yaml")
-    (folder / "pack.yaml").symlink_to("../pack.yaml")
-    assert findings() == [("BR702", "zoo/pack.yaml", 1, 1)]
-    (folder / "pack.yaml").unlink()
-    os.mkfifo(folder / "pack.yaml")
-    assert babyrobot("pack", "zoo").status == 1
-
-
 def test_a_folder_that_may_not_be_read_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     folder = write_files(Path("zoo"), zoo())
     scan = os.scandir

@@ -88,32 +88,6 @@ def test_what_the_page_says_works(site: Path, tmp_path: Path) -> None:
     assert run(code, tmp_path, site) == "False\n"
 
 
-def test_levels_suites_and_environments(site: Path, tmp_path: Path) -> None:
-    code = """
-import babyrobot_levels as brl, gymnasium
-print(brl.load("zoo/lion").title, [i.name for i in brl.levels() if "/" in i.name])
-print(brl.load("zoo/gorilla").resolved_theme.colors.base)
-suite = brl.load_suite("zoo/monkeys")
-print(len(suite), suite[0].resolved_theme.colors.base)
-env = gymnasium.make("babyrobot/zoo.lion-v0")
-print(env.reset(seed=1)[0].tolist(), env.spec.max_episode_steps)
-envs = gymnasium.make_vec("babyrobot/zoo.gorilla-v0", num_envs=3)
-print(envs.reset(seed=1)[0].tolist())
-env = gymnasium.make("babyrobot/Suite-v0", suite="zoo/monkeys")
-print(env.reset(seed=1)[1]["level_index"] in range(5))
-print([i for i in gymnasium.registry if i.startswith("babyrobot/zoo")])
-"""
-    assert run(code, tmp_path, site).splitlines() == [
-        "The lion ['zoo/gorilla', 'zoo/lion']",
-        "#123456",
-        "5 #123456",
-        "[0, 0] 40",
-        "[[0, 0], [0, 0], [0, 0]]",
-        "True",
-        "['babyrobot/zoo.lion-v0', 'babyrobot/zoo.gorilla-v0']",
-    ]
-
-
 def test_the_command_line(site: Path, tmp_path: Path) -> None:
     assert babyrobot(site, tmp_path, "list", "--tag", "apes") == (
         "NAME         SIZE  TITLE  TAGS  FROM\nzoo/gorilla  3x2          apes  pack zoo\n"

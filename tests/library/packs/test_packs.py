@@ -177,15 +177,6 @@ def test_a_pack_of_a_package_is_removed_with_the_package(site: Path) -> None:
     assert names() == ["zoo"]
 
 
-@pytest.mark.parametrize("metadata", [b"Metadata-Version: 2.1\nVersion: 1.0\n", b"\xff\xfe"])
-def test_a_pack_of_a_package_whose_name_is_not_told(metadata: bytes, site: Path) -> None:
-    carry(site, "brl_zoo", "zoo = brl_zoo")
-    (site / "brl_zoo-1.0.dist-info" / "METADATA").write_bytes(metadata)
-    refused = babyrobot("uninstall", "zoo")
-    assert (refused.status, refused.out) == (2, "")
-    assert refused.err == "error: zoo is part of the Python package without a name\n"
-
-
 @pytest.mark.parametrize("name", ["my zoo", "..", "zoo.cages", "动物园"])
 def test_a_name_that_no_pack_can_have(name: str, site: Path) -> None:
     carry(site, "brl_zoo", f"{name} = brl_zoo\nark = brl_zoo")
