@@ -21,7 +21,7 @@ from babyrobot_levels.linter.rules import find, select
 from babyrobot_levels.linter.runner import Report, findings_in, names_of
 from babyrobot_levels.render.page import MAX_CELLS
 from babyrobot_levels.text.diagnostics import Diagnostic
-from babyrobot_levels.text.document import Document, Node
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.source import Position, Span
 
 PLACED = {field for kind in KINDS for field in kind.fields}
@@ -85,15 +85,11 @@ def _places(document: Document, span: Span) -> Iterator[Place]:
     for name in PLACED & document.root.children.keys():
         node = document.root.children[name]
         if node.first <= index < node.last:
-            inner = (child for child in node.children.values() if _holds(child, index))
+            inner = (each for each in node.children.values() if each.first <= index < each.last)
             entry = next(inner, node) if isinstance(node.data, list) else node
             # The entry is a coordinate where the field is a single cell.
             whole = node if isinstance(entry.data, int) else entry
             yield from islice(_of_entry(whole.data), MOST_PLACES)
-
-
-def _holds(node: Node, index: int) -> bool:
-    return node.first <= index < node.last
 
 
 def _of_entry(entry: Any) -> Iterator[Place]:
@@ -206,7 +202,8 @@ class Linter:
             # Together, since one rule computes what others then have.
             if thread_time() - began <= LONG:
                 self._late.clear()
-            found = sorted([*linting.report.diagnostics, *late], key=_place)
+            found = [*linting.report.diagnostics, *late]
+            found.sort(key=lambda each: (each.line, each.column, each.code))
             linting.report = replace(linting.report, diagnostics=found)
             linting.waiting = linting.outdated = ()
 
@@ -234,10 +231,6 @@ def _share(answers: Answers, context: LintContext) -> None:
     solution = None if answers.optimum is None else answers.optimum.solution
     if solution is not None and context.mdp.num_states <= MAX_SOLVED:
         context.solution = solution
-
-
-def _place(found: Diagnostic) -> tuple[int, int, str]:
-    return found.line, found.column, found.code
 
 
 def _moved(found: list[Diagnostic], before: Report, document: Document) -> list[Diagnostic]:

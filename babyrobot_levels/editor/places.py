@@ -86,7 +86,9 @@ def _entries(level: Level, document: Document) -> Iterator[Place]:
                 kind.name,
                 kind.called(entry),
                 cells=_cells(entry),
-                sides=_sides(entry),
+                sides=[side_of(*cell, entry.side) for cell in sides_of(entry)]
+                if isinstance(entry, Opening)
+                else [],
                 lines=_lines(nodes[index]),
                 fields=expanded(data) if kind.name == "area" else data,
             )
@@ -106,11 +108,6 @@ def _cells(entry: Any) -> Iterable[Cell]:
         return (entry.at, entry.to)
     cell: Cell = entry.at
     return (cell,)
-
-
-def _sides(entry: Any) -> list[tuple[int, int, str]]:
-    is_run = isinstance(entry, Opening)
-    return [side_of(x, y, entry.side) for x, y in sides_of(entry)] if is_run else []
 
 
 def _lines(node: Node, key: Node | None = None) -> list[int]:

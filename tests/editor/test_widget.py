@@ -11,11 +11,9 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-import nbformat
 import pytest
-from nbformat.v4 import new_code_cell, new_notebook
 from playwright.sync_api import Locator, Page, expect
-from support.jupyter import OpenNotebook, jupyterlab, until
+from support.jupyter import OpenNotebook, Served, jupyterlab, until
 
 import babyrobot_levels as brl
 from babyrobot_levels.editor import answers
@@ -174,28 +172,15 @@ SHOW = "print(len(editor.level.puddles), editor.level.digest)"
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, str]]:
-    root = tmp_path_factory.mktemp("served")
-    with jupyterlab(root, tmp_path_factory.mktemp("jupyter")) as address:
-        yield root, address
-
-
-def write(root: Path, name: str, *cells: str) -> None:
-    """Write a notebook of some cells of code."""
-    made = [new_code_cell(code) for code in cells]  # type: ignore[no-untyped-call]
-    metadata = {"kernelspec": {"name": "python3", "display_name": "Python 3"}}
-    notebook = new_notebook(cells=made, metadata=metadata)  # type: ignore[no-untyped-call]
-    nbformat.write(notebook, root / name)  # type: ignore[no-untyped-call]
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    root, home = (tmp_path_factory.mktemp(name) for name in ("served", "jupyter"))
+    with jupyterlab(root, home) as served:
+        yield served
 
 
 def drawing(notebook: OpenNotebook, number: int) -> Locator:
     """The picture on which one draws."""
     return notebook.output(number).locator(".stage svg[viewBox]")
-
-
-def still(notebook: OpenNotebook, number: int) -> Locator:
-    """The picture in a cell's output that needs no kernel."""
-    return notebook.output(number).locator("img:visible")
 
 
 def text(notebook: OpenNotebook, number: int) -> str:
@@ -221,10 +206,9 @@ def restart(page: Page) -> None:
 
 
 @pytest.mark.slow
-def test_it_draws_and_its_picture_stays(served: tuple[Path, str], page: Page) -> None:
-    root, address = served
-    write(root, "edit.ipynb", OPEN, SHOW, AGAIN)
-    notebook = OpenNotebook(page, address, "edit.ipynb")
+def test_it_draws_and_its_picture_stays(served: Served, page: Page) -> None:
+    served.write("edit.ipynb", OPEN, SHOW, AGAIN)
+    notebook = served.open(page, "edit.ipynb")
     notebook.run(0)
     drawing(notebook, 0).wait_for()
     paint(notebook, 0, 1, 1)
@@ -243,7 +227,7 @@ def test_it_draws_and_its_picture_stays(served: tuple[Path, str], page: Page) ->
     for key in "bbadd":
         page.keyboard.press(key)
     assert page.locator(".jp-CodeCell").count() == 3
-    assert still(notebook, 0).count() == still(notebook, 2).count() == 0
+    assert notebook.still(0).count() == notebook.still(2).count() == 0
 
     # It is as dark as the notebook, whatever the system prefers.
     sheet = notebook.output(0).locator(".editor")
@@ -260,7 +244,7 @@ def test_it_draws_and_its_picture_stays(served: tuple[Path, str], page: Page) ->
     restart(page)
     notebook.reload()
     for number in (0, 2):
-        still(notebook, number).wait_for()
+        notebook.still(number).wait_for()
         assert drawing(notebook, number).count() == 0
         assert "Error" not in notebook.output(number).inner_text()
     notebook.run(1)

@@ -14,6 +14,8 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
+import nbformat
+from nbformat.v4 import new_code_cell, new_notebook
 from playwright.sync_api import Locator, Page
 
 from support.subprocesses import HOME
@@ -40,9 +42,27 @@ def until(condition: Callable[[], Found | None], what: str, seconds: float = 20)
     return found
 
 
+class Served:
+    """A folder that JupyterLab serves."""
+
+    def __init__(self, root: Path, address: str) -> None:
+        self.root, self._address = root, address
+
+    def write(self, name: str, *cells: str) -> None:
+        """Write a notebook of some cells of code."""
+        made = [new_code_cell(code) for code in cells]  # type: ignore[no-untyped-call]
+        metadata = {"kernelspec": {"name": "python3", "display_name": "Python 3"}}
+        notebook = new_notebook(cells=made, metadata=metadata)  # type: ignore[no-untyped-call]
+        nbformat.write(notebook, self.root / name)  # type: ignore[no-untyped-call]
+
+    def open(self, page: Page, name: str) -> OpenNotebook:
+        """Open a notebook."""
+        return OpenNotebook(page, self._address, name)
+
+
 @contextmanager
-def jupyterlab(root: Path, home: Path) -> Iterator[str]:
-    """Serve a folder in JupyterLab, kernels being the running interpreter; yield the address.
+def jupyterlab(root: Path, home: Path) -> Iterator[Served]:
+    """Serve a folder in JupyterLab, kernels being the running interpreter.
 
     Args:
         root: the folder.
@@ -68,7 +88,10 @@ def jupyterlab(root: Path, home: Path) -> Iterator[str]:
     with log.open("w") as output:
         server = subprocess.Popen(call, env=environment, stdout=output, stderr=output)
         try:
-            yield until(lambda: _address(server, home / "runtime", log), "JupyterLab starts", 60)
+            yield Served(
+                root,
+                until(lambda: _address(server, home / "runtime", log), "JupyterLab starts", 60),
+            )
         finally:
             server.terminate()
             try:
@@ -136,6 +159,10 @@ class OpenNotebook:
     def output(self, number: int) -> Locator:
         """Return the area of a cell's output."""
         return self._cell(number).locator(".jp-Cell-outputArea")
+
+    def still(self, number: int = 0) -> Locator:
+        """Return the picture in a cell's output that needs no kernel."""
+        return self.output(number).locator("img:visible")
 
     def _cell(self, number: int) -> Locator:
         return self._page.locator(".jp-CodeCell").nth(number)

@@ -10,11 +10,21 @@ from typing import Any
 from playwright.sync_api import Page, expect
 
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import Guide, to_html
 from babyrobot_levels.render.scene.layout import Overlay
 
 KEYS = [" ", "ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft"]
 """The keys of the actions."""
+
+
+FAST = {"robot": {"speed": 100}}
+"""A robot that is not waited for."""
+
+
+def level(**fields: Any) -> Any:
+    """Return a level whose robot is fast."""
+    return Level.from_fields({"version": 1, "display": FAST, **fields})
 
 
 def guide(world: Any, actions: str = "all") -> Guide:

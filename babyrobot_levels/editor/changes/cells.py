@@ -352,7 +352,7 @@ def add_mover(draft: Draft, gesture: Path) -> None:
     path = [*_joined(gesture.cells)]
     if len(path) > 1 and path[0] == path[-1]:
         path.pop()
-    is_loop = _distance(path[-1], path[0]) <= 1
+    is_loop = sum(abs(to - at) for at, to in zip(path[-1], path[0], strict=True)) <= 1
     back = {} if is_loop else {"back": True}
     draft.entries("movers").append({"path": [[*cell] for cell in path], **back})
 
@@ -367,7 +367,3 @@ def _joined(cells: list[Cell]) -> Iterator[Cell]:
             continue
         for step in range(1, steps + 1):
             yield x + (to_x - x) * step // steps, y + (to_y - y) * step // steps
-
-
-def _distance(one: Cell, other: Cell) -> int:
-    return abs(one[0] - other[0]) + abs(one[1] - other[1])

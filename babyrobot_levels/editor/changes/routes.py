@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 from babyrobot_levels.editor.changes.draft import RefusedError
@@ -104,11 +105,9 @@ def _ordered(entry: dict[str, Any], fields: Fields) -> dict[str, Any]:
 
 def _found(data: Any, route: Route) -> Any:
     """Return the value at a route, None if there is none."""
-    for segment in route:
-        if not _has(data, segment):
-            return None
-        data = data[segment]
-    return data
+    with suppress(RefusedError):
+        return get(data, route)
+    return None
 
 
 def _has(data: Any, segment: str | int) -> bool:

@@ -133,11 +133,12 @@ def _kinds(level: Level, run: Run) -> list[tuple[str, float]]:
     """
     grid = grid_without_random_maze(level)
     doors = [Run.of(door.at, door.side, door.length) for door in level.doors]
+    here = [door for door in doors if (door.axis, door.line) == (run.axis, run.line)]
     kinds = []
     for place, (x, y) in enumerate(run.cells, run.first):
         cell = y * grid.width + x
         glass = grid.glass.get((cell, run.axis))
-        if any(_covers(door, run, place) for door in doors):
+        if any(door.first <= place < door.stop for door in here):
             kinds.append(("door", 0.0))
         elif glass is not None:
             kinds.append(("glass", glass))
@@ -151,10 +152,6 @@ def grid_without_random_maze(level: Level) -> Grid:
     if level.has_random_maze:
         return build_grid(level.model_copy(update={"maze": None}))
     return level.grid()
-
-
-def _covers(door: Run, run: Run, place: int) -> bool:
-    return (door.axis, door.line) == (run.axis, run.line) and door.first <= place < door.stop
 
 
 def _maze_walls(level: Level, run: Run) -> list[int]:

@@ -257,7 +257,9 @@ def write_archive(manifest: Manifest, files: Mapping[str, bytes]) -> bytes:
     for path, data in whole.items():
         directory += _central(path, data, len(body))
         body += _local(path, data) + data
-    return bytes(body + directory) + _end(len(whole), len(directory), len(body))
+    count = len(whole)
+    end = _END.pack(b"PK\5\6", 0, 0, count, count, len(directory), len(body), 0)
+    return bytes(body + directory) + end
 
 
 def read_archive(path: Path) -> Archive:
@@ -309,10 +311,6 @@ def _central(path: str, data: bytes, offset: int) -> bytes:
 
 def _sums(data: bytes) -> tuple[int, int, int]:
     return zlib.crc32(data), len(data), len(data)
-
-
-def _end(count: int, size: int, offset: int) -> bytes:
-    return _END.pack(b"PK\5\6", 0, 0, count, count, size, offset, 0)
 
 
 def _entries(data: bytes) -> dict[str, bytes]:

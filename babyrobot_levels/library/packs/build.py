@@ -228,7 +228,12 @@ def pack(folder: Path, lint: Callable[[Sequence[Path]], list[Diagnostic]]) -> Pa
         return Packed(Contents(), paths, left_out, unfit)
     files = _read(folder, paths)
     contents = survey(folder, paths, folder)
-    diagnostics = _merged(contents.diagnostics, lint(_linted(folder, paths)), paths, folder)
+    levels = [
+        folder / path
+        for path in paths
+        if path != PACK_FILE and not is_theme(path) and Path(path).name not in TEXTS
+    ]
+    diagnostics = _merged(contents.diagnostics, lint(levels), paths, folder)
     fields = contents.fields
     errors = any(each.severity is Severity.ERROR for each in diagnostics)
     if fields is None or errors:
@@ -301,15 +306,6 @@ def _read(folder: Path, paths: list[str]) -> dict[str, bytes]:
             raise PackError(f"{path!r} is not a regular file") from None
     check_sizes(files)
     return files
-
-
-def _linted(folder: Path, paths: list[str]) -> list[Path]:
-    """Return the levels and suites, which are linted."""
-    return [
-        folder / path
-        for path in paths
-        if path != PACK_FILE and not is_theme(path) and Path(path).name not in TEXTS
-    ]
 
 
 def _merged(

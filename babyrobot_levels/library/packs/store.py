@@ -142,8 +142,10 @@ def install(pack: str | os.PathLike[str] | Archive, *, force: bool = False) -> I
     with locked(home):
         _sweep(home)
         before = installed(name)
-        if before is not None and _is_same(before, archive) and not force:
-            return Installation(before, archive, None, before.version)
+        if before is not None and not force:
+            own = before.folder.name.removesuffix("-again")
+            if own == _folder_name(archive, None):
+                return Installation(before, archive, None, before.version)
         _permit(home / name, before, archive, force)
         part = Path(tempfile.mkdtemp(prefix=_PART, dir=home))
         try:
@@ -194,10 +196,6 @@ def uninstall(name: str) -> InstalledPack:
 def _is_ours(home: Path, name: str) -> bool:
     """Return whether a pack was installed, not put there by hand."""
     return is_name(name) and not (home / name).is_symlink() and has_current(home / name)
-
-
-def _is_same(before: InstalledPack, archive: Archive) -> bool:
-    return before.folder.name.removesuffix("-again") == _folder_name(archive, None)
 
 
 def _permit(place: Path, before: InstalledPack | None, archive: Archive, force: bool) -> None:

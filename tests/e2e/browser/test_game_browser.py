@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
-from support.playground import KEYS, Playground
+from support.playground import FAST, KEYS, Playground, level
 
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.distribution import return_distribution
@@ -21,11 +21,6 @@ from babyrobot_levels.render.page import link_fragment, page_data
 from babyrobot_levels.render.page_format import CHEER
 
 MINUS = "\N{MINUS SIGN}"
-FAST = {"robot": {"speed": 100}}
-
-
-def level(**fields: Any) -> Level:
-    return Level.from_fields({"version": 1, "display": FAST, **fields})
 
 
 def named(name: str) -> Level:

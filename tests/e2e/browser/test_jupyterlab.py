@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import gymnasium
-import nbformat
 import pytest
-from nbformat.v4 import new_code_cell, new_notebook
 from playwright.sync_api import Locator, Page
-from support.jupyter import OpenNotebook, jupyterlab, until
+from support.jupyter import OpenNotebook, Served, jupyterlab, until
 from support.pictures import Cell, Pixels, changed_cells, photograph, unlike
 
 import babyrobot_levels as brl
@@ -90,39 +87,16 @@ def at_rest_in(cell: Cell, element: Locator) -> Pixels:
 # -- JupyterLab ------------------------------------------------------------------------------
 
 
-class Served:
-    """A folder that JupyterLab serves."""
-
-    def __init__(self, root: Path, address: str) -> None:
-        self.root, self._address = root, address
-
-    def write(self, name: str, *cells: str) -> None:
-        """Write a notebook of some cells of code."""
-        made = [new_code_cell(code) for code in cells]  # type: ignore[no-untyped-call]
-        metadata = {"kernelspec": {"name": "python3", "display_name": "Python 3"}}
-        notebook = new_notebook(cells=made, metadata=metadata)  # type: ignore[no-untyped-call]
-        nbformat.write(notebook, self.root / name)  # type: ignore[no-untyped-call]
-
-    def open(self, page: Page, name: str) -> OpenNotebook:
-        """Open a notebook."""
-        return OpenNotebook(page, self._address, name)
-
-
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    root = tmp_path_factory.mktemp("served")
-    with jupyterlab(root, tmp_path_factory.mktemp("jupyter")) as address:
-        yield Served(root, address)
+    root, home = (tmp_path_factory.mktemp(name) for name in ("served", "jupyter"))
+    with jupyterlab(root, home) as served:
+        yield served
 
 
 def canvas(notebook: OpenNotebook, number: int = 0) -> Locator:
     """The canvas in a cell's output."""
     return notebook.output(number).locator("canvas:visible")
-
-
-def still(notebook: OpenNotebook, number: int = 0) -> Locator:
-    """The picture in a cell's output that needs no kernel."""
-    return notebook.output(number).locator("img:visible")
 
 
 # -- tests -----------------------------------------------------------------------------------
@@ -160,14 +134,14 @@ def test_the_pictures_of_a_saved_notebook_are_still_there(served: Served, page: 
     notebook.run(0, 1, 2)
     start, end = LEVEL.starts[0], way()[-1]
     at_rest_in(end, canvas(notebook))
-    at_rest_in(start, still(notebook, 2))
+    at_rest_in(start, notebook.still(2))
     notebook.save()
 
     # The kernel goes on, and paints for the new page.
     notebook.reload()
     at_rest_in(end, canvas(notebook))
-    assert still(notebook).count() == 0
-    at_rest_in(start, still(notebook, 2))
+    assert notebook.still().count() == 0
+    at_rest_in(start, notebook.still(2))
 
     # Another kernel knows nothing of it. What was passed on by others JupyterLab does not trust.
     text = (served.root / "first.ipynb").read_text("utf-8")
@@ -177,9 +151,9 @@ def test_the_pictures_of_a_saved_notebook_are_still_there(served: Served, page: 
     ):
         (served.root / name).write_text(source, "utf-8")
         notebook = served.open(page, name)
-        at_rest_in(end, still(notebook))
+        at_rest_in(end, notebook.still())
         assert "Error" not in notebook.output(0).inner_text()
-        at_rest_in(start, still(notebook, 2))
+        at_rest_in(start, notebook.still(2))
 
 
 def test_pictures_fit_the_width_of_their_cell(served: Served, page: Page) -> None:

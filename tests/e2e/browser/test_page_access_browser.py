@@ -8,17 +8,9 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, expect
-from support.playground import Playground, guide
+from support.playground import Playground, guide, level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
-
-FAST = {"robot": {"speed": 100}}
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, "display": FAST, **fields})
-
 
 WORLD = level(size=[4, 3], title="Two walls", walls=[{"at": [1, 0], "side": "E"}])
 

@@ -7,15 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from support.playground import KEYS, Playground, guide
-from support.worlds import level
+from support.playground import KEYS, Playground, guide, level
 
 from babyrobot_levels.render.page import to_html
 
-FAST = {"robot": {"speed": 100}}
-
-
-WORLD = level(size=[4, 3], walls=[{"at": [1, 0], "side": "E"}], display=FAST)
+WORLD = level(size=[4, 3], walls=[{"at": [1, 0], "side": "E"}])
 
 
 # -- playing -----------------------------------------------------------------------------------
@@ -84,7 +80,6 @@ WET = level(
     puddles=[{"at": [1, 1], "size": "large"}, {"at": [2, 1], "size": "large"}],
     skid={"probability": 0.3, "to": "others"},
     walls=[{"at": [1, 0], "side": "E", "pass": 0.5}],
-    display=FAST,
 )
 
 
@@ -129,9 +124,7 @@ def test_keys_that_are_typed_into_the_seed_do_not_walk(ground: Playground) -> No
 
 
 def test_the_best_policy_walks_the_environments_episode(ground: Playground) -> None:
-    world = level(
-        size=[4, 3], skid={"probability": 0.4}, maze={"seed": 2, "loops": 1}, display=FAST
-    )
+    world = level(size=[4, 3], skid={"probability": 0.4}, maze={"seed": 2, "loops": 1})
     best = guide(world)
     env = world.make(observation="index")
     state, _ = env.reset(seed=11)
@@ -152,7 +145,7 @@ def test_the_best_policy_walks_the_environments_episode(ground: Playground) -> N
 
 
 def test_a_random_walk_is_the_action_spaces(ground: Playground) -> None:
-    world = level(size=[3, 1], display=FAST)
+    world = level(size=[3, 1])
     env = world.make(observation="index")
     env.reset(seed=6)
     env.action_space.seed(6)
@@ -253,7 +246,6 @@ def test_a_hostile_level_runs_nothing(ground: Playground) -> None:
         source=evil,
         license=evil,
         areas=[{"at": [1, 1], "label": evil, "color": "rgb(1, 2, 3)"}],
-        display=FAST,
     )
     ground.open(world, guide=guide(world))
     ground.press("d", "v", "b", "p")

@@ -6,21 +6,14 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
-from support.playground import Playground, guide
+from support.playground import Playground, guide, level
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 
-FAST = {"robot": {"speed": 100}}
 PORTRAIT, LANDSCAPE = (390, 844), (844, 390)
-
-
-def level(**fields: Any) -> Any:
-    return Level.from_fields({"version": 1, "display": FAST, **fields})
 
 
 WORLD = level(size=[4, 3], walls=[{"at": [1, 0], "side": "E"}])

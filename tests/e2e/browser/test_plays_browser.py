@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +14,6 @@ from babyrobot_levels.render.page import link_fragment, to_html
 from babyrobot_levels.scoring.verify import verify_play
 
 TURN_KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp"]
-
-
-@pytest.fixture
-def ground(page: Page, tmp_path: Path) -> Iterator[Playground]:
-    playground = Playground(page, tmp_path)
-    yield playground
-    assert playground.faults == []
 
 
 def downloaded(page: Page, folder: Path) -> brl.Play:
