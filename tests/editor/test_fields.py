@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from support.gestures import done, refused, send
+from support.gestures import done, drawn, refused, send
 
 from babyrobot_levels.editor.session import Session
 
@@ -272,11 +272,6 @@ def test_what_has_no_cell_cannot_be_moved() -> None:
 # -- drawings ------------------------------------------------------------------------------
 
 
-def drawing(session: Session) -> list[str]:
-    assert session.level is not None
-    return str(session.level.map).split("\n")
-
-
 def test_drawn_item_is_moved_in_the_drawing_and_everything_else_stays() -> None:
     session = Session(DRAWN)
     done(session, "remove", route=["map", 0, 1])
@@ -297,41 +292,41 @@ def test_drawn_wall_is_moved_and_stays_within_the_outer_wall() -> None:
     assert "outer wall" in refused(session, "move", to=[0, 1], **move)
     assert "another wall" in refused(session, "move", to=[2, 0], **move)
     done(session, "move", to=[1, 0], **move)
-    assert drawing(session)[2] == "+   +- -+-/-+"
+    assert drawn(session)[2] == "+   +- -+-/-+"
 
 
 def test_wall_of_a_drawing_of_one_row_is_moved() -> None:
     session = Session("version: 1\nmap: |\n  +---+---+---+\n  | S |     E |\n  +---+---+---+\n")
     done(session, "move", route=["map", 0, 0, "E"], from_=[0, 0], to=[1, 0])
-    assert drawing(session)[1] == "| S     | E |"
+    assert drawn(session)[1] == "| S     | E |"
 
 
 def test_door_is_moved_in_the_drawing_too() -> None:
     session = Session(DRAWN)
     text = done(session, "move", route=["doors", 0], from_=[2, 0], to=[1, 0])
-    assert drawing(session)[2] == "+- -+-/-+   +"
+    assert drawn(session)[2] == "+- -+-/-+   +"
     assert "{at: [1, 0], side: S, needs: key}  # the way out" in text
 
 
 def test_wall_with_an_entry_is_moved_in_the_drawing_too() -> None:
     session = Session(DRAWN)
     done(session, "move", route=["walls", 0], from_=[1, 0], to=[1, 1])
-    assert drawing(session)[1] == "| S   k   o |"
-    assert drawing(session)[3] == "|###  E : d |"
+    assert drawn(session)[1] == "| S   k   o |"
+    assert drawn(session)[3] == "|###  E : d |"
 
 
 def test_drawn_item_that_is_removed_takes_its_legend_and_its_door_along() -> None:
     session = Session(DRAWN)
     text = done(session, "remove", route=["map", 1, 0])
     assert "key" not in text
-    assert drawing(session)[1:3] == ["| S     : o |", "+- -+   +   +"]
+    assert drawn(session)[1:3] == ["| S     : o |", "+- -+   +   +"]
 
 
 def test_length_of_a_door_is_drawn() -> None:
     session = Session(DRAWN)
     done(session, "set", route=["doors", 0, "at"], value=[1, 0])
     done(session, "set", route=["doors", 0, "length"], value=2)
-    assert drawing(session)[2] == "+- -+-/-+-/-+"
+    assert drawn(session)[2] == "+- -+-/-+-/-+"
     assert "`length`" in refused(session, "set", route=["doors", 0, "length"], value="two")
 
 
@@ -352,7 +347,7 @@ def test_fields_of_what_is_drawn_are_set_in_the_legend() -> None:
 def test_size_of_a_drawn_puddle_is_set_in_the_drawing() -> None:
     session = Session(DRAWN)
     done(session, "set", route=["map", 2, 0, "size"], value="large")
-    assert drawing(session)[1] == "| S   k : O |"
+    assert drawn(session)[1] == "| S   k : O |"
     assert "size" in refused(session, "set", route=["map", 2, 0, "size"], value="huge")
 
 
@@ -369,7 +364,7 @@ def test_pass_of_a_drawn_wall_is_drawn_or_written(
 ) -> None:
     session = Session(DRAWN)
     text = done(session, "set", route=["map", 0, 0, "S", "pass"], value=value)
-    assert drawing(session)[2] == line
+    assert drawn(session)[2] == line
     assert entry is None or entry in text
 
 

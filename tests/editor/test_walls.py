@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from support.gestures import done, refused
+from support.gestures import done, drawn, refused
 
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.language.drawing import compose
 
 pytestmark = pytest.mark.usefixtures("put_off")
 
@@ -223,18 +222,12 @@ def test_neither_glass_nor_doors_stand_beside_blocked_cells(to: str) -> None:
 # -- drawings ------------------------------------------------------------------------------
 
 
-def rows(session: Session) -> list[str]:
-    assert session.level is not None
-    assert session.level.drawing is not None
-    return compose(session.level.drawing).splitlines()
-
-
 def test_drawing_shows_walls_and_glass() -> None:
     session = Session(DRAWN)
     build(session, 0, 0, "E", "none")
     build(session, 0, 0, "S", "glass", length=2)
     text = build(session, 2, 0, "S", "wall")
-    assert rows(session) == [
+    assert drawn(session) == [
         "+---+---+---+",
         "| S         |",
         "+- -+- -+---+",
@@ -264,6 +257,6 @@ def test_looks_of_drawn_walls_stay_until_they_are_removed() -> None:
 def test_drawn_door_has_a_mark_and_an_entry() -> None:
     session = Session(DRAWN.replace("         E", "     k   E") + "legend:\n  k: {item: key}\n")
     text = build(session, 0, 0, "E", "door")
-    assert "| S /       |" in rows(session)
+    assert "| S /       |" in drawn(session)
     assert "doors:\n  - {at: [0, 0], side: E, needs: key}\n" in text
     assert "doors" not in build(session, 0, 0, "E", "none")

@@ -36,6 +36,12 @@ def refused(session: Session, do: str, **fields: Any) -> str:
     return error
 
 
+def drawn(session: Session) -> list[str]:
+    """Return the lines of a level's drawing."""
+    assert session.level is not None
+    return str(session.level.map).splitlines()
+
+
 def places(session: Session, kind: str) -> list[dict[str, Any]]:
     """Return the places of a kind."""
     found: list[dict[str, Any]] = send(session, "state")["state"]["places"]
