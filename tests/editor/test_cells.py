@@ -60,6 +60,11 @@ def test_puddle_of_another_size_takes_the_place_of_the_first() -> None:
     assert added(text) == ("puddles:\n  - {at: [1, 1], size: large}  # wet\n  - {at: [2, 1]}\n")
 
 
+def test_puddle_unblocks_its_cell() -> None:
+    session = Session(EMPTY + "blocked:\n  - {at: [1, 1]}\n")
+    assert added(paint(session, "small", (1, 1))) == ("puddles:\n  - {at: [1, 1], size: small}\n")
+
+
 def test_cell_off_the_grid_is_refused() -> None:
     error = refused(Session(EMPTY), "paint", brush="small", cells=[[1, 1], [4, 0]])
     assert error == "the cell [4, 0] is off the grid, which is 4x3"

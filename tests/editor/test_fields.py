@@ -227,6 +227,20 @@ def test_cell_that_is_left_alone_is_no_list(before: str, route: list[Any], after
             "warps:\n  - {at: [1, 1], to: [2, 0]}",
         ),
         (
+            "warps:\n  - {at: [1, 1], to: [1, 0]}",
+            ["warps", 0],
+            [1, 1],
+            [2, 1],
+            "warps:\n  - {at: [2, 1], to: [1, 0]}",
+        ),
+        (
+            "movers:\n  - {path: [[1, 0], [1, 1]], back: true}  # round",
+            ["movers", 0],
+            [1, 1],
+            [2, 1],
+            "movers:\n  - {path: [[2, 0], [2, 1]], back: true}  # round",
+        ),
+        (
             "items:\n  - {name: key, one_of: [[1, 1], [2, 0]]}",
             ["items", 0],
             [2, 0],

@@ -49,16 +49,3 @@ def test_one_panel_is_shown_at_a_time_beside_the_text(editor_page: OpenEditor) -
     page.get_by_role("tab", name="Level").press("ArrowRight")
     expect(page.get_by_role("tab", name="Findings")).to_have_attribute("aria-selected", "true")
     expect(page.locator(".world")).to_be_hidden()
-
-
-def test_the_bar_tells_whether_the_file_is_saved(editor_page: OpenEditor) -> None:
-    page = editor_page("version: 1\ntitle: Two rooms\n").page
-    expect(page.locator(".name")).to_have_text("Two rooms")
-    expect(page.get_by_role("button", name="Undo")).to_be_disabled()
-    page.locator(".text").fill("version: 1\ntitle: Three rooms\n")
-    expect(page.locator(".name")).to_have_text("Three rooms")
-    expect(page.locator(".file-state")).to_contain_text("not saved")
-    page.get_by_role("button", name="Undo").click()
-    expect(page.locator(".name")).to_have_text("Two rooms")
-    expect(page.locator(".file-state")).not_to_contain_text("not saved")
-    expect(page.get_by_role("button", name="Redo")).to_be_enabled()

@@ -100,8 +100,9 @@ def test_the_kernel_goes_on_while_a_question_takes_long(
         assert sent[-1]["state"]["revision"] == 2
         go_on.set()
         await until_sent(2)
-        # What was asked of another text is not told.
+        # What was asked of another text is neither told nor kept.
         assert "state" not in sent[-1]
+        assert editor._session.answers.optimum is None
         receive(editor, 2, do="answers")
         await until_sent(3)
         assert sent[-1]["state"]["answers"]["status"] == "done"
