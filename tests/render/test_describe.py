@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import xml.etree.ElementTree as ElementTree
 
 import pytest
 from PIL import Image
@@ -12,10 +11,7 @@ from support.worlds import level
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.words.describe import MOST_CHARACTERS, describe
-
-SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.mark.parametrize(
@@ -80,24 +76,6 @@ def test_descriptions_are_short_and_printable_whatever_the_level_says() -> None:
     text = describe(level(size=[31, 1], areas=areas))
     assert len(text) <= MOST_CHARACTERS
     assert text.isprintable()
-
-
-def test_svg_documents_are_labelled_by_title_and_description() -> None:
-    world = load("final-maze")
-    root = ElementTree.fromstring(to_svg(build_scene(world)))
-    title, description = root.find(f"{SVG}title"), root.find(f"{SVG}desc")
-    assert title is not None
-    assert description is not None
-    assert (title.text, description.text) == (world.title, describe(world))
-    assert root.get("aria-labelledby") == f"{title.get('id')} {description.get('id')}"
-
-
-def test_pictures_in_one_document_do_not_share_ids() -> None:
-    ids = {
-        ElementTree.fromstring(to_svg(build_scene(load(name)))).get("aria-labelledby")
-        for name in ("final-maze", "frozen-lake")
-    }
-    assert len(ids) == 2
 
 
 def test_png_files_have_title_and_description() -> None:

@@ -25,21 +25,6 @@ WORLD = level(
 )
 
 
-@pytest.mark.parametrize("grayscale", [False, True])
-@pytest.mark.parametrize("size", [(80, 64), (37, 61)])
-def test_only_the_cells_of_the_robot_differ(size: tuple[int, int], grayscale: bool) -> None:
-    painter = FramePainter(WORLD, size, grayscale)
-    width, height = size[0] / 5, size[1] / 4
-    first, second = painter.frame(6), painter.frame(13)
-    changed = (first != second).any(axis=2)
-    for x, y in ((1, 1), (3, 2)):
-        rows = slice(round(y * height), round((y + 1) * height))
-        columns = slice(round(x * width), round((x + 1) * width))
-        assert changed[rows, columns].mean() > 0.15
-        changed[rows, columns] = False
-    assert not changed.any()
-
-
 POSES = [
     Pose(),
     Pose(Action.EAST, phase=0.25),

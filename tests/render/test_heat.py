@@ -60,13 +60,6 @@ def test_infinite_values_have_colours_of_their_own(theme: str) -> None:
         assert not ends & {*scale.colors}
 
 
-def test_a_theme_of_greys_has_greys() -> None:
-    for values in ([0.0, 1.0], [-1.0, 1.0]):
-        scale = scale_of(values, colors_of("print"))
-        for color in (*scale.colors, scale.below, scale.above):
-            assert len({*rgba(color)[:3]}) == 1
-
-
 def test_equal_numbers_have_a_colour_too() -> None:
     for value in (-3.0, 0.0, 7.0):
         scale = scale_of([value, value], colors_of("default"))

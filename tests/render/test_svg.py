@@ -17,7 +17,6 @@ from babyrobot_levels.render.scene.shapes import Command, Rect, Scene, Text, pol
 from babyrobot_levels.render.svg import number, path_data, to_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
-SHAPES = {"rect", "ellipse", "path", "text"}
 
 
 def parsed(scene: Scene) -> ET.Element:
@@ -34,14 +33,6 @@ def test_pictures_of_the_gallery_stay_as_they_are() -> None:
     expected = (FOLDER / "gallery.txt").read_text(encoding="utf-8")
     differ = {*expected.splitlines()} ^ {*gallery().splitlines()}
     assert differ == set(), "if that is meant: python scripts/renew.py tests/render"
-
-
-def test_it_is_one_svg_element_of_shapes_with_a_title() -> None:
-    root = parsed(build_scene(level(title="Home", size=[4, 2])))
-    assert root.tag == f"{SVG}svg"
-    assert root.get("viewBox") == f"0 0 {root.get('width')} {root.get('height')}"
-    assert root.findtext(f"{SVG}title") == "Home"
-    assert {child.tag.removeprefix(SVG) for child in root} == SHAPES | {"title", "desc"}
 
 
 @pytest.mark.parametrize("told", ["<b> & \"quotes\" 'n' ]]>", "</title><script>", "é 雪 😀"])
