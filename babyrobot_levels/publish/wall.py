@@ -196,12 +196,9 @@ def _numbers(facts: Facts, *, answers: bool) -> list[float | None]:
     if not answers:
         return [math.prod(facts.size)]
     known = (facts.difficulty, facts.best_steps, facts.best_return)
-    return [math.prod(facts.size), *(_finite(number) for number in known)]
-
-
-def _finite(number: float | None) -> float | None:
-    """Return a number of JSON; an infinite one stays larger than all others."""
-    return None if number is None else round(max(-1e300, min(number, 1e300)), 4)
+    # In JSON, an infinite number stays larger than all others.
+    finite = (None if each is None else round(max(-1e300, min(each, 1e300)), 4) for each in known)
+    return [math.prod(facts.size), *finite]
 
 
 def _icons(facts: Facts) -> list[str]:

@@ -235,7 +235,10 @@ class _Painter:
             return
         ground = self._grounds.at(shot.start)
         if ground.name not in self._changed:
-            self._changed[ground.name] = tuple(_difference(self.ground, ground.whole))
+            box = _box((self.ground != ground.whole).any(axis=2))
+            self._changed[ground.name] = (
+                (Patch(box[1].start, box[0].start, ground.whole[box]),) if box else ()
+            )
         yield from self._changed[ground.name]
         # Figures may overlap: each is laid on the picture with those before.
         picture = ground.whole.copy()
@@ -350,12 +353,6 @@ def _picture(
     side = max(1, round(cells * scale * CELL))
     scene = Scene(cells * CELL, cells * CELL, toned(shapes, theme.colors))
     return translucent(lambda ground: to_rgb(scene, (side, side), ground))
-
-
-def _difference(ground: NDArray[np.uint8], other: NDArray[np.uint8]) -> Iterator[Patch]:
-    """Yield the part of a picture that differs from the ground, if any."""
-    if box := _box((ground != other).any(axis=2)):
-        yield Patch(box[1].start, box[0].start, other[box])
 
 
 def _box(changed: NDArray[np.bool_]) -> tuple[slice, slice] | None:

@@ -305,7 +305,11 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
         "description": (level.description or "").strip(),
         "facts": list(facts(level)),
         **playable(level),
-        "robot": [hexadecimal(color) for color in _robot_colors(colors)],
+        # Those that differ between themes, in the order of `common_data`.
+        "robot": [
+            *(hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS),
+            *(hexadecimal(gray(color)) for color in _OWN_COLORS if is_gray(colors)),
+        ],
         **_picture_data(level, guide, turns=shown.get("turns", False)),
         "goal": goal_of(level),
         "alt": describe(level, robot=False),
@@ -359,13 +363,6 @@ def common_data() -> dict[str, Any]:
         "sprites": sprites,
         "made_by": program(),
     }
-
-
-def _robot_colors(colors: Colors) -> Iterator[str]:
-    """Yield the colours of the robot that differ between themes, in the order of `common_data`."""
-    yield from (getattr(colors, name) for name in _ROBOT_COLORS)
-    if is_gray(colors):
-        yield from map(gray, _OWN_COLORS)
 
 
 def title_of(level: GridWorld) -> str:

@@ -148,7 +148,10 @@ def _paint(
     background: str,
     progress: Progress | None = None,
 ) -> Image.Image:
-    width, height = size or _default_size(scene)
+    if size is None:
+        scale = min(1.0, MAX_SIDE / max(scene.width, scene.height))
+        size = max(1, round(scale * scene.width)), max(1, round(scale * scene.height))
+    width, height = size
     if min(width, height) < 1:
         raise ValueError(f"invalid picture size: {width} x {height} pixels")
     if width * height > MAX_PIXELS:
@@ -164,11 +167,6 @@ def _paint(
         if progress is not None and count % _REPORTED == 0:
             progress(count, len(scene.shapes))
     return image.reduce(samples) if samples > 1 else image
-
-
-def _default_size(scene: Scene) -> tuple[int, int]:
-    scale = min(1.0, MAX_SIDE / max(scene.width, scene.height))
-    return max(1, round(scale * scene.width)), max(1, round(scale * scene.height))
 
 
 class Painter:

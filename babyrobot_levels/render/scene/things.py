@@ -99,7 +99,8 @@ def pieces(
     for number, closed in enumerate(situation.doors):
         door = level.doors[number]
         for x, y in sides_of(door):
-            centre, is_upright = _side_centre(layout, door, x, y)
+            dx, dy = _SIDE_CENTRES[door.side]
+            centre, is_upright = layout.corner(x + dx, y + dy), door.side in ("E", "W")
             draw = partial(_door, level, door, centre, is_upright, closed)
             reach = max(36.0, (door.width or 0.0) / 2 + 8)
             box = Box(-reach, -reach, reach, reach).moved(*centre)
@@ -193,11 +194,8 @@ _LEAF = 13.0
 """The thickness of a door without a width of its own."""
 
 
-def _side_centre(layout: Layout, door: Door, x: int, y: int) -> tuple[Point, bool]:
-    """Return the middle of the side at which a door stands, and whether the side is upright."""
-    is_upright = door.side in ("E", "W")
-    dx, dy = {"N": (0.5, 0.0), "E": (1.0, 0.5), "S": (0.5, 1.0), "W": (0.0, 0.5)}[door.side]
-    return layout.corner(x + dx, y + dy), is_upright
+_SIDE_CENTRES = {"N": (0.5, 0.0), "E": (1.0, 0.5), "S": (0.5, 1.0), "W": (0.0, 0.5)}
+"""The middle of each side of a cell."""
 
 
 def door_color(level: GridWorld, door: Door) -> str:

@@ -141,7 +141,9 @@ def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
         places = [() if cell is None else (cell,) for cell in now.items]
     lying = [(item, cells) for item, cells in zip(level.items, places, strict=True) if cells]
     if len(lying) <= _MOST_PLACES:
-        yield from (_item(item, cells) for item, cells in lying)
+        for item, there in lying:
+            at = f"at {show_cell(there[0])}" if len(there) == 1 else f"in one of {len(there)} cells"
+            yield f"the {spoken([item.name])} {at}"
     else:
         for shape, count in Counter(item.picture for item, _ in lying).items():
             yield item_count(count, shape)
@@ -162,11 +164,6 @@ def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
         if cells:
             at = f" at {show_cell(cells[0])}" if len(cells) == 1 and cells[0] is not None else ""
             yield f"{phrases.counted(len(cells), label)}{at}"
-
-
-def _item(item: Item, cells: Sequence[Cell]) -> str:
-    where = show_cell(cells[0]) if len(cells) == 1 else f"one of {len(cells)} cells"
-    return f"the {spoken([item.name])} {'in' if len(cells) > 1 else 'at'} {where}"
 
 
 def _features(level: GridWorld) -> Iterator[str]:
