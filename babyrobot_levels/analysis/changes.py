@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import LOOKS, NEEDED, Kind
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.gridworld import GridWorld

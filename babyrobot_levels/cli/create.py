@@ -13,7 +13,7 @@ import typer
 
 from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
-from babyrobot_levels.language.walls import Algorithm
+from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError, how_to_install
 from babyrobot_levels.text.files import schema_for

@@ -132,7 +132,7 @@ SplitOption = Annotated[
 
 def is_one_level(words: Sequence[str]) -> bool:
     """Return whether arguments name one level, and no folder, pack or suite."""
-    from babyrobot_levels.suites.named import folder_named, suite_named
+    from babyrobot_levels.suites.suite import folder_named, suite_named
 
     if len(words) != 1 or _is_input(words[0]):
         return len(words) == 1
@@ -240,7 +240,7 @@ def _is_input(word: str) -> bool:
 
 def _named(word: str) -> Suite | list[Any]:
     """Return what an argument names: a suite, or what `load` takes for each level."""
-    from babyrobot_levels.suites.named import named_levels
+    from babyrobot_levels.suites.suite import named_levels
     from babyrobot_levels.text.errors import BabyRobotError
 
     if _is_input(word):

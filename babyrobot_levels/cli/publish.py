@@ -154,7 +154,7 @@ def gallery(
 
 def _title(words: list[str]) -> str | None:
     """Return the name of the only argument, if it is a folder or a pack."""
-    from babyrobot_levels.suites.named import folder_named, suite_named
+    from babyrobot_levels.suites.suite import folder_named, suite_named
 
     if len(words) > 1 or suite_named(words[0]) is not None or folder_named(words[0]) is None:
         return None

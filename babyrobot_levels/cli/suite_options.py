@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import typer
 
 from babyrobot_levels.cli.console import fail
+from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.language.suite import Place
-from babyrobot_levels.language.walls import Algorithm
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.suite import SuiteFields

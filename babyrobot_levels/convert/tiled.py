@@ -35,10 +35,10 @@ from babyrobot_levels.convert.tiled_tiles import (
     tile_layer,
 )
 from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.drawing import rectangles
 from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.colors import rgba

@@ -25,11 +25,10 @@ from typing import Any
 
 from babyrobot_levels.editor.forms import expanded
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.cells import Rectangle, Warp
+from babyrobot_levels.language.cells import GLASS_PASS, Opening, Rectangle, Warp, sides_of
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import KINDS, LISTED, Where
 from babyrobot_levels.language.things import Item, LegendEntry, Mover
-from babyrobot_levels.language.walls import GLASS_PASS, Opening, sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document, Node
 

@@ -17,13 +17,12 @@ from babyrobot_levels.analysis.metrics import Metrics, neighbours
 from babyrobot_levels.analysis.solver.optimum import other_ends, solve
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.generation.locks import Counts, Placer
-from babyrobot_levels.language.cells import Puddle, Wind
+from babyrobot_levels.language.cells import Maze, Puddle, Wind
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields, bounds, split_ranges
 from babyrobot_levels.language.things import Hit
-from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph, Successors, distances
 from babyrobot_levels.mdp.mazes.lattice import below

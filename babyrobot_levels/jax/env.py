@@ -35,9 +35,8 @@ from babyrobot_levels.jax.params import (
     chosen,
     draw_words,
 )
-from babyrobot_levels.suites.named import Levels
 from babyrobot_levels.suites.sources import Bounds
-from babyrobot_levels.suites.suite import Suite
+from babyrobot_levels.suites.suite import Levels, Suite
 
 Info = dict[str, Array]
 

@@ -35,9 +35,8 @@ from babyrobot_levels.jax.params import (
 )
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.suites.named import named_levels
 from babyrobot_levels.suites.sources import Bounds
-from babyrobot_levels.suites.suite import Suite
+from babyrobot_levels.suites.suite import Suite, named_levels
 
 MAX_BYTES = 4 * 2**30
 """How much memory tables may take, by default."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.cells import RECTANGULAR, Opening, sides_of
 from babyrobot_levels.language.geometry import (
     Cell,
     Route,
@@ -14,7 +15,6 @@ from babyrobot_levels.language.geometry import (
     painted,
     show_cell,
 )
-from babyrobot_levels.language.walls import RECTANGULAR, Opening, sides_of
 from babyrobot_levels.text.diagnostics import Issue
 
 if TYPE_CHECKING:

@@ -32,11 +32,14 @@ from babyrobot_levels.language.base import (
 )
 from babyrobot_levels.language.cells import (
     Area,
+    Maze,
+    Opening,
     Puddle,
     PuddleTypes,
     Rectangle,
     Rewards,
     SkidLike,
+    Wall,
     Warp,
     Wind,
 )
@@ -54,7 +57,6 @@ from babyrobot_levels.language.things import (
     Switch,
     as_names,
 )
-from babyrobot_levels.language.walls import Maze, Opening, Wall
 
 _LEGEND_CHARACTERS = [chr(code) for code in range(33, 127) if chr(code) not in RESERVED]
 _LEGEND_KEY = "^[" + "".join(f"\\{c}" if c in "[]\\^" else c for c in _LEGEND_CHARACTERS) + "]$"

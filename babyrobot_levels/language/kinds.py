@@ -15,9 +15,18 @@ from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import Model
-from babyrobot_levels.language.cells import Area, Puddle, Rectangle, Traits, Warp, Wind
+from babyrobot_levels.language.cells import (
+    GLASS_PASS,
+    Area,
+    Opening,
+    Puddle,
+    Rectangle,
+    Traits,
+    Wall,
+    Warp,
+    Wind,
+)
 from babyrobot_levels.language.things import DRAWN_NAMES, Door, Item, LegendEntry, Mover, Switch
-from babyrobot_levels.language.walls import GLASS_PASS, Opening, Wall
 
 LOOKS = frozenset({"color", "fit", "label", "shape", "width"})
 """The fields of entries that only pictures show."""

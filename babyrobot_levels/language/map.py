@@ -8,12 +8,11 @@ from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE, Model
-from babyrobot_levels.language.cells import Rectangle
+from babyrobot_levels.language.cells import Rectangle, Wall, sides_of
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import KIND, LEGEND, MARKED, Kind
 from babyrobot_levels.language.things import DRAWN_NAMES, Door, LegendEntry
-from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key
 
 

@@ -19,10 +19,9 @@ from babyrobot_levels.language.base import (
     form,
     forms,
 )
-from babyrobot_levels.language.cells import Rewards
+from babyrobot_levels.language.cells import Algorithm, Rewards
 from babyrobot_levels.language.fields import whole_version
 from babyrobot_levels.language.looks import ThemeLike
-from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import InvalidDocument
 

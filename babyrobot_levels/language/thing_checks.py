@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.drawing import mark_of
 from babyrobot_levels.language.geometry import (
     Cell,
@@ -16,7 +17,6 @@ from babyrobot_levels.language.geometry import (
 )
 from babyrobot_levels.language.kinds import NAMED, NEEDED, Kind
 from babyrobot_levels.language.things import DRAWN_NAMES, Item, Mover, as_names
-from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key, Location
 from babyrobot_levels.text.words import did_you_mean, listed
 

@@ -5,9 +5,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from babyrobot_levels.language.base import Cell, Cells, Flag, Model, Number, Slug, Text, form, forms
-from babyrobot_levels.language.cells import Rectangle, Traits
+from babyrobot_levels.language.cells import Opening, Rectangle, Traits
 from babyrobot_levels.language.looks import Color
-from babyrobot_levels.language.walls import Opening
 
 SHAPES = ("key", "coin", "gem", "star", "box")
 

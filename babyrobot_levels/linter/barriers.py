@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.walls import Opening, Wall
+from babyrobot_levels.language.cells import Opening, Wall
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import count_drawn
 from babyrobot_levels.mdp.grid import BIT, Grid

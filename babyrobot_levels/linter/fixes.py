@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import side_mark
 from babyrobot_levels.text.diagnostics import Edit, Fix, Route

@@ -33,7 +33,7 @@ from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
-    from babyrobot_levels.suites.named import Levels
+    from babyrobot_levels.suites.suite import Levels
 
 
 _KEYS = ("select", "ignore", "per-file-ignores")

@@ -7,10 +7,10 @@ from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.cells import GLASS_PASS, sides_of
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.kinds import MARKED
 from babyrobot_levels.language.level import LevelSpec
-from babyrobot_levels.language.walls import GLASS_PASS, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid, door_sides, neighbour
 
 

@@ -13,10 +13,10 @@ from itertools import chain, compress, islice, pairwise
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDE_NAMES, SIDES, Side
+from babyrobot_levels.language.cells import Opening, sides_of
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.things import Door
-from babyrobot_levels.language.walls import Opening, sides_of
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import LevelError, UnplayableError
 

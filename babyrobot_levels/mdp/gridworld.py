@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from babyrobot_levels import mdp
+from babyrobot_levels.language.cells import Maze
 from babyrobot_levels.language.documents import (
     check_document,
     error_in_mapping,
@@ -17,7 +18,6 @@ from babyrobot_levels.language.documents import (
 )
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.validation import Checked
-from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.mdp.grid import (
     Grid,
     build_grid,

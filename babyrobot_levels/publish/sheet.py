@@ -37,7 +37,7 @@ from babyrobot_levels.render.svg import number, to_svg
 from babyrobot_levels.render.templates import as_html, html
 from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.render.words.rules import rules_of
-from babyrobot_levels.suites.named import Levels, named_levels
+from babyrobot_levels.suites.suite import Levels, named_levels
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import write_bytes
 

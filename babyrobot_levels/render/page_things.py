@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import door_name, door_sides
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.page_format import BAR, Group, Palette, length, pack

@@ -9,8 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.cells import shifts
-from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.language.cells import shifts, sides_of
 from babyrobot_levels.mdp.drawn import drawing_of
 from babyrobot_levels.render.colors import Rgb, contrast, over
 from babyrobot_levels.render.scene.icons import thing_color

@@ -30,7 +30,7 @@ from babyrobot_levels.parallel.executor import Executor, Failure
 from babyrobot_levels.scoring.agents import MAX_BYTES, Table, load_policy
 from babyrobot_levels.scoring.results import plain
 from babyrobot_levels.scoring.sent import Item, portable_error, received, sent
-from babyrobot_levels.suites.named import Levels
+from babyrobot_levels.suites.suite import Levels
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.files import read_bytes
 

@@ -28,8 +28,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.scoring.agents import Chooser, Player, Table, read_agent
 from babyrobot_levels.scoring.results import LevelScore, Played, Scores, extremes
-from babyrobot_levels.suites.named import named_levels
-from babyrobot_levels.suites.suite import Suite
+from babyrobot_levels.suites.suite import Suite, named_levels
 
 
 @dataclass(frozen=True, eq=False)

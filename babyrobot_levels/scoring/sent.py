@@ -14,8 +14,7 @@ from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import LevelLike, level_path, load
 from babyrobot_levels.library.level import Level, load_code, load_file, load_source
 from babyrobot_levels.parallel.executor import Failure, portable
-from babyrobot_levels.suites.named import Levels, named_levels
-from babyrobot_levels.suites.suite import Suite, load_suite
+from babyrobot_levels.suites.suite import Levels, Suite, load_suite, named_levels
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile

@@ -22,7 +22,7 @@ from babyrobot_levels.text.source import SourceFile
 if TYPE_CHECKING:
     from babyrobot_levels.language.suite_list import AnySuite
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.suites.named import Levels
+    from babyrobot_levels.suites.suite import Levels
 
 
 def validate(levels: Levels) -> Findings:
@@ -109,7 +109,7 @@ def _text_of(level: Level) -> str:
 def _files_of(name: str | os.PathLike[str]) -> Iterator[Path]:
     from babyrobot_levels.library.catalogue import find, looks_like_path
     from babyrobot_levels.library.search_path import yaml_files
-    from babyrobot_levels.suites.named import folder_named
+    from babyrobot_levels.suites.suite import folder_named
 
     path = Path(name)
     with suppress(RuntimeError):

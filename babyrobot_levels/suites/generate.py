@@ -18,9 +18,8 @@ from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.parallel import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor
 from babyrobot_levels.suites.batch import Batch, Generated, Target, is_pattern, is_title
-from babyrobot_levels.suites.named import Levels, named_levels
 from babyrobot_levels.suites.sources import name_pattern
-from babyrobot_levels.suites.suite import Suite, load_suite
+from babyrobot_levels.suites.suite import Levels, Suite, load_suite, named_levels
 
 Progress = Callable[[int, int], None]
 """Is told how many of how many levels are done."""

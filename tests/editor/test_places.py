@@ -11,7 +11,7 @@ from support.gestures import places, send
 
 from babyrobot_levels.editor.places import places_of
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.language.walls import Opening, sides_of
+from babyrobot_levels.language.cells import Opening, sides_of
 from babyrobot_levels.library.catalogue import level_path
 from babyrobot_levels.library.level import Level
 

@@ -15,10 +15,17 @@ from typing import Any
 from support.values import fields_of
 
 from babyrobot_levels.language.base import Model
-from babyrobot_levels.language.cells import Area, LargePuddle, Puddle, Rewards, SmallPuddle, Warp
+from babyrobot_levels.language.cells import (
+    Area,
+    LargePuddle,
+    Puddle,
+    Rewards,
+    SmallPuddle,
+    Wall,
+    Warp,
+)
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.language.things import Door, Hit, Item, Mover, Switch
-from babyrobot_levels.language.walls import Wall
 
 Cell = tuple[int, int]
 Side = frozenset[Cell]

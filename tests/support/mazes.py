@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from babyrobot_levels.language.walls import RECTANGULAR
+from babyrobot_levels.language.cells import RECTANGULAR
 from babyrobot_levels.mdp.mazes import ALGORITHMS, carve
 
 STEPS = {1: (0, -1), 2: (1, 0), 4: (0, 1), 8: (-1, 0)}

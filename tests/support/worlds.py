@@ -9,10 +9,17 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import Model
-from babyrobot_levels.language.cells import Area, LargePuddle, Puddle, Rewards, SmallPuddle, Warp
+from babyrobot_levels.language.cells import (
+    Area,
+    LargePuddle,
+    Puddle,
+    Rewards,
+    SmallPuddle,
+    Wall,
+    Warp,
+)
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.language.validation import parse as parse_text
-from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.drawn import resolved_fields
 from babyrobot_levels.text.source import SourceFile

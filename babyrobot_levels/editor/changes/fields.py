@@ -20,10 +20,10 @@ from babyrobot_levels.editor.changes.shapes import Entry, Run
 from babyrobot_levels.editor.gestures import Fix, Move, Remove, Set
 from babyrobot_levels.editor.places import Place, drawn_places
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.cells import GLASS_PASS
 from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.language.kinds import KIND, NEEDED
 from babyrobot_levels.language.things import DRAWN_NAMES
-from babyrobot_levels.language.walls import GLASS_PASS
 from babyrobot_levels.linter.runner import Report, apply
 
 _NEEDS = ("needs", "unless", "exit_needs")

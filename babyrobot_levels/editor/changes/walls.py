@@ -6,10 +6,10 @@ from babyrobot_levels.editor.changes.draft import Draft, RefusedError, names_of
 from babyrobot_levels.editor.changes.shapes import Entry, Run, cut_sides
 from babyrobot_levels.editor.gestures import Walls
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.cells import GLASS_PASS
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.geometry import Cell, blocked_cells, show_cell
 from babyrobot_levels.language.kinds import NEEDED
-from babyrobot_levels.language.walls import GLASS_PASS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
 from babyrobot_levels.text.words import listed

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-from babyrobot_levels.language.cells import Rectangle
+from babyrobot_levels.language.cells import Opening, Rectangle
 from babyrobot_levels.language.kinds import LISTED, THINGS, Kind, Where
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.walls import Opening
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.linter.fixes import merge, remove, replace

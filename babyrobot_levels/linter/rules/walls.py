@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from babyrobot_levels.language.cells import GLASS_PASS, Opening, Wall, sides_of
 from babyrobot_levels.language.geometry import blocked_cells
-from babyrobot_levels.language.walls import GLASS_PASS, Opening, Wall, sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs, count_drawn, side_mark

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from babyrobot_levels.language.cells import Puddle, Rectangle, Wind
+from babyrobot_levels.language.cells import Puddle, Rectangle, Wall, Wind
 from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.language.looks import Colors, Display, Panel
-from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import ink_on, mixed, plate_for

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.render.colors import ink_on, plate_for
 from babyrobot_levels.render.scene.ground import CellGrounds

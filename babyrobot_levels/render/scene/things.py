@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.things import Door, Switch
-from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.render.colors import GRAPHICS, WHITE, ink_on, mixed, plate_for, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes
 from babyrobot_levels.render.scene.icons import (

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
+from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.drawing import consecutive
-from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds

@@ -24,7 +24,7 @@ from support.mazes import (
     reached,
 )
 
-from babyrobot_levels.language.walls import RECTANGULAR, Algorithm
+from babyrobot_levels.language.cells import RECTANGULAR, Algorithm
 from babyrobot_levels.mdp.mazes import ALGORITHMS, carve_many
 from babyrobot_levels.mdp.mazes.lattice import below, quarters, shuffle
 
