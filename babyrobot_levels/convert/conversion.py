@@ -220,12 +220,8 @@ def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[L
 def shown(value: Any) -> str:
     """Return a value of any kind and size as a short text for a message."""
     # Only a few levels deep: a value from a file may be nested as deep as its parser allows.
-    if isinstance(value, list | tuple | dict):
-        return f"a {type(value).__name__} of {len(value)}" if len(value) > 4 else _brief(value)
-    return _brief(value)
-
-
-def _brief(value: Any) -> str:
+    if isinstance(value, list | tuple | dict) and len(value) > 4:
+        return f"a {type(value).__name__} of {len(value)}"
     try:
         text = one_line(repr(value))
     except (RecursionError, ValueError):

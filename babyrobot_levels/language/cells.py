@@ -119,13 +119,12 @@ class Skid(Model):
     """Where a move goes that goes astray: to the other open directions, sideways, or anywhere."""
 
 
-def _skid_form(value: Any) -> str:
-    return "mapping" if isinstance(value, dict | Skid) else "number"
-
-
 SkidLike = Annotated[
     Annotated[Probability, form("number")] | Annotated[Skid, form("mapping")],
-    forms("a number from 0 to 1, or a mapping", _skid_form),
+    forms(
+        "a number from 0 to 1, or a mapping",
+        lambda value: "mapping" if isinstance(value, dict | Skid) else "number",
+    ),
 ]
 """A probability, or a `Skid`."""
 

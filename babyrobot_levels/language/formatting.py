@@ -278,7 +278,9 @@ class _Builder:
             self.line = self._line(end)
             inner = fields.of(key) if result.is_mapping else fields
             stop = min(begins[number + 1], limit)
-            entry.value = self._value(child, inner, entry, self._column(begin), stop)
+            entry.value = self._value(
+                child, inner, entry, self.source.position(begin).column - 1, stop
+            )
             if self._is_behind(stop) and not entry.behind:
                 entry.behind = self._take()
             result.entries.append(entry)
@@ -377,9 +379,6 @@ class _Builder:
 
     def _line(self, index: int) -> int:
         return self.source.position(index).line
-
-    def _column(self, index: int) -> int:
-        return self.source.position(index).column - 1
 
     def _place(self, comment: Comment) -> tuple[int, int]:
         first = self.source.index(comment.span.start)

@@ -157,10 +157,6 @@ class Kind:
         return entries
 
 
-def _mover_label(mover: Mover) -> str:
-    return mover.name or mover.picture
-
-
 def _door_label(door: Door) -> str:
     needs = [f"needs {', '.join(door.keys)}"] if door.keys else []
     unless = [f"unless {', '.join(door.locks)}"] if door.locks else []
@@ -202,7 +198,7 @@ KINDS = (
         Where.PATH,
         Mover,
         state="the places of movers",
-        label=_mover_label,
+        label=lambda mover: mover.name or mover.picture,
         other_names=("guard", "enemy", "enemie", "monster"),
     ),
     Kind("start", "start", Where.CELL, marks={d.START: {}}, other_names=("agent",)),

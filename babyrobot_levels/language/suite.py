@@ -230,7 +230,8 @@ class SuiteFields(SuiteTexts):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Check what only the whole suite shows."""
-        issues = list(_issues(self))
+        errors = [*empty_ranges(self), *empty_ranges(self.maze)]
+        issues = [*(errors or _misfits(self)), *_faulty_splits(self)]
         if issues:
             raise InvalidDocument(issues)
         return self
@@ -246,12 +247,6 @@ class SuiteFields(SuiteTexts):
         """The largest width and height."""
         most: tuple[int, int] = bounds(self.size)[1]
         return most
-
-
-def _issues(suite: SuiteFields) -> Iterator[Issue]:
-    errors = [*empty_ranges(suite), *empty_ranges(suite.maze)]
-    yield from errors or _misfits(suite)
-    yield from _faulty_splits(suite)
 
 
 def _misfits(suite: SuiteFields) -> Iterator[Issue]:

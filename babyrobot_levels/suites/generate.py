@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import validate
-from babyrobot_levels.library.catalogue import LevelLike, load
+from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.parallel import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor
 from babyrobot_levels.suites.batch import Batch, Generated, Target, is_pattern, is_title
@@ -103,7 +103,8 @@ def generate(
     elif conditions:
         raise ValueError(f"{next(iter(conditions))} cannot be combined with a suite")
     fields = _fields_of(load_suite(suite), count)
-    excluded = frozenset(_digests(named_levels(exclude)))
+    others = map(load, named_levels(exclude))
+    excluded = frozenset(level.digest for level in others if not level.has_random_maze)
     batch = Batch(
         fields,
         names or name_pattern(fields),
@@ -133,13 +134,6 @@ def _fields_of(suite: Suite, count: int | None) -> SuiteFields:
     if suite.numbers != range(suite.fields.count):
         raise ValueError("the suite is a part of one; give all of it, and `count` for fewer levels")
     return fields_to_generate(suite.fields, suite.folder, count)
-
-
-def _digests(levels: Iterable[LevelLike]) -> Iterator[str]:
-    """Yield the digests of levels, those with a random maze left out."""
-    for level in map(load, levels):
-        if not level.has_random_maze:
-            yield level.digest
 
 
 def described(fields: SuiteFields) -> str:

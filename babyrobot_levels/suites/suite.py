@@ -73,7 +73,11 @@ class Suite(Sequence[Level]):
     ) -> None:
         self.fields, self.folder = fields, folder
         self._members, self._split = members, split
-        self._source = _source_of(fields, folder, members)
+        self._source: GrownLevels | ListedLevels
+        if isinstance(fields, SuiteFields):
+            self._source = GrownLevels(fields, folder)
+        else:
+            self._source = ListedLevels(fields, [(each, _suite_in(each)) for each in members])
         self.numbers: Numbers = range(self._source.count) if numbers is None else numbers
 
     @property
@@ -343,14 +347,6 @@ def digest_share(digest: str) -> float:
     """Return the place of a digest among all digests, from 0 up to but not including 1."""
     share: float = int(digest.rpartition(":")[2][:_HEX_DIGITS], 16) / 16**_HEX_DIGITS
     return share
-
-
-def _source_of(
-    fields: AnySuite, folder: Path | None, members: Sequence[Member]
-) -> GrownLevels | ListedLevels:
-    if isinstance(fields, SuiteFields):
-        return GrownLevels(fields, folder)
-    return ListedLevels(fields, [(member, _suite_in(member)) for member in members])
 
 
 def _suite_in(member: Member) -> Suite | None:

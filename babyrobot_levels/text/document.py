@@ -189,11 +189,7 @@ def _texts(document: Document) -> Iterator[tuple[int, int]]:
                 waiting += [*node.keys.values(), *node.children.values()]
         elif text[node.first : node.first + 1] in ("|", ">"):
             # Behind the sign of a block there is room for a comment.
-            yield _line_end(text, node.first), node.last
+            ends = (text.find(end, node.first) for end in "\r\n")
+            yield min((end for end in ends if end >= 0), default=len(text)), node.last
         else:
             yield node.first, node.last
-
-
-def _line_end(text: str, index: int) -> int:
-    ends = (text.find(end, index) for end in "\r\n")
-    return min((end for end in ends if end >= 0), default=len(text))

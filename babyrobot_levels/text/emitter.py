@@ -60,7 +60,7 @@ def scalar(value: Any, *, in_flow: bool = False) -> str:
         and not (in_flow and any(character in ",[]{}" for character in text))
         and is_plain_string(text)
     )
-    return text if is_plain else _quoted(text)
+    return text if is_plain else f'"{_UNUSUAL.sub(_escaped, text)}"'
 
 
 def _value(value: Any) -> Value:
@@ -90,10 +90,6 @@ def _text_lines(text: str) -> list[str]:
     if not fits_a_block:
         return [scalar(text)]
     return ["|-", *lines] if lines[-1] else ["|", *lines[:-1]]
-
-
-def _quoted(text: str) -> str:
-    return f'"{_UNUSUAL.sub(_escaped, text)}"'
 
 
 def _escaped(found: re.Match[str]) -> str:

@@ -194,7 +194,7 @@ class _Splicer:
         if not node.children or source.text[node.first : node.first + 1] in ("[", "{"):
             return None
         starts = list(node.keys.values()) if isinstance(node.data, dict) else []
-        starts = starts or _entries(node)
+        starts = starts or [node.children[index] for index in range(len(node.data))]
         begins = [source.position(start.first) for start in starts]
         rows = [begin.line for begin in begins]
         if len(set(rows)) < len(rows) or rows[0] - 1 < place[0] or rows[-1] > place[1]:
@@ -263,8 +263,3 @@ def _likeness(one: Any, other: Any) -> int:
 
 def _is_pair(values: tuple[Any, Any]) -> bool:
     return bool(values[0] == values[1])
-
-
-def _entries(node: Node) -> list[Node]:
-    """Return the entries of a list."""
-    return [node.children[index] for index in range(len(node.data))]
