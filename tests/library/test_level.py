@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 from support.reports import GOOD
@@ -35,6 +35,7 @@ from babyrobot_levels.text.source import SourceFile
 
 
 @given(decorated_worlds())
+@settings(max_examples=settings().max_examples // 2)
 def test_yaml_and_back(world: World) -> None:
     level = level_of(world)
     text = level.to_yaml()

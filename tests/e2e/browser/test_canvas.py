@@ -14,7 +14,6 @@ from support.canvases import STYLES, recorded
 from support.pictures import Pixels, unlike
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
@@ -125,7 +124,7 @@ def test_levels_of_the_gallery_look_as_their_svgs(page: Page) -> None:
     assert {name: share for name, share in unlike_raster.items() if share > 0.05} == {}
 
 
-@pytest.mark.parametrize("theme", BUILTIN_THEMES)
+@pytest.mark.parametrize("theme", ["default", "black_orange"])
 def test_everything_at_once_looks_as_its_svg_in_each_theme(theme: str, page: Page) -> None:
     from_svg, from_raster = compare(
         RICH.replace(theme=theme),

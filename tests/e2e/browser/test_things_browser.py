@@ -57,7 +57,7 @@ def test_a_seed_and_the_same_actions_give_the_environments_episodes(ground: Play
     assert ground.state == state
     chosen = np.random.default_rng(3)
     hits, most, total = 0, 0, 0.0
-    for _ in range(200):
+    for _ in range(90):
         # More often to the east and to the south, so that something happens.
         action = int(chosen.choice([0, 1, 2, 2, 3, 3, 4]))
         state, reward, terminated, _, info = env.step(action)
@@ -85,7 +85,7 @@ def test_a_robot_that_turns_has_the_environments_episodes_too(ground: Playground
     seed = 8
     state, _ = env.reset(seed=seed)
     chosen = np.random.default_rng(5)
-    for _ in range(150):
+    for _ in range(60):
         action = int(chosen.choice([0, 1, 2, 2, 2]))
         state, _, terminated, _, _ = env.step(action)
         ground.press(TURN_KEYS[Turn(action)])
