@@ -62,11 +62,9 @@ def test_a_solution_shows_its_picture_and_its_numbers() -> None:
     "make",
     [
         lambda: brl.evaluate("frozen-lake", "random"),
-        lambda: brl.solve("two-levers"),
         lambda: brl.solve("two-levers").at(1),
         lambda: brl.solve("door-key", actions="turns"),
         lambda: last(brl.value_iteration("puddles")),
-        lambda: last(brl.policy_iteration("puddles")),
         lambda: last(brl.q_learning("puddles", 20)),
         lambda: last(brl.monte_carlo("first-key", episodes=100)),
         lambda: brl.metrics("two-levers"),

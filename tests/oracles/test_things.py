@@ -59,16 +59,6 @@ def beginnings(level: Reference) -> dict[tuple[Configuration, Cell], float]:
 # The reference, checked by hand.
 
 
-def test_states_are_numbered_by_configuration_then_cell() -> None:
-    level = reference(**KEY_AND_DOOR)
-    assert level.names == ["key"]
-    assert level.radices == [2]
-    assert level.configurations == [(0,), (1,)]
-    assert (level.num_cells, level.num_states) == (3, 6)
-    assert level.start == {1: 1.0}
-    assert level.state(((1,), (2, 0))) == 5
-
-
 def test_a_door_is_a_wall_until_its_key_is_held() -> None:
     level = reference(**KEY_AND_DOOR, rewards={"bump": -5})
     assert rows(level, (0,), (1, 0), EAST) == [(1, (0,), (1, 0), -5, False)]
@@ -91,39 +81,11 @@ def test_a_closed_door_is_a_wall_for_skids() -> None:
     ]
 
 
-def test_pairs_that_no_episode_reaches_absorb() -> None:
-    level = reference(**KEY_AND_DOOR)
-    # On the key without having it.
-    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (0, 0), 0, True)]
-    assert [state for state in range(6) if level.is_terminal(state)] == [0, 2, 5]
-    assert level.allowed(0) == {STAY}
-
-
-def test_levels_without_things_keep_the_rows_of_cells_that_no_episode_reaches() -> None:
-    level = reference(size=[3, 1], start=[1, 0], walls=[{"at": [0, 0], "side": "E"}])
-    assert level.configurations == [()]
-    assert rows(level, (), (0, 0), EAST) == [(1, (), (0, 0), -1, False)]
-
-
 def test_an_item_gives_its_reward_once() -> None:
     level = reference(size=[3, 1], items=[{"name": "coin", "at": [1, 0], "reward": 5}])
     assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), 5, False)]
     assert rows(level, (1,), (1, 0), STAY) == [(1, (1,), (1, 0), -1, False)]
     assert rows(level, (1,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, False)]
-
-
-def test_an_item_that_lies_under_the_start_is_held_from_the_beginning() -> None:
-    level = reference(
-        size=[4, 1],
-        start=[[0, 0], [1, 0]],
-        items=[{"name": "gem", "one_of": [[0, 0], [2, 0]], "reward": 5}],
-    )
-    assert beginnings(level) == {
-        ((2,), (0, 0)): 0.25,
-        ((1,), (0, 0)): 0.25,
-        ((0,), (1, 0)): 0.25,
-        ((1,), (1, 0)): 0.25,
-    }
 
 
 def test_a_switch_flips_at_each_arrival() -> None:
@@ -200,25 +162,6 @@ def test_one_of_the_exits_is_drawn() -> None:
     assert rows(level, (1,), (1, 0), EAST) == [(1, (1,), (2, 0), 0, True)]
 
 
-def test_things_count_from_the_drawn_exit_to_the_movers() -> None:
-    level = reference(
-        size=[3, 2],
-        start=[0, 0],
-        movers=[
-            {"name": "bat", "within": {"at": [1, 0], "size": [2, 2]}, "start": [1, 1]},
-            {"path": [[2, 0], [2, 1]]},
-        ],
-        switches=[{"name": "lever", "at": [1, 1], "on": True}],
-        items=[{"name": "gem", "one_of": [[0, 1], [1, 0]]}, {"name": "key", "at": [0, 0]}],
-        exit_one_of=[[2, 0], [2, 1]],
-    )
-    assert level.names == ["exit", "gem", "key", "lever", "bat", ""]
-    assert level.radices == [2, 3, 2, 2, 4, 2]
-    assert beginnings(level) == {
-        ((exit_, gem, 1, 1, 2, 0), (0, 0)): 0.25 for exit_ in (0, 1) for gem in (0, 1)
-    }
-
-
 GUARD: dict[str, Any] = {
     "size": [4, 1],
     "start": [[0, 0], [1, 0]],
@@ -290,15 +233,6 @@ def test_a_random_mover_stays_or_takes_an_open_side_of_its_region() -> None:
     assert rows(level, (1,), (0, 1), STAY) == [
         (0.5, (0,), (0, 1), -1, False),
         (0.5, (1,), (0, 1), -1, False),
-    ]
-
-
-def test_a_random_mover_without_a_start_begins_anywhere_in_its_region() -> None:
-    level = reference(size=[3, 2], exit=[0, 1], movers=[{"within": {"at": [1, 0], "size": [2, 2]}}])
-    assert beginnings(level) == {((value,), (0, 0)): 0.25 for value in range(4)}
-    # At [1, 0]: it stays, or goes to [2, 0] or [1, 1]; [0, 0] is outside its region.
-    assert rows(level, (0,), (0, 0), STAY) == [
-        (1 / 3, (value,), (0, 0), -1, False) for value in (0, 1, 2)
     ]
 
 
@@ -451,14 +385,6 @@ def test_movers_move_while_the_robot_turns() -> None:
     turning = TurningReference(reference(**GUARD), "E")
     assert turning.outcomes(1 * 4 + 0, LEFT) == [(1, (1 * 4 + 0) * 4 + 0, -0.5, False)]
     assert turning.outcomes(1 * 4 + 1, RIGHT) == [(1, (1 * 4 + 2) * 4 + 1, -1, True)]
-
-
-def test_nothing_turns_when_the_episode_is_over() -> None:
-    turning = TurningReference(reference(**KEY_AND_DOOR), "E")
-    exit_ = (1 * 4 + 2) * 3 + 2
-    assert turning.is_terminal(exit_)
-    for action in (LEFT, RIGHT, FORWARD):
-        assert turning.outcomes(exit_, action) == [(1, exit_, 0, True)]
 
 
 # Random levels.

@@ -59,7 +59,6 @@ def test_a_policy_by_level() -> None:
     [
         ("position", lambda seen: (int(seen[0]), int(seen[1]))),
         ("index", lambda seen: (int(seen) % 4, int(seen) // 4)),
-        ("walls", lambda seen: (int(seen[0]), int(seen[1]))),
         (("position", "view"), lambda seen: tuple(map(int, seen["position"]))),
     ],
 )

@@ -96,11 +96,6 @@ def test_episodes_without_end_are_cut_off() -> None:
     assert unlimited.values.tolist() == [[-10_000.0]]
 
 
-def test_it_can_be_stopped_early() -> None:
-    sweeps = monte_carlo("frozen-lake", episodes=10**9, every=1)
-    assert [next(sweeps).number, next(sweeps).number] == [1, 2]
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -172,12 +172,3 @@ def test_it_can_be_stopped_early_and_leaves_nothing_to_change() -> None:
 def test_wrong_arguments_are_told_at_once(call: Callable[[], object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()
-
-
-@pytest.mark.parametrize("actions", ["all", "moves"])
-def test_a_sweep_can_be_evaluated_as_a_policy(actions: str) -> None:
-    sweep = last(value_iteration("final-maze", actions=actions))
-    assert sweep.first_action == (0 if actions == "all" else 1)
-    for way in ("all", "moves"):
-        found = evaluate("final-maze", sweep, actions=way)
-        assert found.expected_return == pytest.approx(solve("final-maze").expected_return)

@@ -123,12 +123,6 @@ def test_episodes_without_end_are_cut_off(learn: Learn) -> None:
 
 
 @each_way
-def test_it_can_be_stopped_early(learn: Learn) -> None:
-    trials = learn("cliff-walking", 10**9, every=1)
-    assert [next(trials).number, next(trials).number] == [1, 2]
-
-
-@each_way
 @pytest.mark.parametrize(
     "wrong",
     [

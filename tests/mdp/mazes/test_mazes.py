@@ -65,15 +65,6 @@ def test_sides_are_open_from_both_cells_and_lead_to_free_ones(
 
 
 @each_algorithm
-@pytest.mark.parametrize("size", [(1, 1), (1, 40), (40, 1), (2, 2), (37, 23)])
-def test_every_size_is_carved(algorithm: str, size: tuple[int, int]) -> None:
-    board = empty(*size)
-    sides = grow(board, 3, algorithm)
-    assert len(reached(board, sides)) == size[0] * size[1]
-    assert sum(bits.bit_count() for bits in sides) == 2 * (size[0] * size[1] - 1)
-
-
-@each_algorithm
 def test_large_mazes_need_no_recursion(algorithm: str) -> None:
     size = 120
     sides = grow(empty(size, size, size * size // 2), 1, algorithm)
