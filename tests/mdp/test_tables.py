@@ -44,6 +44,7 @@ def test_movers_hit_those_whose_cell_they_enter_or_that_they_pass() -> None:
         "size": [4, 1],
         "start": [0, 0],
         "exit": "none",
+        "switches": [{"name": "lever", "at": [1, 0]}],
         "movers": [{"path": [[2, 0], [3, 0]], "back": True}],
         "hit": {"ends": False},
     }
