@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import tomllib
 
-import pytest
 from support.places import ROOT
 
 TEXT = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
@@ -37,18 +36,9 @@ def test_the_rooms_are_in_the_order_that_is_enforced() -> None:
     assert [room for room in enforced if room in ROOMS] == ROOMS
 
 
-@pytest.mark.parametrize(("path", "name"), CALLS)
-def test_the_functions_of_the_route_exist(path: str, name: str) -> None:
-    text = (ROOT / path).read_text(encoding="utf-8")
-    assert re.search(rf"^ *(def|class) {name}\b", text, re.MULTILINE)
-
-
-@pytest.mark.parametrize(("name", "path"), CLASSES)
-def test_the_classes_exist(name: str, path: str) -> None:
-    text = (ROOT / path).read_text(encoding="utf-8")
-    assert re.search(rf"^class {name}\b", text, re.MULTILINE)
-
-
-def test_there_are_functions_and_classes() -> None:
+def test_the_functions_of_the_route_and_the_classes_exist() -> None:
     assert len(CALLS) > 15
     assert len(CLASSES) == 4
+    for path, name in (*CALLS, *((path, name) for name, path in CLASSES)):
+        text = (ROOT / path).read_text(encoding="utf-8")
+        assert re.search(rf"^ *(def|class) {name}\b", text, re.MULTILINE), name

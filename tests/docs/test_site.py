@@ -1,27 +1,29 @@
-"""The documentation site has all pages and all public names; `bash scripts/site.sh` builds it."""
+"""The site has all pages, public names and commands; `bash scripts/site.sh` builds it."""
 
 from __future__ import annotations
 
 import ast
+import builtins
+import inspect
 import os
 import re
 from pathlib import Path
 
-import pytest
 from support.places import DOCS, ROOT
 
 import babyrobot_levels as brl
+from babyrobot_levels.cli.commands import COMMANDS
 
 # The pages of the rules are added by docs/conf.py, those of the interface by its first page.
 FOUND = {*DOCS.glob("*.md"), *ROOT.glob("*.md"), *(ROOT / "notebooks").glob("*.ipynb")}
 PAGES = sorted(FOUND - {DOCS / "index.md"})
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_the_contents_list_every_page(page: Path) -> None:
-    name = Path(os.path.relpath(page, DOCS)).with_suffix("").as_posix()
+def test_the_contents_list_every_page() -> None:
     contents = (DOCS / "index.md").read_text("utf-8")
-    assert re.search(rf"^(.* <)?{re.escape(name)}>?$", contents, re.MULTILINE)
+    for page in PAGES:
+        name = Path(os.path.relpath(page, DOCS)).with_suffix("").as_posix()
+        assert re.search(rf"^(.* <)?{re.escape(name)}>?$", contents, re.MULTILINE), name
 
 
 def public_names_of_jax() -> list[str]:
@@ -47,3 +49,32 @@ def test_the_reference_has_every_public_name_once() -> None:
         "babyrobot_levels": public,
         "babyrobot_levels.jax": sorted(public_names_of_jax()),
     }
+
+
+# -- the page on the Python interface ---------------------------------------------------------
+
+ROWS = re.findall(
+    r"^\| `babyrobot ([\w-]+)` \| `brl\.(\w+)` \| (.*) \|$",
+    (DOCS / "api" / "index.md").read_text("utf-8"),
+    re.MULTILINE,
+)
+
+UNLIKE = {"list": "levels", "import": "import_"}
+"""The functions that cannot have the name of their command."""
+
+
+def test_each_command_is_a_function_of_its_name() -> None:
+    assert [command for command, _, _ in ROWS] == list(COMMANDS)
+    for command, name, returned in ROWS:
+        assert name == UNLIKE.get(command, command.replace("-", "_"))
+        assert name in brl.__all__
+        annotation = inspect.signature(getattr(brl, name)).return_annotation
+        assert returned.replace("`", "").replace(" or ", " | ") == annotation
+
+
+def test_what_a_function_raises_can_be_caught_by_a_public_name() -> None:
+    for name in brl.__all__:
+        named = re.findall(
+            r"^ *(\w+Error):", inspect.getdoc(getattr(brl, name)) or "", re.MULTILINE
+        )
+        assert {each for each in named if not hasattr(builtins, each)} <= {*brl.__all__}, name
