@@ -15,6 +15,7 @@ from babyrobot_levels.cli.console import (
     ReportFormat,
     fact_lines,
     fail,
+    value_option,
     write,
     write_json,
 )
@@ -47,18 +48,14 @@ def compare(
     ],
     actions: Annotated[
         str | None,
-        typer.Option(
-            metavar="A,B,…",
-            help="The level's action for each action of the other: 0 stay, 1 north, 2 east, "
+        value_option(
+            "A,B,…",
+            "The level's action for each action of the other: 0 stay, 1 north, 2 east, "
             "3 south, 4 west; for example 4,3,2,1.  [default: found by search]",
-            show_default=False,
         ),
     ] = None,
     kwargs: Annotated[
-        str | None,
-        typer.Option(
-            metavar="JSON", help="Keyword arguments of the environment.", show_default=False
-        ),
+        str | None, value_option("JSON", "Keyword arguments of the environment.")
     ] = None,
     seed: ResetSeedOption = None,
     report_format: FormatOption = ReportFormat.TEXT,

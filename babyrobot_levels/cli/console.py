@@ -27,6 +27,11 @@ WRONG_CALL = 2
 """Exit status: the call is wrong."""
 
 
+def value_option(metavar: str | None, help_text: str, *names: str, **more: Any) -> Any:
+    """Return an option with a value, whose help itself says what holds without it."""
+    return typer.Option(*names, metavar=metavar, help=help_text, show_default=False, **more)
+
+
 class ReportFormat(StrEnum):
     """Output format of a command that reports."""
 
@@ -59,13 +64,12 @@ def _file(path: Path | None) -> Path | None:
 
 OutputOption = Annotated[
     Path | None,
-    typer.Option(
+    value_option(
+        "FILE",
+        "Write to this file.  [default: -, standard output]",
         "--output",
         "-o",
-        metavar="FILE",
         callback=_file,
-        help="Write to this file.  [default: -, standard output]",
-        show_default=False,
     ),
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]

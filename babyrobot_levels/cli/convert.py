@@ -19,6 +19,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    value_option,
     write,
 )
 from babyrobot_levels.cli.inputs import (
@@ -89,31 +90,21 @@ def import_level(
     ],
     world_format: Annotated[
         WorldFormat | None,
-        typer.Option(
-            "--from",
-            metavar="FORMAT",
-            help=f"Format of the file: {', '.join(FORMATS)}.  [default: detected]",
-            show_default=False,
+        value_option(
+            "FORMAT", f"Format of the file: {', '.join(FORMATS)}.  [default: detected]", "--from"
         ),
     ] = None,
     output: OutputOption = None,
     name: Annotated[
         str | None,
-        typer.Option(
-            metavar="N",
-            help="Name of the level: lower-case letters, digits and `-`.  "
-            "[default: that of the file]",
-            show_default=False,
+        value_option(
+            "N",
+            "Name of the level: lower-case letters, digits and `-`.  [default: that of the file]",
         ),
     ] = None,
     seed: ResetSeedOption = None,
     kwargs: Annotated[
-        str | None,
-        typer.Option(
-            metavar="JSON",
-            help="Keyword arguments of an environment of MiniGrid.",
-            show_default=False,
-        ),
+        str | None, value_option("JSON", "Keyword arguments of an environment of MiniGrid.")
     ] = None,
     slippery: Annotated[
         bool | None,
@@ -275,12 +266,11 @@ def export_level(
     level: LevelArgument,
     to: Annotated[
         ExportFormat | None,
-        typer.Option(
-            "--to",
-            metavar="FORMAT",
-            help=f"Output format: {', '.join(WRITTEN)}.  "
+        value_option(
+            "FORMAT",
+            f"Output format: {', '.join(WRITTEN)}.  "
             f"[default: by the suffix of the file, {listed([*_SUFFIXES], 'or')}]",
-            show_default=False,
+            "--to",
         ),
     ] = None,
     output: OutputOption = None,

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
 
-from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
+from babyrobot_levels.cli.console import (
+    ForceOption,
+    OutputOption,
+    fail,
+    note,
+    save,
+    value_option,
+    write,
+)
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
@@ -41,10 +49,7 @@ def new_level(
         ),
     ],
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in cells.")] = "8x5",
-    maze_seed: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Add the maze of this seed.", show_default=False),
-    ] = None,
+    maze_seed: Annotated[int | None, value_option("N", "Add the maze of this seed.")] = None,
     algorithm: Annotated[
         Algorithm,
         typer.Option(metavar="A", help="Maze algorithm: " + ", ".join(get_args(Algorithm)) + "."),
@@ -72,13 +77,7 @@ def new_level(
     ] = Template.GRID,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write to this file.  [default: levels/NAME.yaml]",
-            show_default=False,
-        ),
+        value_option("FILE", "Write to this file.  [default: levels/NAME.yaml]", "--output", "-o"),
     ] = None,
     force: ForceOption = False,
 ) -> None:
@@ -218,13 +217,7 @@ def edit(
     ] = None,
     port: Annotated[
         int | None,
-        typer.Option(
-            min=1024,
-            max=65535,
-            metavar="N",
-            help="Port of the server.  [default: a free one]",
-            show_default=False,
-        ),
+        value_option("N", "Port of the server.  [default: a free one]", min=1024, max=65535),
     ] = None,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Only print the address; open no browser.")

@@ -26,6 +26,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     unified,
+    value_option,
     wants_color,
     width_of,
     write,
@@ -67,11 +68,7 @@ def diff(
     ] = 10,
     maze_seed: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            help="Seed for the maze of levels with a random maze.  [default: 0]",
-            show_default=False,
-        ),
+        value_option("N", "Seed for the maze of levels with a random maze.  [default: 0]"),
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:

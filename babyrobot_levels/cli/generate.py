@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from babyrobot_levels.cli.app import INTERRUPTED
-from babyrobot_levels.cli.console import FINDINGS, fail, note, write
+from babyrobot_levels.cli.console import FINDINGS, fail, note, value_option, write
 from babyrobot_levels.cli.parallel import (
     JobsOption,
     RayAddressOption,
@@ -49,21 +49,16 @@ def generate(
     ] = None,
     names: Annotated[
         str | None,
-        typer.Option(
-            "--name",
-            metavar="PATTERN",
-            help="Names of the levels, with {index} for the number or {index:02} for two digits.  "
+        value_option(
+            "PATTERN",
+            "Names of the levels, with {index} for the number or {index:02} for two digits.  "
             "[default: level-{index:05}]",
-            show_default=False,
+            "--name",
         ),
     ] = None,
     title: Annotated[
         str | None,
-        typer.Option(
-            metavar="PATTERN",
-            help="Titles of the levels, such as 'Maze {index}'.  [default: none]",
-            show_default=False,
-        ),
+        value_option("PATTERN", "Titles of the levels, such as 'Maze {index}'.  [default: none]"),
     ] = None,
     first: Annotated[
         int,
@@ -77,10 +72,8 @@ def generate(
     ] = Path("levels"),
     exclude: Annotated[
         list[Path] | None,
-        typer.Option(
-            metavar="DIR",
-            help="Skip levels that are the same MDP as one in this folder; may be repeated.",
-            show_default=False,
+        value_option(
+            "DIR", "Skip levels that are the same MDP as one in this folder; may be repeated."
         ),
     ] = None,
     resume: Annotated[

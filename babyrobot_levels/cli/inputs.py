@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note
+from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note, value_option
 from babyrobot_levels.cli.parallel import Workers, map_all
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, read_path, summary
 from babyrobot_levels.text.files import RESERVED, make_folder
@@ -29,21 +29,11 @@ LevelArgument = Annotated[
 ]
 
 MazeSeedOption = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        help="Seed for the maze of a level with a random maze.",
-        show_default=False,
-    ),
+    int | None, value_option("N", "Seed for the maze of a level with a random maze.")
 ]
 ResetSeedOption = Annotated[
     int | None,
-    typer.Option(
-        min=0,
-        metavar="N",
-        help="Seed of the reset of an environment of MiniGrid.  [default: 0]",
-        show_default=False,
-    ),
+    value_option("N", "Seed of the reset of an environment of MiniGrid.  [default: 0]", min=0),
 ]
 
 
@@ -124,10 +114,7 @@ LevelsArgument = Annotated[
         "several of these; folders of level files and packs; or one suite.",
     ),
 ]
-SplitOption = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="Only this split of a suite.", show_default=False),
-]
+SplitOption = Annotated[str | None, value_option("NAME", "Only this split of a suite.")]
 
 
 def is_one_level(words: Sequence[str]) -> bool:

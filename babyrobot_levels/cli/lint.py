@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, fail, wants_color, write
+from babyrobot_levels.cli.console import FINDINGS, fail, value_option, wants_color, write
 from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
@@ -42,17 +42,13 @@ def lint(
     ] = False,
     select: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="RULE",
-            help="Rules to apply: codes, prefixes of codes (`BR5`), names, or `ALL`. "
+        value_option(
+            "RULE",
+            "Rules to apply: codes, prefixes of codes (`BR5`), names, or `ALL`. "
             "Replaces the project's settings; can be repeated.",
-            show_default=False,
         ),
     ] = None,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option(metavar="RULE", help="Rules to leave out.", show_default=False),
-    ] = None,
+    ignore: Annotated[list[str] | None, value_option("RULE", "Rules to leave out.")] = None,
     report_format: FindingsOption = FindingsFormat.TEXT,
     watch: Annotated[
         bool, typer.Option("--watch", help="Repeat whenever a file is saved.")

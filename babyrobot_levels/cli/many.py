@@ -20,6 +20,7 @@ from babyrobot_levels.cli.console import (
     TableFormat,
     fail,
     note,
+    value_option,
     write,
     write_table,
 )
@@ -37,12 +38,8 @@ if TYPE_CHECKING:
 
 RowsOption = Annotated[
     Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="Write a row for each level to this file, as lines of JSON.",
-        show_default=False,
+    value_option(
+        "FILE", "Write a row for each level to this file, as lines of JSON.", "--output", "-o"
     ),
 ]
 ResumeOption = Annotated[

@@ -18,6 +18,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    value_option,
     write,
     write_json,
 )
@@ -36,12 +37,8 @@ def pack(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the pack.")] = Path(),
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write to this file.  [default: NAME-VERSION.brlpack]",
-            show_default=False,
+        value_option(
+            "FILE", "Write to this file.  [default: NAME-VERSION.brlpack]", "--output", "-o"
         ),
     ] = None,
     force: ForceOption = False,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from babyrobot_levels.cli.console import value_option
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.parallel.executor import (
@@ -33,13 +34,12 @@ WORTH_IT = 200
 
 JobsOption = Annotated[
     int | None,
-    typer.Option(
+    value_option(
+        "N",
+        "Number of worker processes.  [default: one per processor if there are many files]",
         "--jobs",
         "-j",
         min=1,
-        metavar="N",
-        help="Number of worker processes.  [default: one per processor if there are many files]",
-        show_default=False,
     ),
 ]
 RayOption = Annotated[
@@ -51,12 +51,7 @@ RayOption = Annotated[
 ]
 RayAddressOption = Annotated[
     str | None,
-    typer.Option(
-        "--ray-address",
-        metavar="HOST:PORT",
-        help="Work on the Ray cluster at this address.",
-        show_default=False,
-    ),
+    value_option("HOST:PORT", "Work on the Ray cluster at this address.", "--ray-address"),
 ]
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.console import fail, note, speaks_unicode, write
+from babyrobot_levels.cli.console import fail, note, speaks_unicode, value_option, write
 from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action, Turn
@@ -61,13 +61,7 @@ _LOOK_AGAIN = 0.25
 def play(
     level: LevelArgument,
     seed: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=0,
-            help="Random seed: the same moves have the same results.",
-            show_default=False,
-        ),
+        int | None, value_option("N", "Random seed: the same moves have the same results.", min=0)
     ] = None,
     maze_seed: MazeSeedOption = None,
     actions: Annotated[
@@ -79,11 +73,9 @@ def play(
     ] = PlayActions.ALL,
     record: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Append each episode to this file, for example ada.brlplay: see `babyrobot "
-            "replay`.",
-            show_default=False,
+        value_option(
+            "FILE",
+            "Append each episode to this file, for example ada.brlplay: see `babyrobot replay`.",
         ),
     ] = None,
 ) -> None:

@@ -25,6 +25,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    value_option,
     width_of,
     write,
 )
@@ -104,10 +105,7 @@ def preview(
         ),
     ] = None,
     output: OutputOption = None,
-    theme: Annotated[
-        str | None,
-        typer.Option(metavar="THEME", help="Use this theme.", show_default=False),
-    ] = None,
+    theme: Annotated[str | None, value_option("THEME", "Use this theme.")] = None,
     coordinates: Annotated[
         bool, typer.Option("--coordinates", help="Show the coordinates of each cell.")
     ] = False,
@@ -116,11 +114,10 @@ def preview(
     ] = False,
     policy: Annotated[
         PolicyName | None,
-        typer.Option(
-            metavar="[best|random]",
-            help=f"Show an optimal policy; in a {_PLAYED} page, the policy to follow.  "
+        value_option(
+            "[best|random]",
+            f"Show an optimal policy; in a {_PLAYED} page, the policy to follow.  "
             f"[default for {_PLAYED}: best]",
-            show_default=False,
         ),
     ] = None,
     rules: Annotated[
@@ -131,21 +128,19 @@ def preview(
     ] = False,
     held: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAMES",
-            help="Show the level while exactly these things are held or on, separated by "
+        value_option(
+            "NAMES",
+            "Show the level while exactly these things are held or on, separated by "
             "commas; `nothing` for none.  [default: the level as a whole; values and policy where "
             "episodes begin]",
-            show_default=False,
         ),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(
+        value_option(
+            "N",
+            f"Random seed for {_PLAYED} output, as in `env.reset(seed=N)`.  [default: 0]",
             min=0,
-            metavar="N",
-            help=f"Random seed for {_PLAYED} output, as in `env.reset(seed=N)`.  [default: 0]",
-            show_default=False,
         ),
     ] = None,
     no_answers: Annotated[
@@ -156,26 +151,14 @@ def preview(
         ),
     ] = False,
     scale: Annotated[
-        float | None,
-        typer.Option(
-            metavar="X",
-            help="Size of pictures and GIFs; 1 is 64 pixels per cell.",
-            show_default=False,
-        ),
+        float | None, value_option("X", "Size of pictures and GIFs; 1 is 64 pixels per cell.")
     ] = None,
     cell: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", help="Size of pictures and GIFs in pixels per cell.", show_default=False
-        ),
+        int | None, value_option("N", "Size of pictures and GIFs in pixels per cell.")
     ] = None,
     maze_seed: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            help="Seed for the maze of a level with a random maze.  [default: 0]",
-            show_default=False,
-        ),
+        value_option("N", "Seed for the maze of a level with a random maze.  [default: 0]"),
     ] = None,
     split: SplitOption = None,
     watch: Annotated[

@@ -16,6 +16,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    value_option,
     write,
 )
 from babyrobot_levels.cli.inputs import (
@@ -47,17 +48,12 @@ def gallery(
     ] = Path("site"),
     title: Annotated[
         str | None,
-        typer.Option(
-            metavar="TEXT",
-            help="Title of the gallery.  [default: that of the suite, or the name of the folder]",
-            show_default=False,
+        value_option(
+            "TEXT", "Title of the gallery.  [default: that of the suite, or the name of the folder]"
         ),
     ] = None,
     split: SplitOption = None,
-    count: Annotated[
-        int | None,
-        typer.Option(min=1, metavar="N", help="Only the first N levels.", show_default=False),
-    ] = None,
+    count: Annotated[int | None, value_option("N", "Only the first N levels.", min=1)] = None,
     no_answers: Annotated[
         bool,
         typer.Option(
@@ -70,10 +66,7 @@ def gallery(
         typer.Option("--key", help="Show values and policies from the start: for teachers."),
     ] = False,
     home: Annotated[
-        str | None,
-        typer.Option(
-            metavar="URL", help="A page that the gallery links back to.", show_default=False
-        ),
+        str | None, value_option("URL", "A page that the gallery links back to.")
     ] = None,
     keep_going: Annotated[
         bool, typer.Option("--keep-going", help="Leave out levels with errors.")
@@ -188,12 +181,7 @@ def sheet(
         ),
     ] = None,
     title: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TEXT",
-            help="Title of the sheet.  [default: Exercise sheet]",
-            show_default=False,
-        ),
+        str | None, value_option("TEXT", "Title of the sheet.  [default: Exercise sheet]")
     ] = None,
     key: Annotated[
         bool,
@@ -223,12 +211,8 @@ def sheet(
     ] = True,
     per_page: Annotated[
         int | None,
-        typer.Option(
-            min=1,
-            max=24,
-            metavar="N",
-            help="Number of levels on a page.  [default: 4, with --grids 3]",
-            show_default=False,
+        value_option(
+            "N", "Number of levels on a page.  [default: 4, with --grids 3]", min=1, max=24
         ),
     ] = None,
     paper: Annotated[Paper, typer.Option(help="Size of the pages.")] = Paper.A4,

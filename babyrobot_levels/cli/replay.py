@@ -17,6 +17,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    value_option,
     write,
     write_json,
     write_table,
@@ -43,23 +44,11 @@ def replay(
         Path, typer.Argument(metavar="FILE", help="A file of recorded episodes (.brlplay).")
     ],
     episode: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            help="Only this episode, counted from 1.  [default: all]",
-            show_default=False,
-        ),
+        int | None, value_option("N", "Only this episode, counted from 1.  [default: all]", min=1)
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILM",
-            help="Write the episode to this file, an animated GIF.",
-            show_default=False,
-        ),
+        value_option("FILM", "Write the episode to this file, an animated GIF.", "--output", "-o"),
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:

@@ -19,6 +19,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    value_option,
     write,
     write_json,
     write_table,
@@ -52,30 +53,18 @@ def score(
         ),
     ],
     level: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LEVEL",
-            help="Of recorded episodes: the level that was to be played.",
-            show_default=False,
-        ),
+        str | None, value_option("LEVEL", "Of recorded episodes: the level that was to be played.")
     ] = None,
     split: SplitOption = None,
     within: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            help="Truncate episodes after N steps.  [default: each level's max_steps]",
-            show_default=False,
+        value_option(
+            "N", "Truncate episodes after N steps.  [default: each level's max_steps]", min=1
         ),
     ] = None,
     discount: Annotated[
         float | None,
-        typer.Option(
-            metavar="G",
-            help="Discount factor, above 0 and at most 1.  [default: each level's]",
-            show_default=False,
-        ),
+        value_option("G", "Discount factor, above 0 and at most 1.  [default: each level's]"),
     ] = None,
     observation: Annotated[
         str,
@@ -102,12 +91,11 @@ def score(
     table_format: TableOption = TableFormat.TEXT,
     output: Annotated[
         Path | None,
-        typer.Option(
+        value_option(
+            "FILE",
+            "Write to this file: .csv, .json; of an agent also a picture, .svg or .png.",
             "--output",
             "-o",
-            metavar="FILE",
-            help="Write to this file: .csv, .json; of an agent also a picture, .svg or .png.",
-            show_default=False,
         ),
     ] = None,
     force: ForceOption = False,

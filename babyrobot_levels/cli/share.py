@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
+from babyrobot_levels.cli.console import (
+    ForceOption,
+    OutputOption,
+    fail,
+    note,
+    save,
+    value_option,
+    write,
+)
 from babyrobot_levels.cli.inputs import (
     LevelArgument,
     LevelsArgument,
@@ -57,22 +65,20 @@ def share(
     levels: LevelsArgument,
     link: Annotated[
         str | None,
-        typer.Option(
-            metavar="BASE",
-            help="Print a link instead. BASE is the address of any page made by `babyrobot "
+        value_option(
+            "BASE",
+            "Print a link instead. BASE is the address of any page made by `babyrobot "
             "preview LEVEL -o page.html`: it plays the level of the link.",
-            show_default=False,
         ),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
+        value_option(
+            "FILE",
+            "Write a level file instead, for example from a share code; for several levels, "
+            "to a folder.",
             "--output",
             "-o",
-            metavar="FILE",
-            help="Write a level file instead, for example from a share code; for several levels, "
-            "to a folder.",
-            show_default=False,
         ),
     ] = None,
     no_answers: Annotated[

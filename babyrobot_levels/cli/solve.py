@@ -15,6 +15,7 @@ from babyrobot_levels.cli.console import (
     fact_lines,
     fail,
     note,
+    value_option,
     write,
     write_json,
 )
@@ -71,29 +72,23 @@ def solve(
     levels: LevelsArgument,
     discount: Annotated[
         float | None,
-        typer.Option(
-            metavar="G",
-            help="Discount factor, above 0 and at most 1.  [default: the level's]",
-            show_default=False,
-        ),
+        value_option("G", "Discount factor, above 0 and at most 1.  [default: the level's]"),
     ] = None,
     actions: ActionsOption = ActionSet.ALL,
     within: Annotated[
         str | None,
-        typer.Option(
-            metavar="N|max_steps",
-            help="Truncate episodes after N steps, or after the level's `max_steps`.  "
+        value_option(
+            "N|max_steps",
+            "Truncate episodes after N steps, or after the level's `max_steps`.  "
             "[default: no limit]",
-            show_default=False,
         ),
     ] = None,
     held: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAMES",
-            help="Show policy and values while exactly these things are held or on, "
+        value_option(
+            "NAMES",
+            "Show policy and values while exactly these things are held or on, "
             "separated by commas; `nothing` for none.  [default: where episodes begin]",
-            show_default=False,
         ),
     ] = None,
     split: SplitOption = None,

@@ -9,9 +9,7 @@ from collections.abc import Callable, Mapping
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-import typer
-
-from babyrobot_levels.cli.console import fail
+from babyrobot_levels.cli.console import fail, value_option
 from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.language.suite import Place
 
@@ -83,9 +81,7 @@ def with_conditions(command: Callable[..., None]) -> Callable[..., None]:
     options = [
         first.replace(
             name=name,
-            annotation=Annotated[
-                kind | None, typer.Option(metavar=metavar, help=text, show_default=False)
-            ],
+            annotation=Annotated[kind | None, value_option(metavar, text)],
         )
         for name, (kind, metavar, text) in _CONDITIONS.items()
     ]
