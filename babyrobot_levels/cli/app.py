@@ -57,6 +57,25 @@ def _run() -> None:
         sys.exit(WRONG_CALL)
 
 
+_arrived: list[int] = []
+"""The signals to end that have come."""
+
+
+def end_if_interrupted() -> None:
+    """End the command if a signal has come, whose exception a library has dropped.
+
+    Some serializers of pydantic take every exception for a value that is not of their type.
+    """
+    if _arrived:
+        _end(_arrived[0])
+
+
+def _end(number: int) -> None:
+    if number == signal.SIGINT:
+        raise KeyboardInterrupt
+    sys.exit(128 + number)
+
+
 def _handle_interrupts() -> None:
     """Have Ctrl-C end the command with status 130 and without a traceback; so other signals.
 
@@ -64,13 +83,13 @@ def _handle_interrupts() -> None:
     and cleans up after itself.
     """
     process = os.getpid()
+    _arrived.clear()
 
     def interrupt(number: int, frame: object) -> None:
         if os.getpid() != process:
             os._exit(128 + number)
-        if number == signal.SIGINT:
-            raise KeyboardInterrupt
-        sys.exit(128 + number)
+        _arrived.append(number)
+        _end(number)
 
     # Whoever started us without Ctrl-C, as `nohup` does, means it; and only the main thread of a
     # process may set handlers.

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from babyrobot_levels.cli.app import end_if_interrupted
 from babyrobot_levels.cli.console import value_option
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.parallel import executor_for
@@ -185,10 +186,11 @@ def track(items: Iterable[Item], total: int, label: str) -> Iterator[Item]:
 def working(label: str) -> Iterator[Report]:
     """Show on a terminal that something is being done, if it takes longer than a moment.
 
-    Yields a function that is told how much is done, which a bar on standard error then shows.
+    Yields a function that is told how much is done, which a bar on standard error then shows. It
+    ends the command if an interrupt was lost meanwhile.
     """
     if not sys.stderr.isatty():
-        yield lambda done, total: None
+        yield lambda done, total: end_if_interrupted()
         return
     from threading import Timer
 
@@ -232,6 +234,7 @@ class _Bar:
         self._progress.start()
 
     def report(self, done: int, total: int) -> None:
+        end_if_interrupted()
         self._done, self._total = done, total
         if self._progress is not None:
             for task in self._progress.task_ids:

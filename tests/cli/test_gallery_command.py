@@ -49,8 +49,6 @@ def test_errors_of_files_are_reported_as_by_validate_and_nothing_is_written() ->
     assert ids("site") == ["0"]
 
 
-# A signal that arrives while pydantic serializes a union is lost now and then: pydantic drops it.
-@pytest.mark.flaky(reruns=1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("jobs", "number"),

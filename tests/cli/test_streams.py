@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import importlib.util
 import io
@@ -219,6 +220,20 @@ def test_colors_are_those_that_the_terminal_knows(
 
 
 # -- processes -------------------------------------------------------------------------------
+
+
+def test_an_interrupt_that_a_library_drops_ends_the_work_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    handlers: dict[int, Any] = {}
+    monkeypatch.setattr(signal, "signal", handlers.__setitem__)
+    monkeypatch.setattr(app, "_arrived", [])
+    app._handle_interrupts()
+    assert [*parallel.track("ab", 2, "counting")] == ["a", "b"]
+    with contextlib.suppress(KeyboardInterrupt):
+        handlers[signal.SIGINT](signal.SIGINT, None)
+    with pytest.raises(KeyboardInterrupt):
+        [*parallel.track("ab", 2, "counting")]
 
 
 def test_no_more_processes_than_windows_can_wait_for(monkeypatch: pytest.MonkeyPatch) -> None:
