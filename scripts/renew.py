@@ -27,10 +27,10 @@ sys.path += [str(ROOT / "tests"), str(ROOT)]
 
 import doc_pictures as pictures  # noqa: E402
 import structure  # noqa: E402
+from command_reference import reference  # noqa: E402
 from support import golden, reports, sessions  # noqa: E402
 
 import babyrobot_levels as brl  # noqa: E402
-from babyrobot_levels.cli.reference import reference  # noqa: E402
 from babyrobot_levels.language.json_schema import SCHEMAS, schema_text  # noqa: E402
 from babyrobot_levels.language.looks import Theme  # noqa: E402
 from babyrobot_levels.linter.rules import documents  # noqa: E402

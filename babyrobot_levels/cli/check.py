@@ -1,9 +1,11 @@
-"""Commands that check: `babyrobot validate`, `format` and `rule`."""
+"""Commands that check: `babyrobot validate`, `format`, `lint` and `rule`."""
 
 from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -14,8 +16,12 @@ from babyrobot_levels.cli.console import (
     WRONG_CALL,
     FormatOption,
     ReportFormat,
+    bold,
+    each_change,
     fail,
     note,
+    unified,
+    value_option,
     wants_color,
     write,
     write_json,
@@ -34,9 +40,12 @@ from babyrobot_levels.cli.reporting import (
 )
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import write_text
 
 if TYPE_CHECKING:
-    from babyrobot_levels.text.diagnostics import Diagnostic
+    from babyrobot_levels.linter.linting import Options
+    from babyrobot_levels.linter.linting import Outcome as Linted
+    from babyrobot_levels.text.diagnostics import Diagnostic, Fix
 
 
 def validate(
@@ -122,7 +131,7 @@ def format_levels(
     changed = [path for path, outcome in outcomes.items() if outcome.differs]
     unwritten = 0
     if diff:
-        _show_changes(outcomes)
+        _show_changes((path, each.before, each.text) for path, each in outcomes.items())
     elif not check:
         unwritten = sum(not _write(path, outcomes[path]) for path in outcomes)
     # Standard output may hold formatted texts or diffs, and then nothing else.
@@ -145,7 +154,6 @@ def format_levels(
 def work_on(path: Path) -> Outcome:
     """Format a file, or standard input for `-`. Nothing is written."""
     from babyrobot_levels.language.formatting import format_source
-    from babyrobot_levels.text.errors import LevelError
 
     try:
         source = read_path(path)
@@ -158,8 +166,6 @@ def work_on(path: Path) -> Outcome:
 
 def _write(path: Path, outcome: Outcome) -> bool:
     """Write a file's canonical form if it differs. Return False if that failed."""
-    from babyrobot_levels.text.files import write_text
-
     if path == STANDARD_INPUT:
         # Level files are UTF-8, whatever the encoding of the terminal is.
         sys.stdout.buffer.write(outcome.text.encode("utf-8"))
@@ -173,13 +179,11 @@ def _write(path: Path, outcome: Outcome) -> bool:
     return True
 
 
-def _show_changes(outcomes: dict[Path, Outcome]) -> None:
-    from babyrobot_levels.cli.console import unified
-
-    for path, outcome in outcomes.items():
-        color = wants_color(sys.stdout)
-        name = one_line(shown_name(path))
-        write(unified(outcome.before, outcome.text, name, color=color))
+def _show_changes(changes: Iterable[tuple[Path, str, str]]) -> None:
+    """Write what changes in files, their texts before and after it, as unified diffs."""
+    color = wants_color(sys.stdout)
+    for path, before, after in changes:
+        write(unified(before, after, shown_name(path), color=color))
 
 
 def _notes(outcomes: dict[Path, Outcome], *, name_changes: bool) -> list[str]:
@@ -201,6 +205,150 @@ def _summary(changed: int, unchanged: int, faulty: int, *, would: bool) -> str:
         (faulty, "with errors"),
     ]
     return ", ".join(f"{n} file{'s' * (n != 1)} {what}" for n, what in parts if n)
+
+
+def lint(
+    paths: PathsArgument = None,
+    fix: Annotated[bool, typer.Option("--fix", help="Apply the safe fixes.")] = False,
+    unsafe_fixes: Annotated[
+        bool,
+        typer.Option(
+            "--unsafe-fixes", help="Include fixes that may change the MDP (with --fix or --diff)."
+        ),
+    ] = False,
+    diff: Annotated[
+        bool, typer.Option("--diff", help="Show what --fix would change, without changing files.")
+    ] = False,
+    select: Annotated[
+        list[str] | None,
+        value_option(
+            "RULE",
+            "Rules to apply: codes, prefixes of codes (`BR5`), names, or `ALL`. "
+            "Replaces the project's settings; can be repeated.",
+        ),
+    ] = None,
+    ignore: Annotated[list[str] | None, value_option("RULE", "Rules to leave out.")] = None,
+    report_format: FindingsOption = FindingsFormat.TEXT,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Repeat whenever a file is saved.")
+    ] = False,
+    jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
+) -> None:
+    """Check level files for errors, and valid ones for problems of play and style.
+
+    The rules of play use the level's exact transition tables: an exit that cannot be reached, a
+    state that cannot be left, a puddle without effect. `babyrobot rule` lists all rules. A comment
+    `# babyrobot: ignore[BR503] reason` suppresses a finding that is intended.
+
+    Exit status: 0 if there are no findings except notes, 1 otherwise.
+
+    Examples:
+
+      babyrobot lint levels/first.yaml
+
+      babyrobot lint --fix
+
+      babyrobot lint --select BR5 --format json levels/
+    """
+    from babyrobot_levels.linter.linting import Options
+    from babyrobot_levels.linter.rules import UnknownRuleError
+
+    options = Options(
+        _words(select) if select else None, _words(ignore or []), fix or diff, unsafe_fixes
+    )
+    if unsafe_fixes and not (fix or diff):
+        fail("--unsafe-fixes needs --fix or --diff")
+    if watch and (diff or STANDARD_INPUT in (paths or [])):
+        fail("--watch cannot be combined with --diff or standard input")
+    workers = Workers(jobs, ray, ray_address)
+    try:
+        if watch:
+            for files in each_change(lambda: level_paths(paths)):
+                _lint(files, options, report_format, diff=False, workers=workers)
+        elif _lint(level_paths(paths), options, report_format, diff=diff, workers=workers):
+            raise typer.Exit(FINDINGS)
+    except UnknownRuleError as error:
+        fail(str(error), "`babyrobot rule` lists all rules")
+
+
+def _words(given: Sequence[str]) -> tuple[str, ...]:
+    """Return the values of an option that is repeated or has several values, with commas."""
+    return tuple(word for text in given for word in text.replace(",", " ").split())
+
+
+def _lint(
+    files: list[Path],
+    options: Options,
+    report_format: FindingsFormat,
+    *,
+    diff: bool,
+    workers: Workers,
+) -> bool:
+    """Lint files once. Return whether there are findings, or with `diff` whether files change."""
+    from babyrobot_levels.linter.linting import equivalent_levels
+    from babyrobot_levels.linter.runner import is_note
+    from babyrobot_levels.text.source import SourceFile
+
+    outcomes = dict(
+        zip(files, map_all(partial(lint_path, options), files, workers, "linting"), strict=True)
+    )
+    if diff:
+        changed = {path: each for path, each in outcomes.items() if each.text is not None}
+        _show_changes((path, each.before or "", each.text or "") for path, each in changed.items())
+        return bool(changed)
+    for path, outcome in outcomes.items():
+        if options.fix:
+            _write_fixed(path, outcome)
+    texts = {
+        path: (SourceFile(shown_name(path), outcome.text or outcome.before), outcome.fingerprint)
+        for path, outcome in outcomes.items()
+        if outcome.before is not None and outcome.fingerprint is not None
+    }
+    same = equivalent_levels(texts, options.rules_for)
+    found = [
+        each
+        for path, outcome in outcomes.items()
+        for each in [*([same[path]] if path in same else []), *outcome.diagnostics]
+    ]
+    if not (options.fix and STANDARD_INPUT in outcomes):
+        count = sum(outcome.count for outcome in outcomes.values())
+        ending = _ending(count, [each.fix for each in found], unsafe=options.unsafe)
+        write_report(report_format, found, files, clean="clean", ending=ending)
+    return not all(map(is_note, found))
+
+
+def lint_path(options: Options, path: Path) -> Linted:
+    """Lint a file, or standard input for `-`, and fix its text if that is asked for."""
+    from babyrobot_levels.linter import linting
+
+    if path != STANDARD_INPUT:
+        return linting.lint_path(options, path)
+    return linting.outcome_of(options, read_path(path), options.rules_for(path))
+
+
+def _write_fixed(path: Path, outcome: Linted) -> None:
+    """Write a file that fixes changed. The text of standard input goes to standard output."""
+    if path == STANDARD_INPUT:
+        write(outcome.mark + (outcome.text or outcome.before or ""))
+    elif outcome.text is not None:
+        try:
+            write_text(path, outcome.mark + outcome.text)
+        except OSError as error:
+            fail(f"cannot write {path}: {error.strerror or error}")
+
+
+def _ending(count: int, left: Sequence[Fix | None], *, unsafe: bool) -> str:
+    """Return the last line of a report: the number of fixes applied and available."""
+    parts = [f"{count} fixed"] if count else []
+    safe = sum(each is not None and each.safe for each in left)
+    others = sum(each is not None and not each.safe for each in left)
+    if safe:
+        parts.append(f"{safe} fixable with --fix")
+    if others and not unsafe:
+        parts.append(f"{others} fixable with --fix --unsafe-fixes")
+    return "; ".join(parts)
 
 
 def rule(
@@ -247,10 +395,10 @@ def rule(
     elif code is None:
         width = max(len(each.name) for each in rules)
         for each in rules:
-            write(f"{_bold(each.code)}  {each.name.ljust(width)}  {each.summary}\n")
+            write(f"{bold(each.code)}  {each.name.ljust(width)}  {each.summary}\n")
     else:
         (only,) = rules
-        write(f"{_bold(f'{only.code} {only.name}')}\n\n{_shown(only.page)}\n")
+        write(f"{bold(f'{only.code} {only.name}')}\n\n{_shown(only.page)}\n")
 
 
 def _shown(page: str) -> str:
@@ -263,9 +411,5 @@ def _shown(page: str) -> str:
             lines.append(f"    {line}".rstrip())
         else:
             text = re.sub(r"\[([^\]]*)\]\([^)]*\.md\)", r"\1", line)
-            lines.append(_bold(text.removeprefix("## ")) if line.startswith("## ") else text)
+            lines.append(bold(text.removeprefix("## ")) if line.startswith("## ") else text)
     return "\n".join(lines)
-
-
-def _bold(text: str) -> str:
-    return f"\x1b[1m{text}\x1b[0m" if wants_color(sys.stdout) else text

@@ -41,7 +41,7 @@ COMMANDS = {
     "edit": Line("Create", "create:edit", "Edit a level in the browser."),
     "import": Line("Create", "convert:import_level", "Convert a file of another program."),
     "validate": Line("Check", "check:validate", "Check level files for errors."),
-    "lint": Line("Check", "lint:lint", "Check level files for errors and likely mistakes."),
+    "lint": Line("Check", "check:lint", "Check level files for errors and likely mistakes."),
     "format": Line("Check", "check:format_levels", "Format level files."),
     "rule": Line("Check", "check:rule", "Explain an error code or a lint rule."),
     "preview": Line("Look and play", "preview:preview", "Draw a level, or save a picture or page."),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import math
 import re
 import struct
 import sys
@@ -108,6 +109,27 @@ def fail(message: str, help_text: str | None = None) -> NoReturn:
     raise typer.Exit(WRONG_CALL)
 
 
+def put(
+    made: str | bytes, output: Path | None, what: str = "PNG", *, force: bool | None = None
+) -> None:
+    """Write what was made to a file, or to standard output; but no picture to a terminal.
+
+    Args:
+        made: a text or a picture.
+        output: the file; None for standard output.
+        what: the name of its format, in messages.
+        force: as that of `save`.
+    """
+    if output is not None:
+        save(output, made, force=force)
+    elif isinstance(made, str):
+        write(made)
+    elif sys.stdout.isatty():
+        fail(f"a {what} cannot be shown in a terminal", "save it with -o FILE")
+    else:
+        sys.stdout.buffer.write(made)
+
+
 def save(path: Path, data: str | bytes, *, force: bool | None = None) -> None:
     """Write a file atomically, and a line about it.
 
@@ -183,6 +205,16 @@ def styled(text: str, stream: IO[str] | None = None, **style: Any) -> str:
 def bold(text: str) -> str:
     """Return a text in bold if standard output takes colour."""
     return styled(text, bold=True)
+
+
+def short(value: float | None) -> str:
+    """Return a number for a table; `-` where there is none."""
+    return "-" if value is None or math.isnan(value) else f"{value:.4g}"
+
+
+def percent(value: float | None) -> str:
+    """Return a share for a table, in percent; `-` where there is none."""
+    return "-" if value is None or math.isnan(value) else f"{100 * value:.3g} %"
 
 
 def fact_lines(facts: Mapping[str, str]) -> str:

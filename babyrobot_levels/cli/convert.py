@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
@@ -18,14 +17,15 @@ from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
     note,
+    put,
     save,
     value_option,
-    write,
 )
 from babyrobot_levels.cli.inputs import (
     LevelArgument,
     MazeSeedOption,
     ResetSeedOption,
+    check_name,
     json_mapping,
     load_level,
     with_seed,
@@ -138,12 +138,8 @@ def import_level(
     from babyrobot_levels.convert.conversion import ConversionError, file_text
     from babyrobot_levels.language.documents import slug
 
-    if name is not None and slug(name) != name:
-        good = slug(name)
-        fail(
-            f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
-            f"for example {good!r}" if good else None,
-        )
+    if name is not None:
+        check_name(name)
     path = output or Path(f"{name or 'level'}.yaml")
     title = name or slug(file.stem) or "imported"
     try:
@@ -164,10 +160,7 @@ def import_level(
         note(message if message.startswith(f"{here}:") else f"{here}: error: {message}")
         raise typer.Exit(FINDINGS) from None
     report_losses(world.lost, strict=strict)
-    if output is None:
-        write(text)
-    else:
-        save(output, text, force=force)
+    put(text, output, force=force)
 
 
 *_FIRST, _LAST = (each.texts for each in FORMATS.values())
@@ -303,19 +296,12 @@ def export_level(
         conversion = export(loaded, chosen)
         report_losses(conversion.warnings, strict=strict)
         made, beside = conversion.text, conversion.beside
-    if output is not None:
-        for name, data in beside.items():
+    for name, data in beside.items():
+        if output is not None:
             save(output.parent / name, data, force=force)
-        save(output, made, force=None if chosen in PICTURES else force)
-        return
-    for name in beside:
-        note(f"note: {name}, the picture of the tiles, is only written with -o FILE")
-    if isinstance(made, str):
-        write(made)
-    elif sys.stdout.isatty():
-        fail("a PNG cannot be shown in a terminal", "save it with -o FILE")
-    else:
-        sys.stdout.buffer.write(made)
+        else:
+            note(f"note: {name}, the picture of the tiles, is only written with -o FILE")
+    put(made, output, force=None if chosen in PICTURES else force)
 
 
 def _by_suffix(output: Path | None) -> str:

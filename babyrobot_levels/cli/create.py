@@ -16,10 +16,12 @@ from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
     note,
+    put,
     save,
     value_option,
     write,
 )
+from babyrobot_levels.cli.inputs import check_name
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
@@ -97,15 +99,9 @@ def new_level(
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
     from babyrobot_levels.generation.starter import StarterOptions, starter
-    from babyrobot_levels.language.documents import slug
     from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
-    if slug(name) != name:
-        good = slug(name)
-        fail(
-            f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
-            f"for example {good!r}" if good else None,
-        )
+    check_name(name)
     if template is not Template.MAZE and maze_seed is None:
         for option, given in (
             ("--loops", loops),
@@ -310,8 +306,4 @@ def print_schema(
     """
     from babyrobot_levels.language.json_schema import schema_text
 
-    text = schema_text(name)
-    if output is None:
-        write(text)
-    else:
-        save(output, text, force=force)
+    put(schema_text(name), output, force=force)

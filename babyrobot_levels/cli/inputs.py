@@ -37,6 +37,18 @@ ResetSeedOption = Annotated[
 ]
 
 
+def check_name(name: str) -> None:
+    """End the command if a level cannot have a name in its file."""
+    from babyrobot_levels.language.documents import slug
+
+    good = slug(name)
+    if good != name:
+        fail(
+            f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
+            f"for example {good!r}" if good else None,
+        )
+
+
 def load_level(text: str) -> Level:
     """Return the level that an argument names."""
     from babyrobot_levels.language.share_code import is_code

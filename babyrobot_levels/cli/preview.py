@@ -24,7 +24,7 @@ from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
     note,
-    save,
+    put,
     value_option,
     width_of,
     write,
@@ -244,7 +244,7 @@ def preview(
         _put_all(levels_named(levels, split), drawn, chosen, output)
         return
     for result in _each_time(made, file_of(levels[0])) if watch else [made()]:
-        _put(result, chosen, output)
+        put(result, output, chosen.title)
 
 
 def _put_all(
@@ -264,7 +264,7 @@ def _put_all(
         result = drawn(level, lambda done, total: None)
         if folder is None:
             write(("\n" if index else "") + f"{printable(level.name or name)}\n\n")
-        _put(result, chosen, folder and folder / f"{name}{chosen.suffixes[0]}")
+        put(result, folder and folder / f"{name}{chosen.suffixes[0]}", chosen.title)
 
 
 def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
@@ -281,18 +281,6 @@ def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | by
         except typer.Exit:
             # The reason has been shown.
             continue
-
-
-def _put(made: str | bytes, chosen: PictureFormat, output: Path | None) -> None:
-    """Write a picture to a file, or to standard output."""
-    if output is not None:
-        save(output, made)
-    elif isinstance(made, str):
-        write(made)
-    elif sys.stdout.isatty():
-        fail(f"a {chosen.title} cannot be shown in a terminal", "save it with -o FILE")
-    else:
-        sys.stdout.buffer.write(made)
 
 
 def _rules_text(level: Level) -> str:

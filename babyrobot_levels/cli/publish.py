@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +14,7 @@ from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
     note,
+    put,
     save,
     value_option,
     write,
@@ -300,12 +300,9 @@ def _put(made: Sheet, chosen: SheetFormat, output: Path | None) -> None:
             save(path, content())
     elif len(files) > 1:
         fail("several pages are several PNG files", "save them with -o FILE.png")
-    elif chosen is SheetFormat.HTML:
-        write(made.to_html())
-    elif sys.stdout.isatty():
-        fail(f"a {chosen.upper()} cannot be shown in a terminal", "save it with -o FILE")
     else:
-        sys.stdout.buffer.write(next(iter(files.values()))())
+        (page,) = files.values()
+        put(made.to_html() if chosen is SheetFormat.HTML else page(), None, chosen.upper())
 
 
 def _has_other_letters(made: Sheet) -> bool:

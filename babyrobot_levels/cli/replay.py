@@ -16,7 +16,9 @@ from babyrobot_levels.cli.console import (
     fact_lines,
     fail,
     note,
+    percent,
     save,
+    short,
     value_option,
     write,
     write_json,
@@ -205,15 +207,11 @@ def _cells(row: dict[str, Any]) -> list[str]:
         row["end"],
         str(row["steps"]),
         f"{row['return']:.6g}",
-        _short(row.get("optimum")),
-        _short(row.get("share")),
-        "-" if row.get("luck") is None else f"{100 * row['luck']:.3g} %",
+        short(row.get("optimum")),
+        short(row.get("share")),
+        percent(row.get("luck")),
         "yes" if row["valid"] else f"no: {printable(row['fault'])}",
     ]
-
-
-def _short(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"
 
 
 # -- what is shown -------------------------------------------------------------------------

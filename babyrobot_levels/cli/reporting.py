@@ -85,11 +85,14 @@ def write_report(
     from babyrobot_levels import __version__
     from babyrobot_levels.linter.reporters import render
 
-    # Only these two describe codes.
-    named = kind in (FindingsFormat.GITHUB, FindingsFormat.SARIF)
     names = [shown_name(path) for path in files]
-    titles = _titles() if named else {}
-    write(render(cast("MachineFormat", kind.value), diagnostics, names, titles, __version__))
+    described: dict[str, str] = {}
+    # Only these two describe codes.
+    if kind in (FindingsFormat.GITHUB, FindingsFormat.SARIF):
+        from babyrobot_levels.linter.rules import titles
+
+        described = titles()
+    write(render(cast("MachineFormat", kind.value), diagnostics, names, described, __version__))
 
 
 def findings_text(diagnostics: Iterable[Diagnostic], stream: IO[str]) -> str:
@@ -137,12 +140,6 @@ def _colored(diagnostic: Diagnostic, width: int | None) -> str:
             shown = f"{color}{text}{_RESET}" if is_caret else text
             lines.append(f"{_CYAN}{gutter}{bar}{_RESET}{shown}")
     return "\n".join(lines)
-
-
-def _titles() -> dict[str, str]:
-    from babyrobot_levels.linter.rules import titles
-
-    return titles()
 
 
 def level_paths(paths: Sequence[Path] | None) -> list[Path]:

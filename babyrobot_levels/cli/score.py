@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -18,7 +17,9 @@ from babyrobot_levels.cli.console import (
     fact_lines,
     fail,
     note,
+    percent,
     save,
+    short,
     value_option,
     write,
     write_json,
@@ -210,13 +211,18 @@ def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool)
     if output is not None:
         pictures = {".svg": scores.to_svg, ".png": scores.to_png}
         _save({".csv": scores.to_csv, ".json": scores.to_json, **pictures}, output, force=force)
-    elif kind is TableFormat.CSV:
-        write(scores.to_csv())
-    elif kind is TableFormat.JSON:
-        write_json(scores.to_dict())
-    else:
+    elif not _written(scores, kind):
         write_table(_HEADING, [_score_cells(each) for each in scores])
         write("\n" + fact_lines({**_summary(scores), "returns": _limits(scores)}))
+
+
+def _written(found: Scores | Grades, kind: TableFormat) -> bool:
+    """Write scores or grades for other programs; return whether they are for those."""
+    if kind is TableFormat.CSV:
+        write(found.to_csv())
+    elif kind is TableFormat.JSON:
+        write_json(found.to_dict())
+    return kind is not TableFormat.TEXT
 
 
 _HEADING = ("level", "return", "optimum", "random", "share", "success", "steps")
@@ -231,17 +237,17 @@ def _save(makers: Mapping[str, Callable[[], Any]], output: Path, *, force: bool)
 
 
 def _score_cells(row: LevelScore) -> list[str]:
-    earned = _number(row.expected_return)
+    earned = short(row.expected_return)
     if row.episodes:
-        earned += f" ({_number(row.low)} to {_number(row.high)})"
+        earned += f" ({short(row.low)} to {short(row.high)})"
     return [
         printable(row.level),
         earned,
-        _number(row.optimum),
-        _number(row.random),
-        _number(row.share),
-        _percent(row.success),
-        _number(row.steps),
+        short(row.optimum),
+        short(row.random),
+        short(row.share),
+        percent(row.success),
+        short(row.steps),
     ]
 
 
@@ -258,15 +264,15 @@ def _summary(scores: Scores) -> dict[str, str]:
     if len(scores) < 2:
         return {}
     found = scores.summary
-    ends = "" if scores.is_exact else f" ({_number(found.low)} to {_number(found.high)})"
+    ends = "" if scores.is_exact else f" ({short(found.low)} to {short(found.high)})"
     return {
         "levels": f"{found.levels:,}",
-        "mean share": _number(found.mean) + ends,
-        "median": _number(found.median),
-        "interquartile mean": _number(found.iqm),
-        "worst tenth": _number(found.worst_tenth),
-        "solved": _percent(found.solved),
-        "success": _percent(found.success),
+        "mean share": short(found.mean) + ends,
+        "median": short(found.median),
+        "interquartile mean": short(found.iqm),
+        "worst tenth": short(found.worst_tenth),
+        "solved": percent(found.solved),
+        "success": percent(found.success),
         "scores": "exact" if scores.is_exact else "from episodes, with 95 % intervals",
     }
 
@@ -292,11 +298,7 @@ def _score_plays(
         grades = grade(files, wanted)
     if output is not None:
         _save({".csv": grades.to_csv, ".json": grades.to_json}, output, force=force)
-    elif kind is TableFormat.CSV:
-        write(grades.to_csv())
-    elif kind is TableFormat.JSON:
-        write_json(grades.to_dict())
-    else:
+    elif not _written(grades, kind):
         _write_grades(grades, has_level=wanted is None)
     if not grades.are_valid:
         raise typer.Exit(FINDINGS)
@@ -317,13 +319,13 @@ def _grade_cells(row: Grade) -> dict[str, str]:
         "player": printable(row.player),
         "level": printable(row.level),
         "episodes": f"{row.episodes}{more}",
-        "best": _number(row.best),
-        "mean": _number(row.mean),
-        "optimum": _number(row.optimum),
-        "random": _number(row.random),
-        "share": _number(row.share),
-        "success": _percent(row.success),
-        "luck": _percent(row.luck),
+        "best": short(row.best),
+        "mean": short(row.mean),
+        "optimum": short(row.optimum),
+        "random": short(row.random),
+        "share": short(row.share),
+        "success": percent(row.success),
+        "luck": percent(row.luck),
         "help": help_text(row),
         "notes": _notes(row),
         "verified": "yes" if row.fault is None else f"no: {printable(row.fault)}",
@@ -338,11 +340,3 @@ def _notes(row: Grade) -> str:
         "without a seed": row.unseeded,
     }
     return "; ".join(f"{text}: {count:,}" for text, count in told.items() if count)
-
-
-def _number(value: float) -> str:
-    return "-" if math.isnan(value) else f"{value:.4g}"
-
-
-def _percent(value: float) -> str:
-    return "-" if math.isnan(value) else f"{100 * value:.3g} %"

@@ -16,6 +16,7 @@ from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
     note,
+    put,
     save,
     value_option,
     write,
@@ -208,10 +209,7 @@ def resolve(
         fail(
             "the walls of this maze do not fit into a level file", "a level file has at most 1 MiB"
         )
-    if output is not None:
-        save(output, text, force=force)
-    else:
-        write(text)
+    put(text, output, force=force)
 
 
 def _check_walls(level: Level) -> None:

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
+from command_reference import reference
 from support.packs import write_files, zoo
 from support.places import ROOT
 from support.sessions import FILES, environment, run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import app
-from babyrobot_levels.cli.reference import reference
 from babyrobot_levels.editor.server import EditorServer
 
 TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
