@@ -56,7 +56,7 @@ EACH = (
 )
 """Levels that have everything there is to see."""
 
-OVERLAID = ("frozen-lake", "teleport-pads")
+OVERLAID = ("teleport-pads",)
 MORE_OVERLAID = (
     "areas",
     "bat-cave",
@@ -64,6 +64,7 @@ MORE_OVERLAID = (
     "cliff-walking",
     "drawbridge",
     "final-maze",
+    "frozen-lake",
     "glass-wall",
     "gridworld-3-5",
     "river-crossing",

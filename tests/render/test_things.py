@@ -68,8 +68,8 @@ def test_an_item_lies_where_it_is_drawn_until_it_is_held() -> None:
 
 def all_pieces(world: Any) -> Iterator[Piece]:
     layout = layout_of(world)
-    # No thing has a multiple of 7 values: each has all of them in every seventh configuration.
-    for number in (None, *range(0, world.compile().num_configurations, 7)):
+    # No thing has a multiple of 7 values: each has all of them in every 49th configuration.
+    for number in (None, *range(0, world.compile().num_configurations, 49)):
         situation = situation_of(world, number)
         yield from pieces(world, layout, situation)
         for robot in (None, (2, 4), (5, 0)):
@@ -213,15 +213,15 @@ def test_frames_are_what_painting_everything_gives(
     size: tuple[int, int] | None, grayscale: bool
 ) -> None:
     painter = FramePainter(VAULT, size, grayscale)
-    for state in reached(VAULT, 4):
+    for state in reached(VAULT, 3):
         scene = build_scene(VAULT, state=state, heading=state % 4, cells_only=size is not None)
         expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
         if grayscale:
             expected = np.rint(expected @ np.array((0.299, 0.587, 0.114)))[..., None]
         frame = painter.frame(state, heading=state % 4)
         assert np.abs(frame - expected).mean() < 0.3
-        again = FramePainter(VAULT, size, grayscale).frame(state, heading=state % 4)
-        assert np.array_equal(frame, again)
+    again = FramePainter(VAULT, size, grayscale).frame(state, heading=state % 4)
+    assert np.array_equal(frame, again)
 
 
 def test_every_state_looks_different() -> None:

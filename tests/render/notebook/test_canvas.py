@@ -16,7 +16,7 @@ from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
 
 SMALL = brl.Level(version=1, size=(3, 2))
-LARGE = brl.Level.model_validate({"version": 1, "size": (100, 100), "maze": {"seed": 1}})
+LARGE = brl.Level.model_validate({"version": 1, "size": (40, 40), "maze": {"seed": 1}})
 
 
 def ids(stage: LayeredCanvas, *names: str) -> list[str]:
