@@ -13,7 +13,7 @@ from gymnasium.vector import AutoresetMode
 from oracles.random_things import random_level
 from support.combinations import combined
 from support.each import for_each
-from support.fleets import ENGINES, MODES, SEEDS, SIZE, assert_same_walks, single
+from support.fleets import ENGINES, MODES, SEEDS, SIZE, assert_same_walks, single, where
 from support.playing import level_named
 
 import babyrobot_levels as brl
@@ -292,6 +292,7 @@ def test_an_episode_goes_on_while_the_tables_grow_for_a_larger_level(engine: str
         told, _, terminated, *_ = envs.step([0, action])
         wanted = alone.step(action)
         assert told[1].tolist() == wanted[0].tolist()
+        assert [*where(envs, 1)] == wanted[0][:2].tolist()
         assert not terminated.any()
 
 
