@@ -25,10 +25,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_bare_and_wrapped_environments_show_what_they_see(folder: Path) -> None:
+def test_bare_and_wrapped_environments_show_what_they_see_and_others_what_they_did(
+    folder: Path,
+) -> None:
     code = f"""{SHELL}
 from pathlib import Path
+import gymnasium
 from gymnasium.wrappers import TimeAwareObservation
+before = shown(gymnasium.make("FrozenLake-v1"))
 env = brl.load("frozen-lake").make(observation="index")
 env.reset(seed=0)
 env.step(2)
@@ -40,21 +44,12 @@ for each in (env, env.unwrapped, TimeAwareObservation(env)):
     assert bundle["{SVG}"] == Path("a.svg").read_text()
     assert bundle["{TEXT}"] == Path("a.txt").read_text().rstrip()
     assert bundle["image/png"]
-"""
-    run(code, folder)
-
-
-def test_other_environments_show_themselves_as_ever(folder: Path) -> None:
-    code = f"""{SHELL}
-import gymnasium
-before = shown(gymnasium.make("FrozenLake-v1"))
-brl.load("default").make()
 assert shown(gymnasium.make("FrozenLake-v1")) == before
 class Own(gymnasium.Wrapper):
     def _repr_mimebundle_(self, include=None, exclude=None):
         return {{"text/plain": "my own"}}
-for env in (gymnasium.make("FrozenLake-v1"), brl.load("default").make()):
-    assert shown(Own(env)) == {{"text/plain": "my own"}}
+for each in (gymnasium.make("FrozenLake-v1"), env):
+    assert shown(Own(each)) == {{"text/plain": "my own"}}
 """
     run(code, folder)
 
