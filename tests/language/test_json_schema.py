@@ -235,7 +235,6 @@ MOVERS: list[dict[str, Any]] = [
         {"map": DRAWN, "legend": {"": {}}},
         {"map": DRAWN, "legend": {"x": None}},
         {"map": DRAWN, "legend": {"x": {"at": [0, 0]}}},
-        {"map": DRAWN, "legend": None},
         {"map": DRAWN, "walls": []},
         {"map": DRAWN, "areas": [{"at": [0, 0]}]},
         {"map": DRAWN, "maze": {"seed": 1}},
@@ -248,9 +247,7 @@ MOVERS: list[dict[str, Any]] = [
         {"map": 3},
         {"version": 1.0},
         {"version": True},
-        {"version": "1"},
         {"version": 2},
-        {"version": None},
         {"size": [1024, 1024]},
         {"size": [1025, 1]},
         {"start": [1023, 0]},
@@ -259,25 +256,18 @@ MOVERS: list[dict[str, Any]] = [
         {"openings": [{"at": [0, 0], "side": "south", "length": 1024}]},
         {"openings": [{"at": [0, 0], "side": "S", "length": 1025}]},
         {"start": []},
-        {"start": [[]]},
         {"start": [[0, 0], 1]},
         {"exit": "None"},
-        {"exit": None},
         {"tags": ["a", "a"]},
         {"wind": {"north": [0.0, 1.0, 2.0]}},
-        {"wind": {"north": None}},
-        {"max_steps": 2.0**53},
         {"max_steps": 0},
         {"discount": 0},
-        {"discount": 1},
         {"exit_one_of": [[0, 1], [1, 1]]},
         {"exit_one_of": [[0, 1], [1, 1]], "exit": [2, 2]},
         {"exit_one_of": [[0, 1], [1, 1]], "exit": "none"},
         {"exit_one_of": [[0, 1]]},
-        {"exit_one_of": None, "exit": [2, 2]},
         {"exit_needs": []},
         {"heading": "south"},
-        {"heading": None},
         {"hit": {"reward": 1, "ends": False}},
         {"hit": {"ends": None}},
         *(
@@ -296,7 +286,6 @@ MOVERS: list[dict[str, Any]] = [
         ),
         {"items": [{"at": [1, 1]}]},
         {"doors": [{"at": [1, 1], "side": "E", "needs": [], "width": 100}]},
-        {"doors": [{"at": [1, 1], "side": "E", "needs": None}]},
         {"doors": [{"at": [1, 1], "side": "E", "width": 101}]},
         {"switches": [{"name": "lever", "at": [1, 1], "once": True, "on": False}]},
         {"switches": [{"name": "lever"}]},
@@ -306,7 +295,6 @@ MOVERS: list[dict[str, Any]] = [
             for entry in (
                 {"item": "key"},
                 {"item": "key", "reward": 1, "shape": "key", "color": "red", "label": ""},
-                {"item": "key", "switch": None, "skid": None, "ends": None},
                 {"item": "key", "skid": 0.5},
                 {"item": "key", "ends": False},
                 {"item": "key", "once": False},
@@ -316,7 +304,6 @@ MOVERS: list[dict[str, Any]] = [
                 {"switch": "lever", "reward": 1},
                 {"switch": "lever", "shape": "key"},
                 {"reward": 1, "shape": "key"},
-                {"reward": 1, "shape": None},
                 {"on": True},
             )
         ),
@@ -350,23 +337,10 @@ def test_they_agree_on_themes(data: dict[str, Any]) -> None:
     assert bool(against) == (not THEME.is_valid(data)), f"{data}\n{against}"
 
 
-@pytest.mark.parametrize(
-    "order",
-    [
-        [],
-        *(
-            pytest.param(each, marks=pytest.mark.sweep)
-            for each in (["--maze-seed", "3"], ["--template", "drawing"])
-        ),
-    ],
-    ids=str,
-)
 @pytest.mark.slow
-def test_other_checkers_accept_a_new_level(
-    order: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_other_checkers_accept_a_new_level(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    result = run_here(["new-level", "mine", "--puddles", "2", *order], environment(tmp_path))
+    result = run_here(["new-level", "mine", "--puddles", "2"], environment(tmp_path))
     assert result.status == 0
     path = tmp_path / "levels" / "mine.yaml"
     schema = str(SCHEMAS / "level.schema.json")

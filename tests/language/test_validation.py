@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from support.each import for_each
+from support.reading import read_level
 from support.reports import BAD, GOOD, read, report
 from support.work import counted_calls
 
@@ -14,6 +15,8 @@ from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import LISTED
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp import configurations
+from babyrobot_levels.mdp.compiler import layers
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.source import SourceFile
 
@@ -121,6 +124,17 @@ def test_messages_are_plain_sentences(path: Path) -> None:
 )
 def test_places(text: str, expected: list[tuple[str, int, int]]) -> None:
     assert told(text) == expected
+
+
+def test_too_many_states_are_told_at_the_legend_that_has_most_of_the_things(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(configurations, "MAX_STATES", 3)
+    text = "version: 1\nmap: |\n  +---+---+\n  | S   a |\n  +---+---+\nlegend: {a: {item: a}}\n"
+    assert read_level(SourceFile("x.yaml", text))[1] == []
+    monkeypatch.setattr(layers, "MAX_STATES", 3)
+    (found,) = read_level(SourceFile("x.yaml", text))[1]
+    assert (found.code, found.line, found.column) == ("BR404", 6, 1)
 
 
 MAP = """\

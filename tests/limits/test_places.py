@@ -94,21 +94,6 @@ def test_names_that_cannot_be(name: str) -> None:
     assert fault(name).message.startswith("the file cannot be read (")
 
 
-def test_a_byte_that_is_not_utf8_is_told_by_its_place(folder: Path) -> None:
-    (folder / "latin.yaml").write_bytes(b"version: 1\r\ntitle: caf\xe9\n")
-    (found,) = validate("latin.yaml")
-    assert (found.code, found.line, found.column) == ("BR102", 2, 11)
-    assert found.message == "invalid UTF-8: byte 23 (0xe9)"
-
-
-@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"], ids=["", "mark"])
-@pytest.mark.parametrize("end", [b"\r\n", b"\r"], ids=["crlf", "cr"])
-def test_neither_a_mark_nor_line_ends_move_the_place(mark: bytes, end: bytes, folder: Path) -> None:
-    (folder / "latin.yaml").write_bytes(mark + b"version: 1" + end + "é".encode() + b"\xe9" + end)
-    (found,) = validate("latin.yaml")
-    assert (found.line, found.column) == (2, 2)
-
-
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
 def test_other_encodings_are_named(encoding: str, folder: Path) -> None:
     mark = "" if encoding == "utf-16" else "\ufeff"

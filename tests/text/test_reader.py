@@ -407,6 +407,8 @@ def test_a_file_may_hold_a_mebibyte_and_not_a_byte_more(tmp_path: Path) -> None:
         ("迷路".encode() + b"\xff", (1, 3)),
         ("a: 迷".encode("utf-16"), (1, 1)),
         (b"\xef\xbb\xbfa\xff", (1, 2)),
+        (b"a: 1\r" + "é".encode() + b"\xe9\r", (2, 2)),
+        (b"\xef\xbb\xbfa: 1\r\n" + "é".encode() + b"\xe9\r\n", (2, 2)),
     ],
 )
 def test_bytes_that_are_not_utf8(data: bytes, place: tuple[int, int]) -> None:

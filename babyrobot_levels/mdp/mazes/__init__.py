@@ -52,7 +52,7 @@ def carve(
         width: the number of columns.
         height: the number of rows.
         blocked: 1 for each blocked cell, row by row, else 0. Not every algorithm can do with
-            them, see `language.walls.RECTANGULAR`.
+            them, see `language.cells.RECTANGULAR`.
         start: the number of the cell to begin with, which is not blocked.
         seed: what the maze is grown from.
         algorithm: a name in `ALGORITHMS`.
