@@ -22,9 +22,8 @@ from babyrobot_levels.text.source import SourceFile, Span
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
-    from babyrobot_levels.linter.barriers import Barriers
     from babyrobot_levels.linter.optimal_policy import Necessity
-    from babyrobot_levels.linter.terrain import AreaEffect, TerrainEffects
+    from babyrobot_levels.linter.terrain import AreaEffect, Barriers, TerrainEffects
     from babyrobot_levels.linter.things import ThingEffects
     from babyrobot_levels.mdp.states import Reach
     from babyrobot_levels.mdp.tables import Mdp
@@ -259,7 +258,7 @@ class LintContext:
     @cached_property
     def barriers(self) -> Barriers:
         """The effects of walls and openings."""
-        from babyrobot_levels.linter.barriers import Barriers
+        from babyrobot_levels.linter.terrain import Barriers
 
         return Barriers(self.level, self.bare_grid)
 
