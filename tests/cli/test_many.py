@@ -48,14 +48,6 @@ def test_folders_packs_and_levels_of_all_kinds_have_rows() -> None:
     assert found[3]["expected_return"] == pytest.approx(14 / 17)
 
 
-def test_a_level_comes_before_a_folder_of_its_name() -> None:
-    alone = babyrobot("solve", "final-maze")
-    written("final-maze/a.yaml")
-    assert babyrobot("solve", "final-maze") == alone
-    assert "expected return:" in alone.out
-    assert babyrobot("solve", "final-maze/").out.startswith("level")
-
-
 @pytest.mark.parametrize("command", ["solve", "show"])
 def test_rows_do_not_depend_on_the_number_of_processes(command: str) -> None:
     written("few.yaml", SUITE + "splits: {train: 0.5, test: 0.5}\n")

@@ -434,20 +434,6 @@ def test_a_hit_that_ends_the_episode(tmp_path: Path) -> None:
         assert game.ended() == (0, "hall: ended after 4 steps, return -12\n")
 
 
-def test_an_exit_that_is_locked_does_not_end_the_episode(tmp_path: Path) -> None:
-    text = "version: 1\nsize: [3, 1]\nexit: [1, 0]\nexit_needs: [gem]\n"
-    text += "items: [{name: gem, at: [2, 0]}]\n"
-    (tmp_path / "gem.yaml").write_text(text, encoding="utf-8")
-    with Game(tmp_path, "gem.yaml") as game:
-        game.until("Find the exit. It needs gem.")
-        game.press(RIGHT)
-        assert "over" not in game.until("step 1 ")
-        game.press(RIGHT)
-        game.until("Took the gem. The exit is open.")
-        game.press(LEFT)
-        game.until("The exit! Well done.")
-
-
 def test_a_robot_that_turns(tmp_path: Path) -> None:
     (tmp_path / "hall.yaml").write_text(HALL, encoding="utf-8")
     with Game(tmp_path, "hall.yaml", "--actions", "turns") as game:

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import os
-import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
 
 import pytest
-from support.sessions import FILES, babyrobot, environment
+from support.sessions import FILES, babyrobot
 
 from babyrobot_levels.render.terminal import Terminal
 
@@ -40,35 +35,3 @@ def test_a_single_episode_is_shown_step_by_step(shown: list[str]) -> None:
     babyrobot("replay", PLAY, "--episode", "2", "--format", "json")
     babyrobot("replay", PLAY)
     assert shown == []
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
-def test_an_interrupt_ends_the_show_and_not_the_command(tmp_path: Path) -> None:
-    outer, inner = os.openpty()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "babyrobot_levels", "replay", str(PLAY), "--episode", "2"],
-        env=environment(tmp_path, TERM="xterm-256color"),
-        stdin=subprocess.DEVNULL,
-        stdout=inner,
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(inner)
-    told, is_pressed, end = b"", False, time.monotonic() + 30
-    while time.monotonic() < end:
-        try:
-            part = os.read(outer, 1 << 16)
-        except OSError:
-            # On Linux, what nobody has open any more.
-            break
-        if not part:
-            break
-        told += part
-        if not is_pressed and b"step 1 " in told:
-            process.send_signal(signal.SIGINT)
-            is_pressed = True
-    os.close(outer)
-    assert process.wait(timeout=30) == 0
-    assert is_pressed
-    assert b"step 4 " not in told
-    assert "\N{BLACK SMILING FACE}".encode() in told
-    assert told.rstrip().endswith(b"yes")

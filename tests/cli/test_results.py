@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 from support import sessions
 
-from babyrobot_levels.language.json_schema import schema_text
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import load_file
 from babyrobot_levels.mdp.mazes import ALGORITHMS
@@ -104,16 +103,6 @@ def test_the_colored_drawing_is_the_drawing() -> None:
                 assert mark == character
             elif character in "-|":
                 assert 0x2500 <= ord(mark) < 0x2580
-
-
-@pytest.mark.parametrize("name", ["level", "theme"])
-def test_schema(name: str) -> None:
-    assert babyrobot("schema", name).out == schema_text(name)
-    written = babyrobot("schema", name, "-o", "s.json")
-    assert (written.out, written.status) == ("", 0)
-    assert re.fullmatch(r"wrote s\.json \([\d.]+ KB\)\n", written.err)
-    assert Path("s.json").read_text(encoding="utf-8") == schema_text(name)
-    assert babyrobot("schema").out == schema_text("level")
 
 
 @pytest.mark.parametrize("template", ["grid", "maze", "drawing"])

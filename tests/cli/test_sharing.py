@@ -100,14 +100,6 @@ def test_from_a_file_to_a_code_to_a_file(folder: Path) -> None:
     )
 
 
-def test_all_differences_are_told_where_that_is_asked_for() -> None:
-    first = babyrobot("diff", "maze", "frozen-lake", status=1).out
-    whole = babyrobot("diff", "maze", "frozen-lake", "--limit", "0", status=1).out
-    assert (first.count("  before: "), whole.count("  before: ")) == (10, 80)
-    assert "more (--limit 0 shows all)" in first
-    assert "more (" not in whole
-
-
 def test_a_resolved_level_finds_its_schema(folder: Path) -> None:
     def first_line() -> str:
         return (folder / "new/walls.yaml").read_text("utf-8").splitlines()[0]

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -67,16 +68,19 @@ def in_terminal(
     process = start(folder, *arguments, stdin=inner, stdout=inner, stderr=inner,
                     variables=variables)  # fmt: skip
     os.close(inner)
+    sent = rest_of(outer)
+    return sent.decode().replace("\r\n", "\n"), process.wait(timeout=60)
+
+
+def rest_of(outer: int) -> bytes:
+    """Return what is still sent to a terminal, until it is closed at the other end."""
     sent = b""
-    try:
+    # Linux says by an error that the other end is closed.
+    with suppress(OSError):
         while chunk := os.read(outer, 1 << 16):
             sent += chunk
-    except OSError:
-        # Linux says in this way that the other end is closed.
-        pass
-    finally:
-        os.close(outer)
-    return sent.decode().replace("\r\n", "\n"), process.wait(timeout=60)
+    os.close(outer)
+    return sent
 
 
 def plain(text: str) -> str:
@@ -367,9 +371,7 @@ def test_an_interrupt_while_a_picture_is_painted_leaves_no_file(tmp_path: Path) 
         sent += os.read(outer, 1 << 16)
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=60) == 130
-    while chunk := _rest(outer):
-        sent += chunk
-    os.close(outer)
+    sent += rest_of(outer)
     assert b"Traceback" not in sent
     # The cursor is shown again.
     assert sent.rfind(b"\x1b[?25h") > sent.rfind(b"\x1b[?25l")
@@ -398,17 +400,23 @@ except KeyboardInterrupt:
     outer, inner = pty.openpty()
     process = subprocess.Popen([sys.executable, "-c", program], stdout=inner, stderr=inner)
     os.close(inner)
-    sent = b""
-    while chunk := _rest(outer):
-        sent += chunk
-    os.close(outer)
+    sent = rest_of(outer)
     assert process.wait(timeout=60) == 0
     assert sent.endswith(b"interrupted\r\n")
     assert sent.rfind(b"\x1b[?25h") > sent.rfind(b"\x1b[?25l") >= 0
 
 
-def _rest(descriptor: int) -> bytes:
-    try:
-        return os.read(descriptor, 1 << 16)
-    except OSError:
-        return b""
+def test_an_interrupt_ends_the_show_of_an_episode_and_not_the_command(tmp_path: Path) -> None:
+    outer, inner = pty.openpty()
+    call = ("replay", str(FILES / "plays" / "ben.brlplay"), "--episode", "2")
+    process = start(tmp_path, *call, stdin=inner, stdout=inner, stderr=inner)
+    os.close(inner)
+    sent = b""
+    while b"step 1 " not in sent:
+        sent += os.read(outer, 1 << 16)
+    process.send_signal(signal.SIGINT)
+    sent += rest_of(outer)
+    assert process.wait(timeout=60) == 0
+    assert "\N{BLACK SMILING FACE}".encode() in sent
+    assert b"step 4 " not in sent
+    assert sent.rstrip().endswith(b"yes")
