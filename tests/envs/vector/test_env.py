@@ -443,7 +443,7 @@ def test_attributes() -> None:
     assert repr(envs) == f"LevelVectorEnv({LEVEL_ID}, num_envs={SIZE})"
 
 
-@pytest.mark.parametrize(("num_envs", "tiles"), [(1, (1, 1)), (16, (4, 4)), (1000, (4, 4))])
+@pytest.mark.parametrize(("num_envs", "tiles"), [(1, (1, 1)), (1000, (4, 4))])
 def test_a_montage_shows_the_first_sixteen(num_envs: int, tiles: tuple[int, int]) -> None:
     envs = LevelVectorEnv("frozen-lake", num_envs=num_envs, render_mode="rgb_array")
     before = envs.montage()
