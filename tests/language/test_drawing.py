@@ -142,11 +142,8 @@ def test_a_wall_entry_gives_drawn_glass_its_probability() -> None:
     assert level.grid().glass[2, "S"] == 0.25
     assert level.grid().glass[4, "E"] == 0.5
     assert level.draw() == SHOWN
-
-
-def test_a_wall_entry_that_only_colours_leaves_glass_as_it_is() -> None:
-    level = drawn(SHOWN, walls=[{"at": [2, 0], "side": "S", "color": "red"}])
-    assert level.grid().glass[2, "S"] == 0.5
+    colored = drawn(SHOWN, walls=[{"at": [2, 0], "side": "S", "color": "red"}])
+    assert colored.grid().glass[2, "S"] == 0.5
 
 
 def test_areas_beside_a_map_lie_on_the_legend() -> None:

@@ -54,6 +54,7 @@ def test_a_level_without_things_has_none() -> None:
 
 def test_exits_are_the_cells_that_may_be_drawn() -> None:
     level = level_of({"version": 1, "exit_one_of": [[1, 1], [2, 2]]})
+    assert level.has_things
     assert level.exits == ((1, 1), (2, 2))
     assert level.exit == "none"
 
