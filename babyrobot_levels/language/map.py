@@ -12,6 +12,7 @@ from babyrobot_levels.language.cells import Rectangle, Wall, sides_of
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import KIND, LEGEND, MARKED, Kind
+from babyrobot_levels.language.parsing import parse
 from babyrobot_levels.language.things import DRAWN_NAMES, Door, LegendEntry
 from babyrobot_levels.text.diagnostics import Issue, Key
 
@@ -56,7 +57,7 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
                 "write `map: |` and put the drawing on the lines below, indented",
             ),
         ]
-    drawing, faults = d.parse(level.map, lambda character: character in level.legend, MAX_SIZE)
+    drawing, faults = parse(level.map, lambda character: character in level.legend, MAX_SIZE)
     if drawing is None:
         return None, [*issues, *faults]
     starts, exits = drawing.find(d.START), drawing.find(d.EXIT)

@@ -238,4 +238,5 @@ def _is_safe(found: Diagnostic) -> bool:
 
 def _is_broken(before: Report, after: Report, *, safe: bool) -> bool:
     """Return whether the level no longer loads, or changed although it must not."""
-    return not after.is_valid or (safe and before.digest != after.digest)
+    changed = before.is_valid and before.digest != after.digest
+    return not after.is_valid or (safe and changed)

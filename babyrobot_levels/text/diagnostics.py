@@ -92,6 +92,7 @@ class Issue:
         help: what to do about it.
         fix: edits that do it.
         severity: how bad it is.
+        redrawn: what to write in place of parts of the drawing; with them a text has a fix.
     """
 
     code: str
@@ -100,6 +101,7 @@ class Issue:
     help: str | None = None
     fix: Fix | None = None
     severity: Severity = Severity.ERROR
+    redrawn: tuple[tuple[Mark, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Location, Mark, Route
+from babyrobot_levels.text.diagnostics import (
+    Diagnostic,
+    Edit,
+    Fix,
+    Issue,
+    Key,
+    Location,
+    Mark,
+    Route,
+)
 from babyrobot_levels.text.source import START, Position, SourceFile, Span
 
 
@@ -81,6 +90,12 @@ class Document:
         span = Span(START, Position(1, len(self.source.line(1)) + 1))
         if issue.location:
             span = self.span(issue.location)
+        spans = [self._drawing_span(mark) for mark, _ in issue.redrawn]
+        edits = [
+            Edit(span, text) for span, (_, text) in zip(spans, issue.redrawn, strict=True) if span
+        ]
+        if edits and len(edits) == len(spans):
+            issue = replace(issue, fix=Fix("draw each mark in its place", tuple(edits)))
         return diagnostic_of(issue, span, self.source)
 
     def mark(self, place: Position) -> Mark | None:

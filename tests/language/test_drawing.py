@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from support.worlds import LEGEND, World, drawings, level_of, level_of_text, worlds
 
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language import parsing
 from babyrobot_levels.language.drawing import consecutive, rectangles, runs
 from babyrobot_levels.language.validation import parse as load
 from babyrobot_levels.library.level import Level
@@ -28,7 +29,7 @@ SHOWN = """\
 
 
 def parse(text: str, known: str = "~x9") -> tuple[d.Drawing | None, list[Issue]]:
-    return d.parse(text, lambda character: character in known, MAX_SIZE)
+    return parsing.parse(text, lambda character: character in known, MAX_SIZE)
 
 
 def mark(issue: Issue) -> tuple[int, int, int]:
@@ -215,18 +216,20 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
         ("+---+", 0, 0, 5, "ends in the middle"),
         ("+---+\n| S |", 1, 0, 5, "ends in the middle"),
         ("+---+\n| S |\n+---+\n| S |", 3, 0, 5, "ends in the middle"),
-        ("+---+\n| S  |\n+---+", 1, 5, 1, "has 6 characters, the first one has 5"),
+        ("+---+\n| S  |\n+---+", 1, 4, 1, "has 6 characters, the first one has 5"),
         ("+---+\n| S\n+---+", 1, 3, 1, "has 3 characters, the first one has 5"),
-        ("+---+\n\n+---+", 1, 0, 1, "has 0 characters"),
+        ("+---+\n\n+---+", 0, 0, 5, "below this line is an empty one"),
         ("*---+\n| S |\n+---+", 0, 0, 1, "expected the corner `+`, found `*`"),
         ("+---+\n| S |\n+ - +\n|   |\n+---+", 2, 1, 3, "` - ` is not a wall"),
         ("+---+\n| S |\n+ / +\n|   |\n+---+", 2, 1, 3, "` / ` is not a wall"),
         ("+-/-+\n| S |\n+---+", 0, 1, 3, "the outer wall must be solid"),
-        ("+---+\n| / |\n+---+", 1, 2, 1, "`/` is not in the legend"),
+        ("+---+\n/ S |\n+---+", 1, 0, 1, "the outer wall must be solid"),
+        ("+---+\n| / |\n+---+", 1, 2, 1, "`/` is in the middle of the cell [0, 0]"),
         ("+   +\n| S |\n+---+", 0, 1, 3, "the outer wall must be solid"),
         ("+---+\n: S |\n+---+", 1, 0, 1, "the outer wall must be solid"),
-        ("+---+---+\n| S ;   |\n+---+---+", 1, 4, 1, "`;` cannot be between two cells"),
-        ("+---+\n|SS |\n+---+", 1, 1, 3, "`SS ` is not a cell"),
+        ("+---+---+\n| S ;   |\n+---+---+", 1, 4, 1, "`;` is between two cells"),
+        ("+---+\n|SS |\n+---+", 1, 1, 2, "`SS` is more than one character"),
+        ("+---+\n|## |\n+---+", 1, 1, 2, "`##` is not a cell"),
         ("+---+\n| ? |\n+---+", 1, 2, 1, "`?` is not in the legend"),
         ("\n  +---+\n  | ? |\n  +---+", 2, 4, 1, "is not in the legend"),
     ],
@@ -246,16 +249,16 @@ def test_all_faults_are_told_at_once() -> None:
         (1, 6),
         (2, 1),
         (2, 5),
-        (3, 8),
         (3, 1),
+        (3, 8),
         (4, 8),
     ]
 
 
 def test_a_drawing_can_be_too_large() -> None:
     cells = "+---" * 5 + "+\n" + "|   " * 5 + "|\n" + "+---" * 5 + "+\n"
-    assert d.parse(cells, lambda _: False, 5)[0] is not None
-    drawing, problems = d.parse(cells, lambda _: False, 4)
+    assert parsing.parse(cells, lambda _: False, 5)[0] is not None
+    drawing, problems = parsing.parse(cells, lambda _: False, 4)
     assert drawing is None
     assert "more than 4 columns or rows" in problems[0].message
 
