@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeGuard, get_args, get_origin
 
 from pydantic import BaseModel
@@ -56,6 +56,67 @@ MISSING = {"count": "a suite has a `count` of mazes to grow, or lists `levels`"}
 NAMING = {*(kind.field for kind in THINGS), "exit_needs", "legend"}
 """Fields with names of things in them."""
 
+OTHER_NAMES = {
+    # Of a level.
+    "size": "width height row rows col cols column dimension dim grid grid_size shape",
+    "start": "robot player start_po start_pos agent_po agent_pos agent_start_pos initial_state "
+    "spawn",
+    "exit": "target terminal terminal_state finish goal_pos goal_po",
+    "discount": "gamma discount_factor",
+    "max_steps": "horizon time_limit max_episode_steps max_episode_step episode_length step limit "
+    "timeout",
+    "skid": "slip slippery is_slippery slipperiness slip_prob slip_probability noise success_rate "
+    "random_action_prob",
+    "areas": "hole lava trap pit ice cliff mud terrain zone region",
+    "puddles": "water",
+    "blocked": "rock block pillar solid",
+    "items": "object treasure gem pickup",
+    "movers": "npc ghost patrol ball",
+    "switches": "plate",
+    "warps": "tunnel",
+    "rewards": "reward_range step_reward living_reward living_cost step_cost penalty",
+    "maze": "seed algorithm generator random",
+    "walls": "barrier fence",
+    "theme": "color colour colors style",
+    "tags": "keyword category",
+    "map": "drawing layout ascii desc level tile",
+    # Of its parts.
+    "at": "po pos position cell location coord coordinate coordinates x y from rect",
+    "path": "to route waypoint",
+    "side": "direction dir edge facing orientation",
+    "needs": "key locked open requires required",
+    "name": "id type kind",
+    "algorithm": "method generator type kind",
+    "loops": "braid braiding",
+    "ends": "terminal terminate done end is_terminal",
+    "reward": "value cost penalty",
+    "pass": "probability prob p",
+    "probability": "prob p q",
+    "step": "living time default move",
+    "bump": "wall collision",
+    "north": "up",
+    "east": "right",
+    "south": "down",
+    "west": "left",
+    "base": "background bg ground floor",
+    "text_fg": "text foreground fg",
+    "border": "outline frame",
+}
+"""What other programs and everyday speech call a field, for `did you mean`; without a last `s`."""
+
+ELSEWHERE = {
+    "action actions action_space": "the actions are stay, north, east, south and west; "
+    'environments can turn instead: `gymnasium.make(…, actions="turns")`',
+    "observation observations obs observation_space": "environments choose it: "
+    '`gymnasium.make(…, observation="planes")`',
+    "transitions transition p": "transitions follow from what stands in the level; see "
+    "`babyrobot solve` and `level.compile()`",
+    "episode episodes": "a level is one world; `babyrobot score` and environments play episodes",
+    "policy": "a policy is a file of its own; `babyrobot solve` finds the best one",
+    "render_mode fps": "environments choose it: `gymnasium.make(…, render_mode=…)`",
+}
+"""What is no field of a level, and where it is."""
+
 DIRECTIONS = {
     **dict.fromkeys(("up", "top", "above"), "N"),
     **dict.fromkeys(("right",), "E"),
@@ -86,8 +147,7 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
             # `{step: -0,1}` is what YAML takes for `{step: -0, 1: }`.
             help_text = "write decimals with a point, such as `0.1`: a comma separates entries"
             return "BR201", f"unknown field `{shortened(field)}`", help_text
-        guess = did_you_mean(field, fields) or _other_name(field, fields)
-        return "BR201", f"unknown field `{shortened(field)}`{guess}", _list([*fields])
+        return _unknown(field, fields)
     if kind == "missing":
         help_text = beginning(model) if field == "version" else MISSING.get(field)
         return "BR202", f"missing field `{field}`", help_text
@@ -218,17 +278,24 @@ def _named(value: Any) -> str:
     return f"`{shortened(value)}`" if value != "" else "an empty text"
 
 
-def _list(names: list[str]) -> str | None:
-    if not names:
-        return None
-    return ("known fields: " + ", ".join(names)) if len(names) <= 8 else None
+def _unknown(field: str, fields: Mapping[str, FieldInfo]) -> Complaint:
+    """Return what a field that does not exist may be meant to be."""
+    message = f"unknown field `{shortened(field)}`"
+    word = field.lower().replace("-", "_")
+    elsewhere = next((text for names, text in ELSEWHERE.items() if word in names.split()), None)
+    if word not in fields and elsewhere is not None and "version" in fields:
+        return "BR201", message, elsewhere
+    known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
+    return "BR201", message + (_other_name(word, fields) or did_you_mean(field, fields)), known
 
 
-def _other_name(field: str, fields: Iterable[str]) -> str:
+def _other_name(word: str, fields: Mapping[str, FieldInfo]) -> str:
     """Return the question whether a field is meant that others call by this name."""
-    for kind in KINDS:
-        if kind.field in fields and field.lower().removesuffix("s") in kind.other_names:
-            return f"; did you mean `{kind.field}`?"
+    names = {kind.field: set(kind.other_names) for kind in KINDS}
+    for field in (each for each in fields if each != word):
+        others = names.get(field, set()) | set(OTHER_NAMES.get(field, "").split())
+        if word in others or word.removesuffix("s") in others:
+            return f"; did you mean `{field}`?"
     return ""
 
 
@@ -245,11 +312,13 @@ def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str
         return "write `true` or `false`"
     if kind == "float_type" and isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
         return f"write `{value.replace(',', '.')}`, with a decimal point"
-    if field == "maze" and (_is_word(value, "random") or isinstance(value, int)):
+    if field == "maze" and (_is_word(value, "random") or type(value) is int):
         return f"write `maze: {{seed: {value}}}`"
     if field == "hit" and isinstance(value, int | float):
         return f"write `hit: {{reward: {value}}}`"
-    if kind.startswith("model_"):
+    if kind.startswith("model_") and any(
+        "at" in _fields(part) for part in _parts(info) if _is_model(part)
+    ):
         return _entry_help(field, value)
     return None
 
@@ -263,7 +332,7 @@ def _entry_help(field: str, value: Any) -> str | None:
     at, rest = f"at: [{value[0]}, {value[1]}]", value[2:]
     keys = ENTRY_KEYS.get(field, ())
     if not rest:
-        return f"write `{at}`"
+        return f"write `{{{at}, side: N}}`" if "side" in keys else f"write `{{{at}}}`"
     if len(rest) != len(keys) or any(isinstance(each, list | dict) for each in rest):
         return None
     others = ", ".join(f"{key}: {each}" for key, each in zip(keys, rest, strict=True))
