@@ -104,18 +104,43 @@ OTHER_NAMES = {
 }
 """What other programs and everyday speech call a field, for `did you mean`; without a last `s`."""
 
-ELSEWHERE = {
-    "action actions action_space": "the actions are stay, north, east, south and west; "
-    'environments can turn instead: `gymnasium.make(…, actions="turns")`',
-    "observation observations obs observation_space": "environments choose it: "
-    '`gymnasium.make(…, observation="planes")`',
-    "transitions transition p": "transitions follow from what stands in the level; see "
-    "`babyrobot solve` and `level.compile()`",
-    "episode episodes": "a level is one world; `babyrobot score` and environments play episodes",
-    "policy": "a policy is a file of its own; `babyrobot solve` finds the best one",
-    "render_mode fps": "environments choose it: `gymnasium.make(…, render_mode=…)`",
+ELSEWHERE = (
+    ("version", "action actions action_space", "the actions are stay, north, east, south and west; "
+     'environments can turn instead: `gymnasium.make(…, actions="turns")`'),
+    ("version", "observation observations obs observation_space", "environments choose it: "
+     '`gymnasium.make(…, observation="planes")`'),
+    ("version", "transitions transition p", "they follow from what stands in the level; "
+     "`level.compile()` has them"),
+    ("version", "episode episodes", "a level is one world; `babyrobot score` plays episodes in it"),
+    ("version", "policy", "a policy is a file of its own; `babyrobot solve` finds the best one"),
+    ("version", "render_mode fps", "environments choose it: `gymnasium.make(…, render_mode=…)`"),
+    ("bump", "hole lava trap area", "it stands with the area: `areas: [{…, reward: -10}]`"),
+    ("bump", "puddle small large", "it stands in `puddle_types: {small: {reward: -3}}`"),
+    ("bump", "hit mover guard", "it stands in `hit: {reward: -10}`"),
+    ("bump", "item key coin", "it stands with the item: `items: [{…, reward: 5}]`"),
+    ("bump", "warp", "it stands with the warp: `warps: [{…, reward: 1}]`"),
+    ("switch", "puddle", "a puddle is drawn as `o` or `O`"),
+    ("switch", "start", "a start is drawn as `S`"),
+    ("switch", "exit goal", "an exit is drawn as `E`"),
+    ("switch", "wall", "a wall is drawn between two cells, `|` or `---`"),
+    ("switch", "door", "a door is drawn between two cells, `/` or `-/-`"),
+    ("switch", "mover guard", "movers are listed in `movers`"),
+    ("switch", "warp", "warps are listed in `warps`"),
+    ("at size", "reward skid", "puddles of a size share it: `puddle_types: {small: {reward: -3}}`"),
+    ("side", "from to between cells", "it has one cell and a side: `{at: [x, y], side: E}`"),
+    ("path", "at pos position", "a mover has a `path` of cells, or walks `within` a rectangle"),
+    ("path", "speed velocity", "a mover makes one step in each step of the robot"),
+)  # fmt: skip
+"""What is no field, and where that is; in mappings with a field, or with exactly these fields."""
+
+OTHER_CHOICES = {
+    "depth-first": ("dfs", "recursive-backtracker", "recursive-backtracking", "backtracking"),
+    "large": ("big", "huge"),
+    "small": ("little", "tiny", "medium"),
+    "others": ("any", "random"),
+    "sides": ("perpendicular", "left-right"),
 }
-"""What is no field of a level, and where it is."""
+"""What other programs call a value that is one of several."""
 
 DIRECTIONS = {
     **dict.fromkeys(("up", "top", "above"), "N"),
@@ -125,6 +150,7 @@ DIRECTIONS = {
 }
 """Other words for the sides of a cell."""
 
+_PERCENT = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,9})? ?%")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+")
 
 
@@ -159,7 +185,11 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         return "BR203", message, _type_help(field, info, kind, value)
     if kind in TYPES:
         help_text = _type_help(field, info, kind, value)
-        if help_text is None and info is not None and TYPES[kind] in ("a list", "a mapping"):
+        if names[:1] == ["legend"] and len(names) == 2:
+            help_text = f"write `{field}: {{item: key}}`, with what the character stands for"
+        elif field == "at" and isinstance(value, list) and "one_of" in fields:
+            help_text = "give several cells as `one_of: [[x, y], [x, y]]`"
+        elif help_text is None and info is not None and TYPES[kind] in ("a list", "a mapping"):
             sample = _sample_of(info)
             is_entry = isinstance(error["loc"][-1], int)
             help_text = f"write `{sample[1:-1] if is_entry else f'{field}: {sample}'}`"
@@ -282,9 +312,10 @@ def _unknown(field: str, fields: Mapping[str, FieldInfo]) -> Complaint:
     """Return what a field that does not exist may be meant to be."""
     message = f"unknown field `{shortened(field)}`"
     word = field.lower().replace("-", "_")
-    elsewhere = next((text for names, text in ELSEWHERE.items() if word in names.split()), None)
-    if word not in fields and elsewhere is not None and "version" in fields:
-        return "BR201", message, elsewhere
+    for beside, names, text in ELSEWHERE:
+        there = beside in fields or beside.split() == [*fields]
+        if there and word not in fields and word in names.split():
+            return "BR201", message, text
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
     return "BR201", message + (_other_name(word, fields) or did_you_mean(field, fields)), known
 
@@ -310,6 +341,8 @@ def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str
         return "write three numbers, such as `version: 1.0.0`"
     if kind == "bool_type" and _is_word(value, "yes", "no", "on", "off"):
         return "write `true` or `false`"
+    if isinstance(value, str) and _PERCENT.fullmatch(value):
+        return f"write `{float(value[:-1]) / 100:g}`, between 0 and 1"
     if kind == "float_type" and isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
         return f"write `{value.replace(',', '.')}`, with a decimal point"
     if field == "maze" and (_is_word(value, "random") or type(value) is int):
@@ -357,7 +390,9 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
         side = DIRECTIONS.get(value.strip().lower()) if isinstance(value, str) else None
         guess = f"; did you mean `{side}`?" if side else ""
     if not guess and isinstance(value, str):
-        guess = did_you_mean(value, names)
+        others = (name for name in names if value.lower() in OTHER_CHOICES.get(name, ()))
+        other = next(others, None)
+        guess = f"; did you mean `{other}`?" if other else did_you_mean(value, names)
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     return "BR204", f"must be {shown}, not {show(value)}{guess}", None
 
