@@ -28,7 +28,7 @@ sys.path += [str(ROOT / "tests"), str(ROOT)]
 import doc_pictures as pictures  # noqa: E402
 import structure  # noqa: E402
 from command_reference import reference  # noqa: E402
-from support import golden, reports, sessions  # noqa: E402
+from support import golden, mistakes, reports, sessions  # noqa: E402
 
 import babyrobot_levels as brl  # noqa: E402
 from babyrobot_levels.language.json_schema import SCHEMAS, schema_text  # noqa: E402
@@ -86,6 +86,11 @@ def _reports() -> Iterator[File]:
     for report, paths in ((reports.report, reports.BAD), (reports.lint_report, reports.LINT_BAD)):
         for path in paths:
             yield _below(path.with_suffix(".txt")), partial(report, path)
+
+
+def _mistakes() -> Iterator[File]:
+    for path in sorted(mistakes.FOLDER.glob("*.txt")):
+        yield _below(path), partial(mistakes.told, path.read_text("utf-8"))
 
 
 def maze_page() -> str:
@@ -265,6 +270,7 @@ GENERATED = (
         "the levels beside them",
         _reports,
     ),
+    Generated(("tests/mistakes/*.txt",), "the texts that they hold", _mistakes),
     Generated(
         ("tests/render/golden/*.svg", "tests/render/golden/gallery.txt"),
         "`tests/support/golden.py`",

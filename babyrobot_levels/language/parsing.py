@@ -290,7 +290,7 @@ def _cell_faults(row: str, y: int, is_known: IsKnown) -> Iterator[Fault]:
             yield _between(column, text, y, is_known)
         elif off:
             yield _beside(column, text, off, _place(column - off, text, y, len(row)))
-        elif text not in _MARKS and text not in _SIDES and not is_known(text):
+        elif text not in (*_MARKS, *_SIDES, "###") and not is_known(text):
             yield Fault(column, 1, f"`{text}` is not in the legend", _hint(text))
 
 

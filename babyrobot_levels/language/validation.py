@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -14,7 +14,7 @@ from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.language.drawing import is_block_map
 from babyrobot_levels.language.kinds import NAMED
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
-from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.document import Document, comments
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile, Span
@@ -23,6 +23,8 @@ from babyrobot_levels.text.words import nearest, shortened
 ModelT = TypeVar("ModelT", bound=BaseModel)
 Check = Callable[[ModelT], Iterable[Issue]]
 """Looks at a model that is valid by itself and may find more."""
+
+_COLOUR_IN_COMMENT = re.compile(r"\b(color|text_color):[ \t]+(#[0-9A-Fa-f]{3,8})[ \t]*$", re.M)
 
 _GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit", "exit_one_of"}
 """Where one of these is invalid, checks of the geometry would only report its consequences."""
@@ -73,6 +75,7 @@ def check(
             help_text = "add a space after `:`"
         issues.append(Issue("BR110", (), f"the file {what}", help_text))
         return Checked(None, [document.diagnostic(issue) for issue in issues])
+    issues += _colours_in_comments(document)
     value, found = validate(document.data, model)
     if value is not None:
         found = [issue for each in checks for issue in each(value)]
@@ -85,6 +88,19 @@ def check(
     ]
     diagnostics.sort(key=lambda each: (each.line, each.column))
     return Checked(None if diagnostics else value, diagnostics)
+
+
+def _colours_in_comments(document: Document) -> Iterator[Issue]:
+    """Yield the colours without quotes: to YAML they are comments, and the field is empty."""
+    if not _COLOUR_IN_COMMENT.search(document.source.text):
+        return
+    for comment in comments(document):
+        line = document.source.line(comment.span.start.line)
+        found = _COLOUR_IN_COMMENT.search(line)
+        if found and found.start(2) == comment.span.start.column - 1:
+            field, colour = found.groups()
+            message = f"`{field}` is empty: `{colour}` without quotes is a comment"
+            yield Issue("BR203", comment.span, message, f'write `{field}: "{colour}"`')
 
 
 def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, list[Issue]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -253,6 +254,39 @@ def test_all_faults_are_told_at_once() -> None:
         (3, 8),
         (4, 8),
     ]
+
+
+@given(drawings(), st.data())
+def test_a_mark_beside_its_place_is_told_and_put_back(
+    drawing: d.Drawing, data: st.DataObject
+) -> None:
+    rows = d.compose(drawing).splitlines()
+    places = [
+        (number, *token.span())
+        for number in range(1, len(rows), 2)
+        for token in re.finditer(r"###|[^ |]|(?<=[^+])\|(?=.)", rows[number])
+    ]
+    number, first, last = data.draw(st.sampled_from(places))
+    off, row = data.draw(st.sampled_from([-1, 1])), rows[number]
+    assume(row[first - 1 if off < 0 else last] == " ")
+    mark = row[first:last]
+    moved = row[:first] + " " * len(mark) + row[last:]
+    moved = moved[: first + off] + mark + moved[last + off :]
+    changed = "\n".join([*rows[:number], moved, *rows[number + 1 :]])
+    found, (fault, *others) = parse(changed)
+    assert found is None
+    assert not others
+    assert f"`{mark}` is one column {'left' if off < 0 else 'right'} of" in fault.message
+    assert fault.redrawn == ((Mark(number, 0, len(row)), row),)
+
+
+@given(drawings(largest=3), st.data())
+def test_a_drawing_is_read_or_something_is_told(drawing: d.Drawing, data: st.DataObject) -> None:
+    text = d.compose(drawing)
+    place = data.draw(st.integers(0, len(text) - 1))
+    character = data.draw(st.sampled_from(["", *" \n+-|:/#SEok?\t\xa0│"]))
+    found, faults = parse(text[:place] + character + text[place + 1 :])
+    assert (found is None) == bool(faults)
 
 
 def test_a_drawing_can_be_too_large() -> None:

@@ -9,9 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from babyrobot_levels.linter.fixer import fix
 from babyrobot_levels.linter.rules import select
-from babyrobot_levels.linter.runner import lint_source
+from babyrobot_levels.linter.runner import fix, lint_source
 from babyrobot_levels.text.source import SourceFile
 from support.places import TESTS
 
