@@ -37,8 +37,9 @@ def main() -> None:
 def _run() -> None:
     from babyrobot_levels.cli.commands import app
     from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
+    from babyrobot_levels.cli.meant import argument
     from babyrobot_levels.parallel.executor import ExecutorError
-    from babyrobot_levels.text.errors import BabyRobotError, LevelError
+    from babyrobot_levels.text.errors import BabyRobotError, LevelError, LevelNotFoundError
 
     try:
         app(prog_name="babyrobot")
@@ -47,8 +48,11 @@ def _run() -> None:
         sys.exit(FINDINGS)
     except BabyRobotError as error:
         note(f"error: {error}")
-        if isinstance(error, ExecutorError):
-            note(f"  help: {error.help}")
+        help_text = error.help if isinstance(error, ExecutorError) else None
+        if isinstance(error, LevelNotFoundError) and not error.is_file:
+            help_text = argument(error.name, error.what, is_near=bool(error.nearest))
+        if help_text:
+            note(f"  help: {help_text}")
         sys.exit(WRONG_CALL)
     except OSError as error:
         note(

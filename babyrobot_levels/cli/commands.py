@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
-from difflib import get_close_matches
 from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from babyrobot_levels import __version__
+from babyrobot_levels.cli import meant
 
 
 class Line(NamedTuple):
@@ -88,6 +89,10 @@ class _Registry(Mapping[str, Any]):
         return len(COMMANDS)
 
 
+_UsageError: Any = typer.BadParameter.__mro__[1]
+_EXTRA = re.compile(r"unexpected extra argument\S* \(([^ )]+)")
+
+
 class _Commands(TyperGroup):
     """The group of all commands."""
 
@@ -103,8 +108,7 @@ class _Commands(TyperGroup):
         """Find the command that is meant, or suggest similar ones."""
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
-            same_start = [each for each in COMMANDS if name and each.startswith(name)]
-            similar = same_start or get_close_matches(name, COMMANDS)
+            similar = meant.commands(name, COMMANDS)
             hint = f" Did you mean {' or '.join(map(repr, similar))}?" if similar else ""
             ctx.fail(f"No such command {name!r}.{hint}")
         return super().resolve_command(ctx, args)
@@ -128,6 +132,15 @@ class _Commands(TyperGroup):
         except typer.BadParameter as error:
             # What a user typed was a word, not a value that raised an error.
             error.message = error.message.removeprefix("Value error, ")
+            raise
+        except _UsageError as error:
+            command: Any = error.ctx.command if error.ctx else self
+            known = [name for each in command.params for name in each.opts]
+            if option := meant.option(getattr(error, "option_name", ""), known):
+                error.possibilities = None
+                error.message += f". Did you mean {option}?"
+            elif found := _EXTRA.search(error.message):
+                error.message += meant.extra(found[1], known)
             raise
 
 

@@ -217,9 +217,12 @@ def list_levels(
         ),
     ] = None,
     packs: Annotated[bool, typer.Option("--packs", help="List packs instead of levels.")] = False,
+    suites: Annotated[
+        bool, typer.Option("--suites", help="List suites instead of levels.")
+    ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """List the levels that have names, or the packs.
+    """List the levels that have names, or the packs, or the suites.
 
     Levels are searched in levels/ of the current folder, in the folders of the environment
     variable BABYROBOT_LEVELS, in the gallery that comes with this package, in your own folder, and
@@ -231,15 +234,21 @@ def list_levels(
       babyrobot list --tag maze
 
       babyrobot list --packs
+
+      babyrobot list --suites
     """
     from babyrobot_levels.library.catalogue import catalogue, suite_files
     from babyrobot_levels.library.packs import unusable_packs
     from babyrobot_levels.library.search_path import PATH_VARIABLE, path_folders
 
-    if packs:
-        if tag:
-            fail("--tag cannot be combined with --packs", "leave out --tag")
-        list_packs(report_format)
+    if packs or suites:
+        if tag or (packs and suites):
+            what = "--tag" if tag else "--suites"
+            fail(
+                f"{what} cannot be combined with --{'packs' if packs else 'suites'}",
+                f"leave out {what}",
+            )
+        (list_packs if packs else list_suites)(report_format)
         _note_all(unusable_packs())
         return
     infos, broken = catalogue()
@@ -334,6 +343,29 @@ def list_packs(report_format: ReportFormat) -> None:
         for hidden in row.hides:
             name, front, behind = row.pack.name, row.pack.origin, hidden.origin
             note(one_line(f"{name} ({behind}) is hidden by {name} ({front})"))
+
+
+def list_suites(report_format: ReportFormat) -> None:
+    """Write the suites that have names."""
+    from babyrobot_levels.library.catalogue import suite_files
+    from babyrobot_levels.suites.suite import load_suite
+    from babyrobot_levels.text.errors import LevelError
+
+    rows: list[dict[str, Any]] = []
+    for name, path in sorted(suite_files().items()):
+        try:
+            suite = load_suite(path)
+        except LevelError:
+            note(f"{path} has errors (see `babyrobot validate`)")
+            continue
+        rows.append(
+            {"name": name, "levels": len(suite), "title": suite.fields.title, "path": str(path)}
+        )
+    if report_format is ReportFormat.JSON:
+        write_json(rows)
+    else:
+        cells = [(row["name"], f"{row['levels']:,}", one_line(row["title"] or "")) for row in rows]
+        write_table(("NAME", "LEVELS", "TITLE"), cells, ("TITLE",))
 
 
 def _row(pack: KnownPack, *hides: KnownPack) -> _Row:

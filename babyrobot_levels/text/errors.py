@@ -84,6 +84,7 @@ class LevelNotFoundError(BabyRobotError, LookupError):
     __module__ = "babyrobot_levels"
 
     what = "level"
+    listing = "babyrobot list"
 
     def __init__(self, name: str, nearest: Sequence[str] = (), is_file: bool = False):
         self.name = name
@@ -97,7 +98,7 @@ class LevelNotFoundError(BabyRobotError, LookupError):
         text = f"there is no {what} {name!r}"
         if self.nearest:
             text += f"; did you mean {' or '.join(map(repr, self.nearest))}?"
-        return text if self.is_file else text + f" (`babyrobot list` shows all {self.what}s)"
+        return text if self.is_file else text + f" (`{self.listing}` shows all {self.what}s)"
 
 
 class SuiteNotFoundError(LevelNotFoundError):
@@ -106,6 +107,7 @@ class SuiteNotFoundError(LevelNotFoundError):
     __module__ = "babyrobot_levels"
 
     what = "suite"
+    listing = "babyrobot list --suites"
 
 
 DISTRIBUTION = "babyrobot-levels"
