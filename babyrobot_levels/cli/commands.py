@@ -49,7 +49,7 @@ COMMANDS = {
     "play": Line("Look and play", "play:play", "Play a level in the terminal."),
     "replay": Line("Look and play", "replay:replay", "Verify and show recorded episodes."),
     "show": Line("Look and play", "show:show", "Show the facts about a level."),
-    "list": Line("Look and play", "show:list_levels", "List the levels that have names."),
+    "list": Line("Look and play", "show:list_levels", "List levels, suites or packs."),
     "solve": Line("Analyse", "solve:solve", "Compute an optimal policy and its values."),
     "score": Line("Analyse", "score:score", "Score agents and recorded episodes."),
     "compare": Line("Analyse", "compare:compare", "Test whether two levels are the same MDP."),

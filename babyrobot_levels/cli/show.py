@@ -222,7 +222,7 @@ def list_levels(
     ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """List the levels that have names, or the packs, or the suites.
+    """List the levels that have names, the suites or the packs.
 
     Levels are searched in levels/ of the current folder, in the folders of the environment
     variable BABYROBOT_LEVELS, in the gallery that comes with this package, in your own folder, and
