@@ -80,6 +80,7 @@ OTHER_NAMES = {
     "theme": "color colour colors style",
     "tags": "keyword category",
     "map": "drawing layout ascii desc level tile",
+    "count": "n num number num_level num_levels amount",
     # Of its parts.
     "at": "po pos position cell location coord coordinate coordinates x y from rect",
     "path": "to route waypoint",
@@ -114,6 +115,11 @@ ELSEWHERE = (
     ("version", "episode episodes", "a level is one world; `babyrobot score` plays episodes in it"),
     ("version", "policy", "a policy is a file of its own; `babyrobot solve` finds the best one"),
     ("version", "render_mode fps", "environments choose it: `gymnasium.make(…, render_mode=…)`"),
+    ("map", "count split splits levels train test", "a suite has it: add `kind: suite`"),
+    ("splits", "train test validation", "write `splits: {train: 0.8, test: 0.2}`"),
+    ("splits", "walls start exit doors map areas switches movers", "a suite grows its mazes; "
+     "with `levels: [name, …]` it lists levels of your own"),
+    ("algorithm loops", "seed", "the suite has one `seed`, from which each maze gets its own"),
     ("bump", "hole lava trap area", "it stands with the area: `areas: [{…, reward: -10}]`"),
     ("bump", "puddle small large", "it stands in `puddle_types: {small: {reward: -3}}`"),
     ("bump", "hit mover guard", "it stands in `hit: {reward: -10}`"),
@@ -181,12 +187,16 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         words = next(part.words for part in _parts(info) if isinstance(part, Forms))
         message = f"must be {words}, not {show(value)}"
         if kind == "literal_error":
-            return "BR204", message + did_you_mean(str(value), _choices(context["expected"])), None
+            return "BR204", message + _guess(value, _choices(context["expected"])), None
         return "BR203", message, _type_help(field, info, kind, value)
     if kind in TYPES:
         help_text = _type_help(field, info, kind, value)
         if names[:1] == ["legend"] and len(names) == 2:
             help_text = f"write `{field}: {{item: key}}`, with what the character stands for"
+        elif field == "size" and isinstance(value, list):
+            help_text = "write `{min: [5, 5], max: [8, 8]}` for sizes of a suite"
+        elif field == "splits":
+            help_text = "write `splits: {train: 0.8, test: 0.2}`"
         elif field == "at" and isinstance(value, list) and "one_of" in fields:
             help_text = "give several cells as `one_of: [[x, y], [x, y]]`"
         elif help_text is None and info is not None and TYPES[kind] in ("a list", "a mapping"):
@@ -199,7 +209,9 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
     if kind in ("literal_error", "enum"):
         return _choice(field, context["expected"], value)
     if kind in ("greater_than_equal", "greater_than", "less_than_equal", "less_than"):
-        return "BR205", f"must be {_bound(kind, context)}, not {show(value)}", None
+        is_percent = context.get("le") == 1 and 1 < value <= 100
+        help_text = f"write `{value / 100:g}` for {value:g} %" if is_percent else None
+        return "BR205", f"must be {_bound(kind, context)}, not {show(value)}", help_text
     if kind == "finite_number":
         return "BR205", f"must be a finite number, not {show(value)}", None
     if kind in ("too_short", "too_long"):
@@ -389,12 +401,17 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
         names += SIDE_NAMES
         side = DIRECTIONS.get(value.strip().lower()) if isinstance(value, str) else None
         guess = f"; did you mean `{side}`?" if side else ""
-    if not guess and isinstance(value, str):
-        others = (name for name in names if value.lower() in OTHER_CHOICES.get(name, ()))
-        other = next(others, None)
-        guess = f"; did you mean `{other}`?" if other else did_you_mean(value, names)
+    guess = guess or _guess(value, names)
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     return "BR204", f"must be {shown}, not {show(value)}{guess}", None
+
+
+def _guess(value: Any, names: Sequence[str]) -> str:
+    """Return the question whether one of several values is meant."""
+    if not isinstance(value, str):
+        return ""
+    other = next((each for each in names if value.lower() in OTHER_CHOICES.get(each, ())), None)
+    return f"; did you mean `{other}`?" if other else did_you_mean(value, names)
 
 
 def _choices(expected: str) -> list[str]:
