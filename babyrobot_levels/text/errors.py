@@ -14,6 +14,15 @@ class BabyRobotError(Exception):
 
     __module__ = "babyrobot_levels"
 
+    def _render_traceback_(self) -> list[str]:
+        """Return what IPython shows: the line that called, and the message."""
+        import traceback
+
+        ours = (str(Path(__file__).parents[1]), "site-packages")
+        frames = traceback.extract_tb(self.__traceback__)
+        callers = [frame for frame in frames if not any(each in frame.filename for each in ours)]
+        return [*traceback.format_list(callers[-1:]), f"{type(self).__name__}: {self}"]
+
 
 class LevelError(BabyRobotError, ValueError):
     """A level that cannot be used. Carries the `diagnostics` and prints them.
@@ -40,15 +49,6 @@ class LevelError(BabyRobotError, ValueError):
             parts.append(f"{count} error{'s' if count != 1 else ''}")
         parts += [diagnostic.shown(width) for diagnostic in self.diagnostics]
         return "\n\n".join(parts) or "the level cannot be used"
-
-    def _render_traceback_(self) -> list[str]:
-        """Return what IPython shows: the line that called, and the diagnostics."""
-        import traceback
-
-        package = str(Path(__file__).parents[1])
-        frames = traceback.extract_tb(self.__traceback__)
-        callers = [frame for frame in frames if not frame.filename.startswith(package)]
-        return [*traceback.format_list(callers[-1:]), f"{type(self).__name__}: {self}"]
 
     def __reduce__(self) -> tuple[type[LevelError], tuple[tuple[Diagnostic, ...], str | None]]:
         return type(self), (self.diagnostics, self.message)

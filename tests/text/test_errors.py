@@ -17,7 +17,13 @@ from babyrobot_levels.text.errors import how_to_install
 CODE = """\
 from IPython.core.interactiveshell import InteractiveShell
 
-InteractiveShell().run_cell("import babyrobot_levels as brl\\nlevel = brl.loads('sise: 3')")
+cells = (
+    "import gymnasium, babyrobot_levels as brl\\nlevel = brl.loads('sise: 3')",
+    "brl.make('final-mase')",
+    "gymnasium.make('babyrobot/Level-v0', level='final-mase')",
+)
+for cell in cells:
+    InteractiveShell.instance().run_cell(cell)
 """
 
 
@@ -25,7 +31,11 @@ def test_in_a_notebook_an_error_shows_the_call_and_the_diagnostics(tmp_path: Pat
     shown = re.sub("\x1b\\[[0-9;]*m", "", run(CODE, tmp_path))
     assert "level = brl.loads('sise: 3')" in shown
     assert "<text>:1:1: error BR201: unknown field `sise`; did you mean `size`?" in shown
+    assert "brl.make('final-mase')" in shown
+    assert "level='final-mase')" in shown
+    assert shown.count("there is no level called 'final-mase'; did you mean") == 2
     assert "babyrobot_levels/" not in shown.replace("\\", "/")
+    assert "site-packages" not in shown
 
 
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"][
