@@ -15,7 +15,30 @@ from babyrobot_levels.envs import registration
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
-mdp.load = lambda level: __getattr__("load")(level)
+_OTHER_NAMES = {
+    "load": ("level", "read", "open", "parse"),
+    "load_suite": ("suite", "read_suite"),
+    "make": ("BabyRobotEnv", "BabyRobot", "env", "Env", "environment"),
+    "solve": ("train", "learn", "value_iteration", "policy_iteration"),
+    "preview": ("render", "draw", "plot"),
+    "score": ("grade", "benchmark"),
+    "validate": ("check",),
+    "levels": ("list", "list_levels", "names"),
+}
+"""Public names, and what others expect them to be called."""
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used."""
+    ours = next((each for each, others in _OTHER_NAMES.items() if name in others), None)
+    if ours is not None:
+        message = f"module {__name__!r} has no attribute {name!r}; did you mean {ours!r}?"
+        # With a name, Python would add a guess of its own.
+        raise AttributeError(message, name="", obj=None)
+    return _public(name)
+
+
+mdp.load = lambda level: _public("load")(level)
 registration.install()

@@ -96,8 +96,11 @@ def score(
         EpisodeTooLongError: the limit of a level is so large that this takes too long.
         TypeError: the agent is none that scoring knows.
     """
+    agents = (BEST, *NAMED)
     if isinstance(agent, str):
-        check_choice("agent", agent, (BEST, *NAMED))
+        if agent not in agents and levels in agents:
+            raise ValueError(f"the agent comes first: `brl.score({levels!r}, {agent!r})`")
+        check_choice("agent", agent, agents)
     check_choice("actions", actions, ACTION_SETS)
     chosen = checked_observation(observation=observation, **options)
     own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)

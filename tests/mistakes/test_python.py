@@ -1,0 +1,68 @@
+"""Mistakes in Python: what each call raises, and what it says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import babyrobot_levels as brl
+
+SCOPE: dict[str, Any] = {"brl": brl, "gymnasium": gymnasium, "np": np}
+MISTAKES = (
+    ("brl.Level(version=1, width=5)", "unknown field `width`; did you mean `size`?"),
+    ("brl.Level(version=1, size=5)", "`size` must be `[width, height]`, not `5`"),
+    ("brl.load('final_maze')", "no level called 'final_maze'; did you mean 'final-maze'"),
+    ("brl.load('Final Maze')", "no level called 'Final Maze'; did you mean 'final-maze'"),
+    ("brl.load('nothing.yaml')", "there is no file 'nothing.yaml'"),
+    ("brl.load(3)", "a level is a name, a path, a mapping or a Level, not int"),
+    ("brl.load({'size': [3, 3]})", "a level begins with `version: 1`"),
+    ("brl.loads('maze.yaml')", "the file does not contain a mapping of fields"),
+    ("brl.level('maze')", "has no attribute 'level'; did you mean 'load'?"),
+    ("brl.suite('small-mazes')", "has no attribute 'suite'; did you mean 'load_suite'?"),
+    ("brl.BabyRobotEnv()", "has no attribute 'BabyRobotEnv'; did you mean 'make'?"),
+    ("brl.train('maze')", "has no attribute 'train'; did you mean 'solve'?"),
+    ("brl.check('maze')", "has no attribute 'check'; did you mean 'validate'?"),
+    ("brl.make('maze', render_mode='ansii')", "not 'ansii'; did you mean `ansi`?"),
+    ("brl.make('maze', observation='plane')", "not 'plane'; did you mean `planes`?"),
+    ("brl.make('maze', obs='planes')", "argument 'obs'; did you mean `observation`?"),
+    ("brl.make('maze', action='turns')", "argument 'action'; did you mean `actions`?"),
+    ("brl.make('maze', actions='turn')", "not 'turn'; did you mean `turns`?"),
+    ("brl.make('maze', is_slippery=False)", "the field `skid` of the level says"),
+    ("brl.make('maze').step(0)", "call `reset()` before the first `step()`"),
+    ("gymnasium.make('babyrobot/Level-v0')", 'level="final-maze"'),
+    ("gymnasium.make('babyrobot/Levl-v0')", "Did you mean: `Level`?"),
+    (
+        "gymnasium.make_vec('babyrobot/Level-v0', num_envs=0, level='maze')",
+        "num_envs must be a whole number, at least 1, not 0",
+    ),
+    (
+        "gymnasium.make_vec('babyrobot/Level-v0', num_envs=3, level='maze', engine='jax')",
+        "engine must be 'numpy', 'compiled' or None, not 'jax'",
+    ),
+    ("brl.solve('maze', discount=2)", "discount must be above 0 and at most 1, not 2"),
+    ("brl.solve('maze', within=-1)", "a number of steps from 1 on, or 'max_steps', not -1"),
+    ("brl.solve('random-maze')", "`level.with_maze_seed(n)` gives one of them"),
+    ("brl.score('maze', 'random')", "the agent comes first: `brl.score('random', 'maze')`"),
+    ("brl.score('randm', 'maze')", "not 'randm'; did you mean `random`?"),
+    ("brl.score(np.zeros(3), 'final-maze')", "an array [5, 8] of actions"),
+    ("brl.rollout('maze', 'bst')", "the optimal one is `brl.solve(level)`"),
+    ("brl.generate('small-maze', count=2)", "called 'small-maze'; did you mean 'small-mazes'?"),
+    ("brl.generate(cout=2)", "unknown field `cout`; did you mean `count`?"),
+    ("brl.preview('maze', 'x.jpg')", "use one of svg, pdf, png, gif, html"),
+    ("brl.load('maze').to_png(scale=-1)", "scale must be above 0 and at most 100, not -1"),
+    ("brl.load('maze').to_svg(theme='dark')", "known themes: default, black_orange"),
+    ("brl.load('maze').to_svg(values=[1, 2])", "`values` has the shape (2,)"),
+    ("brl.load('maze').to_svg(policy='greedy')", "a policy given by name is 'best'"),
+    ("brl.load('maze').with_maze_seed('x')", "must be an integer, not 'x'"),
+)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("call", "told"), MISTAKES, ids=lambda text: text[:40])
+def test_each_call_says_what_is_meant(call: str, told: str) -> None:
+    with pytest.raises(Exception) as caught:  # noqa: PT011
+        eval(call, SCOPE)
+    assert told in str(caught.value)
