@@ -293,6 +293,7 @@ def address() -> Iterator[str]:
 
 
 @pytest.mark.libraries
+@pytest.mark.flaky(reruns=1)
 def test_ppo_is_scored_in_each_maze_of_the_other_split(address: str, tmp_path: Path) -> None:
     script = EXAMPLES / "ppo_rllib_suite.py"
     arguments = ["--steps", "4000", "--env-runners", "1", "--address", address]
@@ -326,6 +327,7 @@ def test_where_there_is_no_cluster_it_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.libraries
+@pytest.mark.flaky(reruns=1)
 def test_a_sweep_finds_what_each_of_its_trials_finds_alone(tmp_path: Path) -> None:
     sizes, seeds, episodes = [0.1, 1.0], [0, 1], 100
     arguments = ["--step-sizes", *sizes, "--seeds", len(seeds), "--episodes", episodes]
