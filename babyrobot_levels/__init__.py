@@ -23,7 +23,7 @@ _OTHER_NAMES = {
     "make": ("BabyRobotEnv", "BabyRobot", "env", "Env", "environment"),
     "solve": ("train", "learn", "value_iteration", "policy_iteration"),
     "preview": ("render", "draw", "plot"),
-    "score": ("grade", "benchmark"),
+    "score": ("benchmark",),
     "validate": ("check",),
     "levels": ("list", "list_levels", "names"),
 }

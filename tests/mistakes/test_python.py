@@ -66,3 +66,9 @@ def test_each_call_says_what_is_meant(call: str, told: str) -> None:
     with pytest.raises(Exception) as caught:  # noqa: PT011
         eval(call, SCOPE)
     assert told in str(caught.value)
+
+
+def test_names_of_others_lead_to_public_names_and_hide_none() -> None:
+    ours, others = {*brl._OTHER_NAMES}, {*sum(brl._OTHER_NAMES.values(), ())}
+    assert ours <= {*brl.__all__}
+    assert others.isdisjoint(brl.__all__)
