@@ -21,7 +21,7 @@ _OTHER_NAMES = {
     "load": ("level", "read", "open", "parse"),
     "load_suite": ("suite", "read_suite"),
     "make": ("BabyRobotEnv", "BabyRobot", "env", "Env", "environment"),
-    "solve": ("train", "learn", "value_iteration", "policy_iteration"),
+    "solve": ("train", "learn", "optimal_policy"),
     "preview": ("render", "draw", "plot"),
     "score": ("benchmark",),
     "validate": ("check",),
