@@ -223,3 +223,11 @@ def test_rectangles_of_very_many_cells_have_two_corners(monkeypatch: pytest.Monk
 
 def test_walls_of_a_maze_have_no_places() -> None:
     assert places(Session("version: 1\nsize: [9, 9]\nmaze: {seed: 1}\n"), "wall") == []
+
+
+def test_drawn_walls_and_glass_say_how_often_they_let_pass() -> None:
+    session = Session("version: 1\nmap: |\n  +---+---+---+\n  | S : E |   |\n  +---+---+---+\n")
+    sides = {
+        place["fields"]["at"][0]: place["fields"] for place in found(session) if place["sides"]
+    }
+    assert {x: fields["pass"] for x, fields in sides.items()} == {0: 0.5, 1: 0}

@@ -17,6 +17,7 @@ from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Text
+from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.words.describe import goal_of
 from babyrobot_levels.render.words.phrases import chance, color_name, ranges
 from babyrobot_levels.render.words.rules import MOST, rules_of
@@ -207,6 +208,16 @@ def test_samples_are_pictures_of_the_size_asked_for(theme: str) -> None:
                     case Path():
                         points = [n for _, numbers in shape.commands for n in numbers]
                         assert -2 <= min(points) <= max(points) <= 20
+
+
+def test_the_sample_of_glass_is_glass_and_that_of_a_wall_is_not() -> None:
+    walls = [{"at": (0, 0), "side": "E", "pass": 0.5}, {"at": (0, 1), "side": "E"}]
+    world = level(walls=walls)
+    for sample in ("glass", "wall"):
+        strokes = {
+            shape.stroke for shape in sample_shapes(world, sample, 18) if isinstance(shape, Path)
+        }
+        assert (GLASS in strokes) == (sample == "glass")
 
 
 # -- the box -------------------------------------------------------------------------------------
