@@ -45,7 +45,7 @@ OPTIONS = {
     "--within": "--steps --horizon --max-steps --limit",
     "--size": "--width --height --dimensions",
     "--cell": "--size --width --height --zoom --pixels",
-    "--jobs": "-j --workers --processes --parallel --threads",
+    "--jobs": "--workers --processes --parallel --threads",
     "--tag": "--filter --search --tags --category",
     "--format": "--type --json --csv",
     "--seed": "--random-state",

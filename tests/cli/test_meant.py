@@ -1,0 +1,24 @@
+"""What leads from words of other programs to ours leads to what there is."""
+
+from __future__ import annotations
+
+from babyrobot_levels.cli import meant
+from babyrobot_levels.cli.commands import COMMANDS, _Registry
+
+
+def test_words_that_are_no_commands_lead_to_commands() -> None:
+    words = [word for others in meant.COMMANDS.values() for word in others.split()]
+    assert not {*words} & {*COMMANDS}
+    assert {each.split()[0] for each in meant.COMMANDS} <= {*COMMANDS, "--help", "--version"}
+
+
+def test_options_of_others_lead_to_options_of_a_command_that_lacks_them() -> None:
+    registry = _Registry()
+    known = [{name for each in registry[one].params for name in each.opts} for one in COMMANDS]
+    led = {
+        name
+        for ours, others in meant.OPTIONS.items()
+        for name in others.split()
+        if any(name not in has and meant.option(name, has) == f"`{ours}`" for has in known)
+    }
+    assert led == {name for others in meant.OPTIONS.values() for name in others.split()}
