@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeGuard, get_args, get_origin
 
 from pydantic import BaseModel
@@ -65,16 +65,16 @@ OTHER_NAMES = {
     "discount": "gamma discount_factor",
     "max_steps": "horizon time_limit max_episode_steps max_episode_step episode_length step limit "
     "timeout",
-    "skid": "slip slippery is_slippery slipperiness slip_prob slip_probability noise success_rate "
+    "skid": "slip slippery is_slippery slipperiness slip_prob slip_probability noise "
     "random_action_prob",
-    "areas": "hole lava trap pit ice cliff mud terrain zone region",
+    "areas": "terrain zone region",
     "puddles": "water",
     "blocked": "rock block pillar solid",
     "items": "object treasure gem pickup",
     "movers": "npc ghost patrol ball",
     "switches": "plate",
     "warps": "tunnel",
-    "rewards": "reward_range step_reward living_reward living_cost step_cost penalty",
+    "rewards": "step_reward living_reward living_cost step_cost penalty",
     "maze": "seed algorithm generator random",
     "walls": "barrier fence",
     "theme": "color colour colors style",
@@ -82,7 +82,7 @@ OTHER_NAMES = {
     "map": "drawing layout ascii desc level tile",
     "count": "n num number num_level num_levels amount",
     # Of its parts.
-    "at": "po pos position cell location coord coordinate coordinates x y from rect",
+    "at": "po pos position cell location coord coordinate coordinates x y from",
     "path": "to route waypoint",
     "side": "direction dir edge facing orientation",
     "needs": "key locked open requires required",
@@ -114,6 +114,13 @@ ELSEWHERE = (
      "`level.compile()` has them"),
     ("version", "episode episodes", "a level is one world; `babyrobot score` plays episodes in it"),
     ("version", "policy", "a policy is a file of its own; `babyrobot solve` finds the best one"),
+    ("version", "success_rate success_prob", "it is `skid` seen from the other side: "
+     "`skid: 0.2` for moves that succeed with 0.8"),
+    ("version", "reward_range", "it follows from the rewards: leave it out"),
+    ("areas", "hole holes lava trap traps pit pits cliff cliffs", "each is an area that ends the "
+     "episode: `areas: [{at: [x, y], reward: -10, ends: true}]`"),
+    ("areas", "ice mud", "it is an area in which the robot skids: "
+     "`areas: [{at: [x, y], skid: 0.2}]`"),
     ("version", "render_mode fps", "environments choose it: `gymnasium.make(…, render_mode=…)`"),
     ("map", "count split splits levels train test", "a suite has it: add `kind: suite`"),
     ("splits", "train test validation", "write `splits: {train: 0.8, test: 0.2}`"),
@@ -135,9 +142,24 @@ ELSEWHERE = (
     ("at size", "reward skid", "puddles of a size share it: `puddle_types: {small: {reward: -3}}`"),
     ("side", "from to between cells", "it has one cell and a side: `{at: [x, y], side: E}`"),
     ("path", "at pos position", "a mover has a `path` of cells, or walks `within` a rectangle"),
+    ("ends", "rect rectangle", "an area has a corner and a size: `{at: [x, y], size: [2, 1]}`"),
+    ("path", "from to", "list all cells of its way: `path: [[0, 1], [1, 1]]`, `back: true`"),
     ("path", "speed velocity", "a mover makes one step in each step of the robot"),
 )  # fmt: skip
 """What is no field, and where that is; in mappings with a field, or with exactly these fields."""
+
+FORMS = {
+    "size": "[width, height]",
+    "exit": "[x, y]",
+    "discount": "0.9",
+    "max_steps": "100",
+    "skid": "0.2",
+    "areas": "[{at: [x, y], reward: -10}]",
+    "doors": "[{at: [x, y], side: E, needs: key}]",
+    "movers": "[{path: [[0, 1], [1, 1]]}]",
+    "theme": "{colors: {walls: blue}}",
+}
+"""Values of fields of a level, as examples that say more than the types do."""
 
 OTHER_CHOICES = {
     "depth-first": ("dfs", "recursive-backtracker", "recursive-backtracking", "backtracking"),
@@ -179,7 +201,7 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
             # `{step: -0,1}` is what YAML takes for `{step: -0, 1: }`.
             help_text = "write decimals with a point, such as `0.1`: a comma separates entries"
             return "BR201", f"unknown field `{shortened(field)}`", help_text
-        return _unknown(field, fields)
+        return _unknown(field, value, fields)
     if kind == "missing":
         help_text = beginning(model) if field == "version" else MISSING.get(field)
         return "BR202", f"missing field `{field}`", help_text
@@ -192,7 +214,9 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
     if kind in TYPES:
         help_text = _type_help(field, info, kind, value)
         if names[:1] == ["legend"] and len(names) == 2:
-            help_text = f"write `{field}: {{item: key}}`, with what the character stands for"
+            help_text = _elsewhere(str(value), ("switch",)) or (
+                f"write `{field}: {{item: key}}`, with what the character stands for"
+            )
         elif field == "size" and isinstance(value, list):
             help_text = "write `{min: [5, 5], max: [8, 8]}` for sizes of a suite"
         elif field == "splits":
@@ -209,7 +233,7 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
     if kind in ("literal_error", "enum"):
         return _choice(field, context["expected"], value)
     if kind in ("greater_than_equal", "greater_than", "less_than_equal", "less_than"):
-        is_percent = context.get("le") == 1 and 1 < value <= 100
+        is_percent = context.get("le") == 1 and 2 <= value <= 100
         help_text = f"write `{value / 100:g}` for {value:g} %" if is_percent else None
         return "BR205", f"must be {_bound(kind, context)}, not {show(value)}", help_text
     if kind == "finite_number":
@@ -320,32 +344,52 @@ def _named(value: Any) -> str:
     return f"`{shortened(value)}`" if value != "" else "an empty text"
 
 
-def _unknown(field: str, fields: Mapping[str, FieldInfo]) -> Complaint:
+def _unknown(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> Complaint:
     """Return what a field that does not exist may be meant to be."""
     message = f"unknown field `{shortened(field)}`"
     word = field.lower().replace("-", "_")
+    if (text := _elsewhere(word, fields)) is not None:
+        return "BR201", message, text
+    known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
+    other = _other_name(word, fields)
+    if other is None:
+        return "BR201", message + did_you_mean(field, fields), known
+    return "BR201", f"{message}; did you mean `{other}`?", known or _example(other, value, fields)
+
+
+def _elsewhere(word: str, fields: Collection[str]) -> str | None:
+    """Return where something is that is no field of a mapping with these fields."""
     for beside, names, text in ELSEWHERE:
         there = beside in fields or beside.split() == [*fields]
         if there and word not in fields and word in names.split():
-            return "BR201", message, text
-    known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
-    return "BR201", message + (_other_name(word, fields) or did_you_mean(field, fields)), known
+            return text
+    return None
 
 
-def _other_name(word: str, fields: Mapping[str, FieldInfo]) -> str:
-    """Return the question whether a field is meant that others call by this name."""
+def _example(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> str:
+    """Return how a field is written, with the value that another one got if it fits."""
+    example = FORMS.get(field) or _sample_of(fields[field])
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    is_pair = isinstance(value, list) and [*map(type, value)] == [int, int]
+    if (is_number and example[0].isdigit()) or (is_pair and example == "[x, y]"):
+        example = show(value).strip("`")
+    return f"write `{field}: {example}`"
+
+
+def _other_name(word: str, fields: Mapping[str, FieldInfo]) -> str | None:
+    """Return the field that others call by this name."""
     names = {kind.field: set(kind.other_names) for kind in KINDS}
     for field in (each for each in fields if each != word):
         others = names.get(field, set()) | set(OTHER_NAMES.get(field, "").split())
         if word in others or word.removesuffix("s") in others:
-            return f"; did you mean `{field}`?"
-    return ""
+            return field
+    return None
 
 
 def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str | None:
+    if field == "exit" and (value is None or value is False):
+        return "write `exit: none` for a level without an exit"
     if value is None:
-        if field == "exit":
-            return "write `exit: none` for a level without an exit"
         if COLOR_CHECK in _parts(info):
             return "put quotes around a colour that begins with `#`, or remove the field"
         return "give it a value, or remove the field"
@@ -359,6 +403,12 @@ def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str
         return f"write `{value.replace(',', '.')}`, with a decimal point"
     if field == "maze" and (_is_word(value, "random") or type(value) is int):
         return f"write `maze: {{seed: {value}}}`"
+    if field == "max_steps" and (_is_word(value, "none", "inf", "infinity", ".inf", "unlimited")):
+        return "leave it out for episodes without a limit"
+    if field == "skid" and value is True:
+        return "write `skid: 0.2`, how likely the robot skids"
+    if field == "map" and isinstance(value, list):
+        return "draw it below `map: |`, or convert a map of FrozenLake with `babyrobot import`"
     if field == "hit" and isinstance(value, int | float):
         return f"write `hit: {{reward: {value}}}`"
     if kind.startswith("model_") and any(

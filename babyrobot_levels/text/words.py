@@ -125,6 +125,8 @@ def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
         return Words("content after the end of the document", "a file contains one document")
     if "expected key" in problem or "'-' indicator" in problem:
         if before and before != "-":
+            if here == ",":
+                return Words("unexpected `,` after the value", "remove it: each field has a line")
             return Words("unexpected text after the value", "put quotes around the whole text")
         return Words(
             "the indentation does not match the lines above",

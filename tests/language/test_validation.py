@@ -50,7 +50,7 @@ def test_good_files_load(path: Path) -> None:
 
 @pytest.mark.parametrize("path", BAD, ids=lambda path: path.stem)
 def test_bad_files_are_reported_as_expected(path: Path) -> None:
-    """`renew_reports.py` writes the expectations anew."""
+    """`scripts/renew.py` writes the expectations anew."""
     assert report(path) == path.with_suffix(".txt").read_text(encoding="utf-8")
 
 
