@@ -121,10 +121,31 @@ class Facts(Shown, dict[str, Any]):
     __module__ = "babyrobot_levels"
 
     def lines(self) -> dict[str, str]:
-        """Return the facts as texts, those of the metrics among them, without the drawing."""
-        facts = {name: value for name, value in self.items() if name != "drawing"}
-        facts |= facts.pop("metrics") or {}
-        return {name: text_of(value) for name, value in facts.items()}
+        """Return the facts as texts, those of the metrics among them, without the drawing.
+
+        A metric that a level does not have says why.
+        """
+        texts = {
+            name: text_of(value)
+            for name, value in self.items()
+            if name not in ("drawing", "metrics")
+        }
+        for name, value in (self["metrics"] or {}).items():
+            texts[name] = self._why_none(name) if value is None else text_of(value)
+        if self["metrics"] and "difficulty" not in self["metrics"]:
+            texts["difficulty"] = f"not computed above {MAX_SOLVED:,} states, nor are returns"
+        return texts
+
+    def _why_none(self, name: str) -> str:
+        found = self["metrics"]
+        if name in ("path_length", "turns", "detour", "difficulty"):
+            if not self["exits"]:
+                return "none: there is no exit"
+            if found["path_length"] is None:
+                return "none: from a start, no path to an exit is known"
+        if name == "difficulty" and None not in (found["best_return"], found["random_return"]):
+            return "none: the best policy does not go to an exit"
+        return "none: undefined, or episodes are too long to compute"
 
     def __repr__(self) -> str:
         rows = {name: text for name, text in self.lines().items() if text}

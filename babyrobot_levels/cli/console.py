@@ -8,6 +8,7 @@ import math
 import re
 import struct
 import sys
+import textwrap
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import StrEnum
@@ -218,33 +219,64 @@ def percent(value: float | None) -> str:
 
 
 def fact_lines(facts: Mapping[str, str]) -> str:
-    """Return names and values, one below the other, with the values aligned."""
-    width = max(map(len, facts)) + 1
-    lines = (
-        bold(f"{name}:".ljust(width)) + " " + value.replace("\n", "\n" + " " * (width + 1)) + "\n"
+    """Return names and values, one below the other, with the values aligned.
+
+    On a terminal, lines break between words, and a word without room has a line of its own.
+    """
+    indent = max(map(len, facts)) + 2
+    width = width_of(sys.stdout)
+    return "".join(
+        bold(f"{name}:".ljust(indent - 1)) + _value(value, indent, width) + "\n"
         for name, value in facts.items()
         if value
     )
-    return "".join(lines)
+
+
+def _value(text: str, indent: int, width: int | None) -> str:
+    """Return a value with what stands before its lines."""
+    before = f"\n{' ' * indent}"
+    if width is not None:
+        room = max(width - indent, _LEAST)
+        if any(columns(word) > room for word in text.split()):
+            before, room = "\n  ", max(width - 2, _LEAST)
+            text = "\n" + text
+        text = "\n\n".join(_broken(part, room) for part in text.split("\n\n"))
+    return " " * (not text.startswith("\n")) + text.replace("\n", before)
+
+
+def _broken(paragraph: str, room: int) -> str:
+    """Return a paragraph whose lines are broken anew if one of them has no room."""
+    if all(columns(line) <= room for line in paragraph.split("\n")):
+        return paragraph
+    indent = "\n" * paragraph.startswith("\n")
+    return indent + textwrap.fill(paragraph, room, break_long_words=False, break_on_hyphens=False)
 
 
 def write_table(
-    heading: Sequence[str], rows: Sequence[Sequence[str]], less: Sequence[str] = ()
+    heading: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    less: Sequence[str] = (),
+    groups: Sequence[str] = (),
 ) -> None:
     """Write a table to standard output, one line for each row.
 
     On a terminal it is as wide as there is room: texts of the columns `less` are cut between
-    words, those of the first one first, and a column without room is left out.
+    words, those of the first one first, and a column without room is left out. `groups` has the
+    group of each row: it stands above its rows.
     """
     cells = [list(heading), *(list(row) for row in rows)]
     width = width_of(sys.stdout)
     for name in less:
         if width is not None:
             _narrow(cells, cells[0].index(name), width)
-    write(_table(cells))
+    first, *lines = _table(cells).splitlines()
+    for number, group in reversed([*enumerate(groups)]):
+        if number == 0 or groups[number - 1] != group:
+            lines[number:number] = [*([""] if number else []), bold(f"{group}:")]
+    write("\n".join([first, *lines]) + "\n")
 
 
-_LEAST = 10
+_LEAST = 16
 """The least columns in which a cut text says something."""
 
 

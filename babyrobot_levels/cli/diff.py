@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
+from textwrap import indent
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -59,13 +60,14 @@ def diff(
         ),
     ],
     limit: Annotated[
-        int,
-        typer.Option(
+        int | None,
+        value_option(
+            "N",
+            "How many things, cells, walls and transitions to show; 0 shows all.  [default: 10; "
+            "transitions are only counted if something else has changed]",
             min=0,
-            metavar="N",
-            help="How many things, cells, walls and transitions to show; 0 shows all.",
         ),
-    ] = 10,
+    ] = None,
     maze_seed: Annotated[
         int | None,
         value_option("N", "Seed for the maze of levels with a random maze.  [default: 0]"),
@@ -87,7 +89,7 @@ def diff(
       babyrobot diff default side-panel --format json --limit 0
     """
     if is_from_git(levels):
-        write(text_for_git(levels, limit or None))
+        write(text_for_git(levels, limit))
         return
     if len(levels) != 2:
         fail(f"expected two levels, not {len(levels)}")
@@ -98,14 +100,20 @@ def diff(
     from babyrobot_levels.analysis.diff import diff as difference_of
 
     with working("comparing"):
-        difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)
+        difference = difference_of(before, after, limit=_most(limit), maze_seed=maze_seed or 0)
     if report_format is ReportFormat.JSON:
         write_json({"before": names[0], "after": names[1], **difference_data(difference)})
     else:
         result = "the same MDP" if difference.same_game else "different MDPs"
-        write(difference_text(difference, f"{names[0]} and {names[1]} are {result}"))
+        title = f"{names[0]} and {names[1]} are {result}"
+        write(difference_text(difference, title, brief=limit is None))
     if not difference.same_game:
         raise typer.Exit(FINDINGS)
+
+
+def _most(limit: int | None) -> int | None:
+    """Return how many changes of a kind `--limit` lets be shown; None for all."""
+    return 10 if limit is None else limit or None
 
 
 def _loaded(before: str, after: str) -> tuple[Level, Level]:
@@ -179,9 +187,9 @@ def _compared(title: str, before: Version | None, after: Version | None, limit: 
         return f"{one_line(title)}: not a valid level {which} the change\n" + _lines(
             title, before, after
         )
-    difference = diff(before.level, after.level, limit=limit)
+    difference = diff(before.level, after.level, limit=_most(limit))
     result = "the same MDP" if difference.same_game else "another MDP"
-    return difference_text(difference, f"{title}: {result}")
+    return difference_text(difference, f"{title}: {result}", brief=limit is None)
 
 
 def _alone(title: str, before: Version | None, after: Version | None) -> str:
@@ -222,11 +230,17 @@ def difference_data(difference: Difference) -> dict[str, Any]:
     return data
 
 
-def difference_text(difference: Difference, title: str) -> str:
-    """Return the difference as a text with a title."""
+def difference_text(difference: Difference, title: str, *, brief: bool) -> str:
+    """Return the difference as a text with a title.
+
+    Args:
+        difference: the difference.
+        title: the title.
+        brief: whether to count transitions only, if they follow from other changes.
+    """
     same = difference.same_game
     parts = [f"{one_line(title)}\n"]
-    lines = [*_mdp_lines(difference)]
+    lines = [*_mdp_lines(difference, brief)]
     if lines and same:
         parts.append(_section("changed, without effect on the MDP:", lines))
     elif lines:
@@ -240,15 +254,23 @@ def difference_text(difference: Difference, title: str) -> str:
 
 
 def _section(title: str, lines: list[str]) -> str:
-    return f"{bold(title)}\n" + "".join(f"  {line}\n" for line in lines)
+    return f"{bold(title)}\n" + "".join(indent(f"{line}\n", "  ") for line in lines)
 
 
-def _mdp_lines(difference: Difference) -> Iterator[str]:
-    yield from map(_field_line, difference.game)
-    yield from _listed("things", difference.things, thing_lines)
-    yield from _listed("cells", difference.cells, _cell_lines)
-    yield from _listed("walls", difference.walls, _wall_lines)
-    yield from _listed("transitions", difference.transitions, _transition_lines)
+def _mdp_lines(difference: Difference, brief: bool) -> Iterator[str]:
+    causes = [
+        *map(_field_line, difference.game),
+        *_listed("things", difference.things, thing_lines),
+        *_listed("cells", difference.cells, _cell_lines),
+        *_listed("walls", difference.walls, _wall_lines),
+    ]
+    yield from causes
+    changes = difference.transitions
+    if brief and causes and changes.count:
+        what = bold("transitions:")
+        yield f"{what} {changes.count:,} of {changes.total:,} changed (--limit 0 shows all)"
+    else:
+        yield from _listed("transitions", changes, _transition_lines)
 
 
 def _return_lines(difference: Difference) -> Iterator[str]:
@@ -288,6 +310,8 @@ def _field_line(change: Change) -> str:
         # The looks of many entries are easier to see in a picture.
         return f"{bold(name)} changed"
     before, after = (_value(value, change.name) for value in (change.before, change.after))
+    if len(before) + len(after) > WIDEST:
+        return f"{bold(name)}\n  before: {before}\n  after:  {after}"
     return f"{bold(name)} {before} -> {after}"
 
 
@@ -380,7 +404,8 @@ def thing_lines(change: Change) -> list[str]:
     if kind == "things":
         orders = [", ".join(names) for names in (change.before, change.after)]
         return [f"they count in another order: {' -> '.join(orders)}"]
-    subject = f"the {name}"
+    # A name that is taken begins with "the-" already.
+    subject = name if name.startswith("the-") else f"the {name}"
     if kind == "doors" and change.cell is not None:
         subject = f"the door {_SIDES[name]} of {show_cell(change.cell)}"
     before, after = (dict(_said(each)) for each in (change.before, change.after))

@@ -225,7 +225,9 @@ class _Table(_Lines):
 
     def close(self) -> None:
         if self._cells:
-            write_table(("level", *(heading for heading, _, _ in self._columns)), self._cells)
+            headings = [heading for heading, _, _ in self._columns]
+            less = [each for each in ("loops", "dead_ends") if each in headings]
+            write_table(("level", *headings), self._cells, less)
 
 
 MAX_LINE = 1 << 20

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,6 +21,7 @@ from babyrobot_levels.cli.console import (
     fact_lines,
     fail,
     note,
+    width_of,
     write,
     write_json,
     write_table,
@@ -141,7 +143,7 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
         return
     texts = {name: printable(text) for name, text in facts.lines().items()}
     for name in UNLIMITED:
-        if texts.get(name):
+        if (facts["metrics"] or {}).get(name) is not None:
             texts[name] = with_limit(texts[name], None, loaded.max_steps)
     write(fact_lines(texts))
     if loaded.has_random_maze:
@@ -281,17 +283,24 @@ def _note_all(problems: Iterable[str]) -> None:
 
 
 def _write_levels(infos: list[LevelInfo]) -> None:
+    """Write a row for each level; for people, by where levels are from, if that differs."""
+    is_shown = width_of(sys.stdout) is not None
+    if is_shown:
+        infos = sorted(infos, key=attrgetter("origin"))
+    origins = [one_line(info.origin) for info in infos]
     rows = [
         (
             info.name,
             f"{info.size[0]}x{info.size[1]}",
             one_line(info.title or ""),
             ", ".join(info.tags),
-            one_line(info.origin),
+            *([] if is_shown else [origin]),
         )
-        for info in infos
+        for info, origin in zip(infos, origins, strict=True)
     ]
-    write_table(("NAME", "SIZE", "TITLE", "TAGS", "FROM"), rows, ("TAGS", "FROM", "TITLE", "SIZE"))
+    heading = ("NAME", "SIZE", "TITLE", "TAGS", *([] if is_shown else ["FROM"]))
+    groups = origins if is_shown and len({*origins}) > 1 else ()
+    write_table(heading, rows, ("TITLE", "TAGS", "SIZE"), groups)
 
 
 @dataclass(frozen=True)

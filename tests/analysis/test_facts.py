@@ -32,3 +32,21 @@ def test_a_random_maze_has_no_tables() -> None:
     assert facts["random_maze"] is True
     assert facts["digest"] is facts["metrics"] is facts["drawing"] is None
     assert "digest" not in repr(facts)
+
+
+def test_what_is_not_known_says_why() -> None:
+    def facts(**fields: object) -> dict[str, str]:
+        return brl.show({"version": 1, "size": [4, 1], **fields}).lines()
+
+    assert facts(exit="none")["difficulty"] == "none: there is no exit"
+    shut = facts(walls=[{"at": [0, 0], "side": "E"}])
+    assert (
+        shut["path_length"]
+        == shut["difficulty"]
+        == "none: from a start, no path to an exit is known"
+    )
+    lure = facts(start=[1, 0], areas=[{"at": [0, 0], "reward": 50, "ends": True}])
+    assert lure["path_length"] == "2"
+    assert lure["difficulty"] == "none: the best policy does not go to an exit"
+    large = facts(size=[80, 80])
+    assert large["difficulty"] == "not computed above 5,000 states, nor are returns"

@@ -237,3 +237,12 @@ def test_letters_that_a_png_file_cannot_show_are_told_of(
     Path("own.yaml").write_text(f"version: 1\ntitle: {title}\n", "utf-8")
     done = babyrobot("sheet", "own.yaml", "-o", f"sheet.{suffix}")
     assert ("Latin letters only" in done.err) == noted
+
+
+def test_a_difference_names_things_once() -> None:
+    level = "version: 1\nsize: [4, 3]\nitems: [{name: mover-1, at: [1, 1]}]\nhit: {ends: false}\n"
+    for name, end in (("a", "[3, 1]"), ("b", "[3, 1], [3, 2]")):
+        movers = f"movers: [{{path: [[3, 0], {end}], back: true}}]\n"
+        Path(f"{name}.yaml").write_text(level + movers, "utf-8")
+    told = babyrobot("diff", "a.yaml", "b.yaml", status=1).out
+    assert "\n  the-mover-1 walks [3, 0], [3, 1], [3, 2] and" in told

@@ -223,7 +223,7 @@ def test_the_list_fits_and_breaks_no_words(tmp_path: Path, columns: int) -> None
     sent, _ = in_terminal(tmp_path, "list", columns=columns)
     whole = run_here(["list"], environment(tmp_path)).out
     heading, *rows = plain(sent).splitlines()[:-1]
-    assert set(heading.split()) <= {"NAME", "SIZE", "TITLE", "TAGS", "FROM"}
+    assert set(heading.split()) <= {"NAME", "SIZE", "TITLE", "TAGS"}
     assert len(rows) == len(whole.splitlines()) - 1
     for row, line in zip(rows, whole.splitlines()[1:], strict=True):
         assert columns_of(row) <= columns
@@ -231,7 +231,34 @@ def test_the_list_fits_and_breaks_no_words(tmp_path: Path, columns: int) -> None
         assert words[0] == line.split()[0]
         assert set(words) <= set(line.replace(",", "").split())
     if columns == 200:
-        assert plain(sent).startswith(whole)
+        # Where all are from the gallery, that is not repeated.
+        assert [line.split() for line in whole.splitlines()] == [
+            [*row.split(), "FROM" if row == heading else "gallery"] for row in (heading, *rows)
+        ]
+
+
+def test_the_list_tells_levels_apart(tmp_path: Path) -> None:
+    (tmp_path / "levels").mkdir()
+    (tmp_path / "levels" / "mine.yaml").write_text("version: 1\ntags: [own]\n", encoding="utf-8")
+    narrow, wide = (plain(in_terminal(tmp_path, "list", columns=each)[0]) for each in (80, 120))
+    assert "\nfrozen-lake                4x4    textbook, gymnasium, skid, drawn\n" in narrow
+    assert "4x4    Frozen Lake                       textbook, gymnasium, skid, drawn\n" in wide
+    # Where levels are from several places, each is a heading.
+    for sent in (narrow, wide):
+        assert sent.count("gallery") == sent.count("\ngallery:\n") == 1
+        assert re.search(r"\n\nlevels/:\nmine +3x3 +own\nsuites:", sent)
+
+
+def test_facts_break_no_words(tmp_path: Path) -> None:
+    for arguments in (("show", "final-maze"), ("show", "final-maze", "frozen-lake")):
+        whole = run_here([*arguments], environment(tmp_path)).out
+        lines = plain(in_terminal(tmp_path, *arguments)[0]).splitlines()
+        assert max(map(columns_of, lines)) <= 80
+        words = {word for line in lines for word in line.split() if word.isascii()}
+        assert words <= {*whole.split()}
+    assert "\n               this is a level to solve.\n" in plain(
+        in_terminal(tmp_path, "show", "final-maze")[0]
+    )
 
 
 @pytest.mark.parametrize(("columns", "color"), [(40, ""), (60, "1"), (200, "")])
