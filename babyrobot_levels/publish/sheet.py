@@ -301,8 +301,8 @@ def entry_of(level: Level, shown: SheetContents) -> Entry:
 def _in_words(level: Level, solution: Solution) -> str:
     """Return the optimal return: first within the time limit, if that makes a difference."""
     is_finite, limit = math.isfinite(solution.expected_return), level.max_steps
-    figure = f"{solution.expected_return:.4g}" if is_finite else "infinite"
-    within = f"{best_average(level, solution):.4g}" if limit is not None else figure
+    figure = _figure(solution.expected_return) if is_finite else "infinite"
+    within = _figure(best_average(level, solution)) if limit is not None else figure
     text = f"{RETURN} {figure}"
     if within == "nan":
         text = f"{RETURN} {with_limit(figure, None, limit)}"
@@ -318,6 +318,10 @@ def _in_words(level: Level, solution: Solution) -> str:
     if solution.exit_probability < 0.9995 and level.exits:
         text += f"; the exit is reached {100 * solution.exit_probability:.3g} % of the time"
     return text
+
+
+def _figure(value: float) -> str:
+    return f"{value:.4g}".replace("-", "\N{MINUS SIGN}")
 
 
 def _rules(level: Level, shown: SheetContents) -> Iterator[SampledRule]:
@@ -373,11 +377,11 @@ def _grid(level: Level, values: Any) -> Scene:
             left, top = layout.corner(*cell)
             shapes.append(Text(left + 5, top + 13, word, 10, INK, "start", bold=True))
     form = form_of(found.values(), 2, CELL)
-    longest = max((width_of(form.text(value), 1) for value in found.values()), default=1.0)
+    longest = max((width_of(form.drawn(value), 1) for value in found.values()), default=1.0)
     size = min(_NUMBER, (CELL - 8) / longest)
     for cell, value in found.items():
         across, down = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-        shapes.append(Text(across, down + 0.5 * size, form.text(value), size, INK))
+        shapes.append(Text(across, down + 0.5 * size, form.drawn(value), size, INK))
     shapes += floor_shapes(level, layout, Slots(level, layout, Overlay()))
     for piece in pieces(level, layout, situation_of(level, None)):
         shapes += piece.shapes if piece.name[0] == "door" else ()

@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     """The ink, and the visible share of the ground of 255; each `[height, width, channels]`."""
 
 
+_MINUS, _BAR = "\N{MINUS SIGN}", 0.58
+"""A sign that the font lacks, and its width as a share of the size."""
+
 MAX_SIDE = 4000
 """The largest width and height of a picture without a given size."""
 
@@ -389,9 +392,17 @@ class Pen:
 
     def text(self, x: float, y: float, text: str, size: float, anchor: str, *, bold: bool) -> None:
         """Write a line in Pillow's own font; it has no bold, so bold text is thickened."""
-        place = (x - self.left, y - self.top)
+        left, foot, font = x - self.left, y - self.top, _font(size)
         weight = size / 32 if bold else 0
-        self.draw.text(place, text, self.ink, _font(size), anchor, stroke_width=weight)
+        if text.startswith(_MINUS):
+            # The font has no minus sign: a bar that is as wide as a figure.
+            bar, text = _BAR * size, text.removeprefix(_MINUS)
+            left -= {"l": 0.0, "m": 0.5, "r": 1.0}[anchor[0]] * (bar + font.getlength(text))
+            top, height = foot - 0.36 * size, max(1.0, 0.08 * size + weight)
+            self.draw.rectangle((left, top, left + 0.8 * bar, top + height - 1), self.ink)
+            left, anchor = left + bar, "ls"
+        text = text.replace(_MINUS, "-")
+        self.draw.text((left, foot), text, self.ink, font, anchor, stroke_width=weight)
 
 
 def _pixels(x0: float, y0: float, x1: float, y1: float) -> tuple[int, int, int, int]:

@@ -170,15 +170,16 @@ def test_a_sheet_tells_no_answers_and_the_key_all_of_them() -> None:
     level = brl.load("final-maze")
     solution = brl.solve(level)
     [asked], [told] = texts(brl.sheet(level)), texts(brl.sheet(level, key=True))
-    value = f"{solution.values[0, 1]:.2f}"
+    value = f"{solution.values[0, 1]:.2f}".replace("-", "\N{MINUS SIGN}")
     assert "Optimal return:" in asked
     assert "KEY" not in asked
-    for answer in (f"{solution.expected_return:.4g}", value):
+    best = f"{solution.expected_return:.4g}".replace("-", "\N{MINUS SIGN}")
+    for answer in (best, value):
         assert answer not in asked
         assert answer in told
     assert "KEY" in told
     assert "Name" not in told
-    assert f"Optimal return: {solution.expected_return:.4g}, in 23.83 steps on average" in told
+    assert f"Optimal return: {best}, in 23.83 steps on average" in told
 
 
 def test_the_key_says_how_often_the_exit_is_reached() -> None:
@@ -190,7 +191,7 @@ def test_the_key_says_how_often_the_exit_is_reached() -> None:
 
 def test_values_and_policy_can_be_shown_alone() -> None:
     solution = brl.solve("final-maze")
-    value = f"{solution.values[0, 1]:.2f}"
+    value = f"{solution.values[0, 1]:.2f}".replace("-", "\N{MINUS SIGN}")
     plain = brl.sheet("final-maze")
     values, policy = brl.sheet("final-maze", values=True), brl.sheet("final-maze", policy=True)
     assert value in texts(values)[0]
@@ -202,7 +203,7 @@ def test_values_and_policy_can_be_shown_alone() -> None:
 def test_a_level_without_a_solution_does_not_spoil_the_key() -> None:
     text = texts(brl.sheet([ENDLESS, "final-maze"], key=True, grids=1))[0]
     assert "No policy has an expected return." in text
-    assert "Optimal return: -36.58" in text
+    assert "Optimal return: \N{MINUS SIGN}36.58" in text
     assert "No policy has an expected return." in texts(brl.sheet(ENDLESS, values=True))[0]
 
 
@@ -235,7 +236,7 @@ def test_there_are_as_many_grids_when_nothing_changes_any_more() -> None:
 def test_grids_of_levels_with_things_are_those_of_the_beginning() -> None:
     text = texts(brl.sheet("first-key", grids=2, key=True))[0]
     sweep = next(islice(brl.value_iteration("first-key"), 2, None))
-    assert f"Sweep 2 START EXIT {np.nanmin(sweep.values[0]):.0f}" in text
+    assert f"Sweep 2 START EXIT \N{MINUS SIGN}{-np.nanmin(sweep.values[0]):.0f}" in text
 
 
 # -- formats ---------------------------------------------------------------------------------

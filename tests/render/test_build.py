@@ -15,6 +15,7 @@ from babyrobot_levels.render.scene.build import build_layers, build_scene, overl
 from babyrobot_levels.render.scene.layout import CELL, Note, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import short
+from babyrobot_levels.render.scene.walls import casing_shapes
 from babyrobot_levels.render.situation import Pose
 
 MARGIN = 3
@@ -199,12 +200,51 @@ def written(shapes: Iterable[Shape]) -> dict[tuple[int, int], str]:
     }
 
 
-def test_values_have_one_form_in_their_cells_and_none_is_not_written() -> None:
+def test_whole_values_have_no_decimals_the_others_one_form_and_none_is_not_written() -> None:
     rows = [[1.0, None, -2.25], [-0.001, 0.5, None]]
     shapes = shapes_of(level(size=[3, 2]), Overlay(values=rows))
-    assert written(shapes) == {(0, 0): "1.00", (2, 0): "-2.25", (0, 1): "0.00", (1, 1): "0.50"}
+    assert written(shapes) == {
+        (0, 0): "1",
+        (2, 0): "\N{MINUS SIGN}2.25",
+        (0, 1): "0.00",
+        (1, 1): "0.50",
+    }
     shapes = shapes_of(level(size=[3, 2]), Overlay(values=rows, precision=1))
-    assert {*written(shapes).values()} == {"1.0", "-2.2", "0.0", "0.5"}
+    assert {*written(shapes).values()} == {"1", "\N{MINUS SIGN}2.2", "0.0", "0.5"}
+
+
+def test_walls_have_one_rim_on_both_sides_and_the_border_has_none() -> None:
+    colors = {"base": "#cc5500", "walls": "#cc5500", "border": "#cc5500"}
+    world = level(
+        size=[3, 1], walls=[{"at": [0, 0], "side": "E"}], theme={"colors": colors}, exit=[2, 0]
+    )
+    [rim] = casing_shapes(world, layout_of(world))
+    assert isinstance(rim, Path)
+    assert [*rim.commands] == [("M", corner(1, 0)), ("L", corner(1, 1))]
+    assert rim.stroke == "#000000"
+    assert rim.width > world.resolved_theme.widths.walls
+
+
+def test_puddles_beside_arrows_are_icons_in_their_cells() -> None:
+    world = level(size=[3, 1], puddles=[{"at": [1, 0], "size": "large"}], exit=[2, 0])
+    scene = build_scene(world, overlay=Overlay(actions=[[(E,), (E,), ()]]))
+    puddle = next(
+        shape for shape in scene.shapes
+        if isinstance(shape, Path) and shape.fill == world.resolved_theme.colors.puddle
+    )  # fmt: skip
+    left, top, right, bottom = bounds(puddle)
+    assert corner(1, 0) < (left, top)
+    assert (right, bottom) < corner(1.5, 0.5)
+
+
+def test_a_ground_like_that_of_the_level_has_no_frame() -> None:
+    world = level(
+        size=[3, 1],
+        start=[[0, 0], [1, 0]],
+        theme={"colors": {"base": "#f3ead7", "start": "#f3ead7"}},
+    )
+    shapes = shapes_of(world, Overlay(values=[[-2.0, -1.0, None]]))
+    assert not [shape for shape in shapes if isinstance(shape, Path) and shape.fill == "#f3ead7"]
 
 
 def test_nothing_is_answered_where_nobody_can_stand() -> None:
@@ -286,9 +326,12 @@ def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
         return [shape for shape in shapes_of(bare(2, 1), overlay) if isinstance(shape, Text)]
 
     numbers = [[(None, -12.34, 5.0, None, None), ()]]
-    assert [text.text for text in texts(Overlay(action_values=numbers))] == ["-12.3", "5.0"]
+    assert [text.text for text in texts(Overlay(action_values=numbers))] == [
+        "\N{MINUS SIGN}12.3",
+        "5",
+    ]
     beside_arrows = texts(Overlay(action_values=numbers, actions=[[(E,), ()]]))
-    assert [text.text for text in beside_arrows] == ["-12", "5"]
+    assert [text.text for text in beside_arrows] == ["\N{MINUS SIGN}12", "5"]
     assert min(text.size for text in beside_arrows) > 6
 
 

@@ -231,7 +231,7 @@ def test_every_pose_has_its_pictures() -> None:
 
 def test_values_and_best_moves_are_there_and_shown_when_asked() -> None:
     def shown(page: str) -> tuple[list[str], bool]:
-        return data_of(page)["shown"], "-1" in Reader(page).texts["text"]
+        return data_of(page)["shown"], "\N{MINUS SIGN}1" in Reader(page).texts["text"]
 
     assert shown(to_html(ROW, guide=GUIDE)) == ([], False)
     assert shown(to_html(ROW, guide=GUIDE, values=True)) == (["values"], True)

@@ -188,7 +188,7 @@ def test_values_and_actions_are_those_of_each_configuration() -> None:
     start = data["starts"][0]
     number = data["marks"]["values"][start]
     ((_, _, shapes),) = marks[number]
-    assert [shape[4] for shape in shapes if shape[0] == 3] == [f"{best.expected_return:.2f}"]
+    assert [shape[4] for shape in shapes if shape[0] == 3] == ["\N{MINUS SIGN}10"]
     # Below it is a tile of its colour, which is one of the scale.
     tiles = data["picture"]["tiles"]
     assert len(tiles) == len(marks)

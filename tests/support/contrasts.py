@@ -47,7 +47,7 @@ _CHARACTER = 0.5
 """The width of a character as a share of its size: rather too little, so that it is the text's."""
 
 _REACH = 9
-"""The pixels of a figure that count as its outline: rim, outline and casing."""
+"""The pixels of a figure that count as its outline: rim and outline."""
 
 _FAINT_PIXELS, _FAINT_SHARE = 20, 0.2
 """How much of an outline within a cell may be faint: where other figures touch it."""
@@ -110,10 +110,18 @@ def _counted(level: GridWorld, layout: Layout) -> Bools:
     """Return the pixels beside which figures are seen: free cells, and the compass."""
     counted = np.zeros((round(layout.height), round(layout.width)), np.bool_)
     blocked, side = level.grid().blocked_cells, int(CELL)
+    edge = int(layout.margin + level.resolved_theme.widths.border / 2) + 2
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             left, top = map(int, layout.corner(x, y))
             counted[top : top + side, left : left + side] = True
+    # The border needs no contrast: the picture ends there.
+    inner = np.zeros_like(counted)
+    inner[
+        edge : int(layout.grid_height + 2 * layout.margin) - edge,
+        edge : int(layout.left_width) - edge,
+    ] = True
+    counted &= inner
     counted[8 : int(COMPASS) - 8, int(layout.left_width) + 8 :] = True
     return counted
 
@@ -121,20 +129,16 @@ def _counted(level: GridWorld, layout: Layout) -> Bools:
 def _faint(scene: Scene, roles: Mapping[Shape, str], counted: Bools) -> Iterator[tuple[str, float]]:
     """Yield what does not stand out; consecutive shapes of one role are one figure."""
     image = _sheet(scene, "#ffffff")
-    painter, casings = Painter(image, scene, 1), np.zeros_like(counted)
+    painter = Painter(image, scene, 1)
     for role, shapes in groupby(scene.shapes, lambda shape: roles.get(shape, "")):
         figure, before = tuple(shapes), image.copy() if role else None
         for shape in figure:
             if isinstance(shape, Text):
                 yield from _faint_text(image, shape)
             painter.paint(shape)
-        if role == "casing":
-            # They lie on the ground, but are seen as parts of the walls.
-            casings |= _outline(scene, figure)
-        elif before is not None:
-            inside = _outline(scene, figure)
-            inside |= casings & (role == "wall")
-            yield from _faint_outline(role, inside, before, image, counted)
+        # A wall has to stand out from its casing, where it has one.
+        if before is not None and role != "casing":
+            yield from _faint_outline(role, _outline(scene, figure), before, image, counted)
 
 
 def _sheet(scene: Scene, color: str) -> Image.Image:

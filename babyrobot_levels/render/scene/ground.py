@@ -25,7 +25,7 @@ from babyrobot_levels.render.scene.shapes import (
     rectangle,
     smooth,
 )
-from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.slots import ICON, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.cells import Puddle
@@ -50,6 +50,11 @@ class CellGrounds:
         for area in level.areas:
             if area.color is not None:
                 (left, top), (width, height) = area.at, area.size
+                if area.size == level.size:
+                    # It is the ground of the whole level.
+                    self._lay(area.color, [*self.own])
+                    self.base = mixed(area.color, self.base)
+                    continue
                 cells = ((left + x, top + y) for y in range(height) for x in range(width))
                 self._lay(area.color, cells)
         width = level.size[0]
@@ -58,6 +63,7 @@ class CellGrounds:
         self._lay(colors.start, level.starts)
         # A drawn exit is a tile that does not reach the edges of its cell.
         self._lay(colors.exit, level.exits if level.exit_one_of is None else ())
+        self.own = {cell: color for cell, color in self.own.items() if color != self.base}
 
     def __getitem__(self, cell: Cell) -> str:
         return self.own.get(cell, self.base)
@@ -173,6 +179,8 @@ def _line(layout: Layout, start: tuple[float, float], end: tuple[float, float]) 
 _POINTS = 12
 _FLATTEN = 0.84
 _RADIUS = {"small": 14.0, "large": 23.5}
+_AS_ICON = 0.8
+"""How many times as large they are in proportion where they are icons: none leaves its cell."""
 _HALF_HEIGHT = {"small": 18.0, "large": 24.0}
 """How far puddles reach up and down, at most, but for drops."""
 _WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
@@ -217,9 +225,12 @@ def puddle_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Sh
 
 
 def _puddle_place(layout: Layout, slots: Slots, puddle: Puddle) -> tuple[float, float, float]:
-    """Return the centre and the radius of a puddle: smaller beside numbers and arrows."""
+    """Return the centre and the radius of a puddle: an icon beside arrows."""
     x, y = layout.corner(*puddle.at)
     radius = _RADIUS[puddle.size]
+    if slots.is_crowded:
+        box = slots.icon(puddle.at)
+        return *box.centre, _AS_ICON * radius * box.width / ICON
     if not slots.shown.fills_cells:
         return x + CELL / 2, y + CELL / 2, radius
     free = slots.plan(puddle.at).free

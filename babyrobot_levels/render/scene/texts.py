@@ -161,6 +161,9 @@ _READABLE = 7.0
 """The font size on a screen below which numbers are left out."""
 
 _UNITS = (("T", 1e12), ("G", 1e9), ("M", 1e6), ("k", 1e3))
+_WHOLE = 1e-9
+"""The relative difference from a whole number up to which a number is one."""
+
 _LARGE = 99_999.5
 """The number from which on thousands, millions and so on are counted."""
 
@@ -187,6 +190,11 @@ class Form:
             return f"{value:.0e}".replace("e+", "e")
         text = f"{value:.{self.decimals}f}"
         return text.removeprefix("-") if float(text) == 0 else text
+
+    def drawn(self, value: float) -> str:
+        """Return a finite number as pictures show it: decimals only where it is not whole."""
+        is_whole = math.isclose(value, round(value), rel_tol=_WHOLE, abs_tol=_WHOLE)
+        return (Form(0) if is_whole else self).text(value).replace("-", "\N{MINUS SIGN}")
 
     def is_readable(self, layout: Layout) -> bool:
         """Whether numbers can be read on a screen."""
@@ -246,7 +254,7 @@ def number_shapes(
         anchor: at which edge of the box it is.
         bold: whether it is in bold.
     """
-    text = "" if math.isinf(value) else form.text(value)
+    text = "" if math.isinf(value) else form.drawn(value)
     width = max(len(text), 3) * form.size * CHARACTER_WIDTH
     across = {"start": box.left, "middle": box.centre[0], "end": box.right}[anchor]
     left = across - {"start": 0.0, "middle": width / 2, "end": width}[anchor]

@@ -92,9 +92,10 @@ def wall_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shap
 def casing_shapes(
     level: GridWorld, layout: Layout, beside: Beside | None = None
 ) -> Iterator[Shape]:
-    """Yield thin lines, black or white, beside the walls that are like the ground there.
+    """Yield the rims, black or white, of walls between cells that are like the ground there.
 
-    They lie on the ground, below all walls: a heat map covers them, and has its own.
+    They lie on the ground, below all walls: a heat map covers them, and has its own. The border has
+    none, as the picture ends there.
 
     Args:
         level: the level.
@@ -102,32 +103,23 @@ def casing_shapes(
         beside: returns the colours beside walls; by default, those of the level's ground.
     """
     blocked, grounds = level.grid().blocked_cells, CellGrounds(level)
-    drawn: dict[tuple[str, _Style, int], list[Edge]] = {}
-    for styles in _styles(level, layout):
-        for edge, style in styles.items():
-            down, x, y = edge
-            faint = {
-                side: ground
-                for side, column, row, name in (
-                    (-1, x - down, y - (not down), "E" if down else "S"),
-                    (1, x, y, "W" if down else "N"),
-                )
-                if 0 <= column < layout.columns and 0 <= row < layout.rows
-                if not blocked[row * layout.columns + column]
-                for cell in [(column, row)]
-                for ground in [beside(cell, name) if beside else grounds[cell]]
-                if contrast(style.outline, ground) < GRAPHICS
-            }
-            if faint and style.width > 0:
-                rim = rim_on([*faint.values(), style.outline])
-                drawn.setdefault((rim, style, sum(faint)), []).append(edge)
-    for (rim, style, side), edges in drawn.items():
-        # On one side, a line beside the wall; on both, a wider one below it.
-        away = side * (style.width + _CASING) / 2
-        width = _CASING if side else style.width + 2 * _CASING
-        cap: Literal["butt", "round"] = "butt" if side else style.cap
-        commands = tuple(_commands(layout, edges, away))
-        yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=cap)
+    drawn: dict[_Style, list[Edge]] = {}
+    for edge, style in _styles(level, layout)[0].items():
+        down, x, y = edge
+        is_faint = any(
+            contrast(style.outline, beside(cell, name) if beside else grounds[cell]) < GRAPHICS
+            for cell, name in (
+                ((x - down, y - (not down)), "E" if down else "S"),
+                ((x, y), "W" if down else "N"),
+            )
+            if not blocked[cell[1] * layout.columns + cell[0]]
+        )
+        if is_faint and style.width > 0:
+            drawn.setdefault(style, []).append(edge)
+    for style, edges in drawn.items():
+        commands, width = tuple(_commands(layout, edges)), style.width + 2 * _CASING
+        rim = rim_on([style.outline])
+        yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=style.cap)
 
 
 def _lowest(level: GridWorld) -> tuple[tuple[_Style, ...], tuple[_Style]]:
@@ -230,14 +222,12 @@ def _percent(chance: float) -> str:
     return ">99%" if text == "100%" and chance < 1 else text
 
 
-def _commands(layout: Layout, edges: list[Edge], away: float = 0.0) -> Iterator[Command]:
-    """Yield one line for all edges that follow each other, so far to the right of them or below."""
+def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
+    """Yield one line for all edges that follow each other."""
     for line in _lines(edges):
         (down, first_x, first_y), (_, last_x, last_y) = line[0], line[-1]
         end = (last_x, last_y + 1) if down else (last_x + 1, last_y)
-        dx, dy = (away, 0.0) if down else (0.0, away)
-        corners = (layout.corner(first_x, first_y), layout.corner(*end))
-        yield from polyline((x + dx, y + dy) for x, y in corners)
+        yield from polyline([layout.corner(first_x, first_y), layout.corner(*end)])
 
 
 def _lines(edges: list[Edge]) -> Iterator[Sequence[Edge]]:
