@@ -229,10 +229,9 @@ def _page(width: int, height: int) -> Iterator[Page]:
 
 def _gallery() -> bytes:
     """Return the picture of the gallery of all levels in a browser."""
-    levels = [level.name for level in brl.levels()]
     with tempfile.TemporaryDirectory() as folder, _page(1280, 840) as page:
         title = "The babyrobot gallery"
-        made = brl.gallery(levels, Path(folder) / "gallery", title=title, jobs=2)
+        made = brl.gallery("gallery", Path(folder) / "gallery", title=title, jobs=2)
         page.goto((made.folder / "index.html").as_uri())
         page.wait_for_load_state("networkidle")
         return pictures.reduced(page.screenshot(), 256)

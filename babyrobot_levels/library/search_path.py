@@ -108,6 +108,12 @@ def gallery_folder() -> Path:
     return inside if inside.is_dir() else package.parent / "levels"
 
 
+def gallery_order() -> list[str]:
+    """Return the names of the gallery's levels, those to look at first at the beginning."""
+    lines = (gallery_folder() / "order.txt").read_text("utf-8").splitlines()
+    return " ".join(line for line in lines if not line.startswith("#")).split()
+
+
 def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
     """Yield the YAML files below a folder, sorted; not those of themes, nor hidden ones.
 

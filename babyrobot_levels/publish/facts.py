@@ -11,7 +11,8 @@ import numpy as np
 
 from babyrobot_levels.analysis.metrics import metrics as metrics_of
 from babyrobot_levels.analysis.solver.policies import space_of
-from babyrobot_levels.language.kinds import THINGS
+from babyrobot_levels.language.kinds import KINDS, THINGS
+from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ class Facts:
         random_return: the expected return of a robot that moves at random; None if undefined.
         difficulty: as in `brl.metrics`; None if undefined.
         files: the files of the level.
+        words: what is in it, in words by which it is searched: `guard`, `switches`, `lever`.
         license: the license of the level; may be empty.
         maze_seed: the seed of the maze that is shown, if that of the level is random; else None.
     """
@@ -94,6 +96,7 @@ class Facts:
     random_return: float | None
     difficulty: float | None
     files: Files
+    words: tuple[str, ...] = ()
     license: str = ""
     maze_seed: int | None = None
 
@@ -166,6 +169,7 @@ def facts_of(
         random_return=None if metrics is None else metrics.random_return,
         difficulty=None if metrics is None else metrics.difficulty,
         files=files,
+        words=tuple(dict.fromkeys(_words(level))),
         maze_seed=maze_seed,
     )
 
@@ -181,3 +185,16 @@ def _features(level: Level) -> Iterator[str]:
     for name in ("maze", "puddles", "warps", "wind"):
         if getattr(level, name):
             yield name
+
+
+def _words(level: Level) -> Iterator[str]:
+    """Yield what is in a level, as it is called here and elsewhere, and what it looks like."""
+    for kind in KINDS:
+        entries = kind.of(level) if kind.is_listed else ()
+        if entries:
+            yield kind.plural
+            # Not each item is a key, and not each mover a guard.
+            yield from (name for name in kind.other_names if name not in (*SHAPES, "guard"))
+        for entry in entries:
+            told = (getattr(entry, name, None) for name in ("picture", "name", "label"))
+            yield from filter(None, told)

@@ -20,6 +20,7 @@ from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.search_path import gallery_folder, gallery_order
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
 from babyrobot_levels.publish.level_page import level_html, values_svg, with_neighbours
@@ -135,7 +136,7 @@ def gallery(
     path = Path(folder)
     check_place(path, force=force)
     named = named_levels(levels)
-    found = named if isinstance(named, Suite) else [*named]
+    found = named if isinstance(named, Suite) else _in_order(levels, [*named])
     title = title if title is not None else _title_of(levels, found)
     shown = GalleryPages(title=title, answers=answers, key=key)
     facts: list[Facts] = []
@@ -208,6 +209,15 @@ def _title_of(levels: Levels, found: Suite | list[LevelLike]) -> str:
     if isinstance(levels, str | os.PathLike) and folder_named(levels) is not None:
         return Path(levels).resolve().name
     return "Levels"
+
+
+def _in_order(levels: Levels, found: list[LevelLike]) -> list[LevelLike]:
+    """Return the levels of the package's gallery in the order chosen for them, others as found."""
+    folder = folder_named(levels) if isinstance(levels, str | os.PathLike) else None
+    if folder is None or folder.resolve() != gallery_folder().resolve():
+        return found
+    places = {name: place for place, name in enumerate(gallery_order())}
+    return sorted(found, key=lambda level: places.get(Path(str(level)).stem, len(places)))
 
 
 def _names(levels: Suite | list[LevelLike]) -> Iterator[str]:

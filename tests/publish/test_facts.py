@@ -36,6 +36,14 @@ def test_what_is_in_a_level(name: str, things: tuple[str, ...], features: tuple[
     assert (found.things, found.features) == (things, features)
 
 
+def test_what_is_in_a_level_has_the_words_by_which_people_search_it() -> None:
+    assert {"guard", "monster"} <= {*facts("night-watch").words}
+    assert "guard" not in facts("bat-cave").words
+    assert {"switches", "lever", "boat"} <= {*facts("drawbridge").words}
+    assert {"key", "doors", "gate"} <= {*facts("door-key").words}
+    assert "portal" in facts("teleport-pads").words
+
+
 @pytest.mark.parametrize(
     ("name", "deterministic"),
     [("frozen-lake", False), ("frozen-lake-dry", True), ("final-maze", False), ("maze", True)],

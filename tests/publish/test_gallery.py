@@ -11,6 +11,9 @@ import pytest
 from PIL import Image
 
 import babyrobot_levels as brl
+from babyrobot_levels.library import search_path
+from babyrobot_levels.library.catalogue import files_in, is_suite_file
+from babyrobot_levels.library.search_path import gallery_order, gallery_place
 from babyrobot_levels.publish import gallery as writing
 from babyrobot_levels.render.page_format import rounded
 
@@ -66,6 +69,23 @@ def test_it_has_the_files_that_its_list_names_and_no_others(site: Path) -> None:
     shared = {name for name in contents(site) if name.startswith("assets/")}
     assert set(contents(site)) == {"index.html", "gallery.json"} | named | shared
     assert [each["id"] for each in data["levels"]] == LEVELS
+
+
+def test_the_packages_levels_come_in_their_chosen_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert sorted(gallery_order()) == sorted(
+        file.name for file in files_in(gallery_place()) if not is_suite_file(file.path)
+    )
+    folder = tmp_path / "levels"
+    folder.mkdir()
+    for name in ("a", "b", "c"):
+        SMALL.save(folder / f"{name}.yaml")
+    (folder / "order.txt").write_text("# the best first\nc a\n", "utf-8")
+    for module in (search_path, writing):
+        monkeypatch.setattr(module, "gallery_folder", lambda: folder)
+    found = brl.gallery(folder, tmp_path / "site", answers=False).levels
+    assert [each["id"] for each in found] == ["c", "a", "b"]
 
 
 @pytest.mark.parametrize("name", LEVELS)

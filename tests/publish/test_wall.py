@@ -193,6 +193,11 @@ def test_a_tile_takes_no_more_than_a_kilobyte_and_a_half() -> None:
     assert (many - one) / 100 < 1500
 
 
+def test_what_is_in_a_level_is_searched() -> None:
+    html = wall_of([replace(facts_of_wall("a", features=("wind",)), words=("guard",))])
+    assert "wind guard" in html
+
+
 def test_a_long_description_is_searched_only_at_its_beginning() -> None:
     facts = facts_of_wall("a", description="x" * 1_000_000)
     assert len(wall_of([facts])) < 10_000
