@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import codecs
-import re
+import math
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from enum import StrEnum
 from pathlib import Path
@@ -16,9 +14,11 @@ import typer
 
 from babyrobot_levels.cli.console import fail, note, speaks_unicode, value_option, write
 from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
+from babyrobot_levels.cli.keyboard import NextKey, keyboard
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.render.terminal import colors_of
+from babyrobot_levels.render.words.phrases import counted, with_limit
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -47,13 +47,16 @@ _TURNS = {
     **dict.fromkeys(("right", "d"), Turn.RIGHT),
     **dict.fromkeys(("up", "w"), Turn.FORWARD),
 }
-_RESTART, _QUIT = "r", ("q", "\x04")
+_HINT, _UNDO, _RESTART, _QUIT = ("h", "?"), ("u", "z"), "r", ("q", "\x04")
 _ALL_SCREEN, _SCREEN_AS_IT_WAS = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
 _Style = dict[str, Any]
 _BOLD: _Style = {"bold": True}
 _DIM: _Style = {"dim": True}
 _WARNING: _Style = {"fg": "yellow"}
 _GOOD: _Style = {"fg": "green", "bold": True}
+MAX_SOLVED = 5_000
+"""The most states of a level that is solved without being asked for."""
+
 _LOOK_AGAIN = 0.25
 """Seconds without a key after which the size of the window is checked."""
 
@@ -81,8 +84,9 @@ def play(
 ) -> None:
     """Play a level in the terminal with the arrow keys.
 
-    W, A, S and D move the robot, too. Space or a full stop lets it stay, r restarts, q quits. A
-    robot that turns does so with the arrow keys left and right, and moves forward with up.
+    W, A, S and D move the robot, too. Space or a full stop lets it stay, h shows the best action, u
+    takes a step back, r restarts, q quits. A robot that turns does so with the arrow keys left and
+    right, and moves forward with up. The end tells the best average, that of an optimal policy.
 
     Examples:
 
@@ -145,6 +149,10 @@ def _play(game: _Game, next_key: NextKey) -> None:
             return
         if key == _RESTART:
             game.begin()
+        elif key in _HINT:
+            game.hint()
+        elif key in _UNDO:
+            game.undo()
         elif key in game.keys:
             game.act(game.keys[key])
 
@@ -168,14 +176,13 @@ class _Game:
     ) -> None:
         self._turns = turns
         self.keys: dict[str, int] = {**(_TURNS if turns else _MOVES)}
-        self._env = level.make(observation="index", actions="turns" if turns else "valid")
-        if record is not None:
-            self._env = _recorded(self._env, record)
+        self._inner = level.make(observation="index", actions="turns" if turns else "valid")
+        self._recorder = None if record is None else _recorded(self._inner, record)
+        self._env = self._recorder or self._inner
         self._options = {} if maze_seed is None else {"maze_seed": maze_seed}
         self._colors, self._unicode = colors_of(sys.stdout), speaks_unicode(sys.stdout)
         self._name = printable(level.name or "level")
         self._title = printable(level.title or self._name)
-        self._aim = "Find the exit." if level.exits else "This level has no exit."
         self._limit = f" of {level.max_steps}" if level.max_steps else ""
         self.moment = 0
         self._use(self._env.get_wrapper_attr("level"))
@@ -184,24 +191,33 @@ class _Game:
     def _use(self, level: Level) -> None:
         """Set the level of the episode: one with a random maze has others."""
         from babyrobot_levels.render.text import TextPainter
+        from babyrobot_levels.render.words.describe import goal_of
 
+        self._goal, self._best = goal_of(level), ""
+        self._policy: list[int] | None = None
         self._level, self._painter = level, TextPainter(level, plain=not self._unicode)
         self._mdp = level.compile().turning(level.heading) if self._turns else level.compile()
 
     def begin(self, seed: int | None = None) -> None:
         """Begin an episode."""
-        state, info = self._env.reset(seed=seed, options=self._options)
+        self._seed, self._luck = seed, self._inner.unwrapped.np_random.bit_generator.state
+        self._hints = self._undone = 0
+        self._start(self._env)
+
+    def _start(self, env: Any) -> None:
+        """Show the first state of the episode of a seed, or of the random numbers at hand."""
+        state, info = env.reset(seed=self._seed, options=self._options)
         self._mask = info["action_mask"]
         maze = f"  maze {info['maze_seed']}" if "maze_seed" in info else ""
         self._heading = self._title + maze
-        level = self._env.get_wrapper_attr("level")
+        level = env.get_wrapper_attr("level")
         if level is not self._level:
             self._use(level)
         self._enter(state)
-        self._steps, self._reward, self._return = 0, 0.0, 0.0
-        self._end = ""
-        needs = "" if self._now.exit_is_open else f" It needs {_listed(self._level.exit_keys)}."
-        self._say(self._aim + needs, _DIM)
+        self._taken: list[int] = []
+        self._reward, self._return = 0.0, 0.0
+        self._end, self._is_hinted = "", False
+        self._say(self._goal, _DIM)
 
     def _enter(self, state: int) -> None:
         """Set the state and what it means."""
@@ -209,15 +225,18 @@ class _Game:
 
     def act(self, action: int) -> None:
         """Take an action, if the episode is not over."""
-        if self._end:
-            return
+        if not self._end:
+            self._take(action, self._env)
+
+    def _take(self, action: int, env: Any) -> None:
         possible, before, then = self._mask[action], self._state, self._now
-        state, reward, over, late, info = self._env.step(action)
+        state, reward, over, late, info = env.step(action)
         self._enter(state)
         self._reward = float(reward)
         self._mask = info["action_mask"]
-        self._steps += 1
-        self._return += self._reward
+        self._return += self._reward * self._level.discount**self._steps
+        self._taken.append(action)
+        self._is_hinted = False
         told = list(self._changes(then))
         if info.get("hit"):
             told.insert(0, f"The {self._hitter(before, action)} hits the robot!")
@@ -241,6 +260,81 @@ class _Game:
             style = _WARNING
             told.insert(0, "The glass throws the robot back.")
         self._say(" ".join(told), style)
+
+    @property
+    def _steps(self) -> int:
+        return len(self._taken)
+
+    @property
+    def _is_final(self) -> bool:
+        """Whether the episode has ended and is recorded."""
+        return bool(self._end) and self._recorder is not None
+
+    def hint(self) -> None:
+        """Tell the best action, and count that it was asked for."""
+        from babyrobot_levels.analysis.solver.results import action_names
+
+        policy = self._solved()
+        action = policy[self._state] if policy and not self._end else -1
+        if action < 0:
+            why = "the episode has ended" if self._end else "no policy is the best here"
+            self._say(f"There is no hint: {why}.", _DIM)
+            return
+        self._hints += not self._is_hinted
+        self._is_hinted = True
+        if self._recorder is not None:
+            self._recorder.hints = self._hints
+        name = action_names("turns" if self._turns else "all")[action]
+        told = name if name == "stay" else f"turn {name}" if self._turns else f"move {name}"
+        self._say(f"Hint: {told.replace('turn forward', 'move forward')}.", _GOOD)
+
+    def undo(self) -> None:
+        """Go back to before the last action; the same action will have the same outcome again."""
+        if not self._taken:
+            self._say("There is no action to undo.", _DIM)
+        elif self._is_final:
+            self._say("The episode is recorded as it ended.", _DIM)
+        else:
+            *taken, _ = self._taken
+            # An episode follows from its random numbers and actions.
+            self._inner.unwrapped.np_random.bit_generator.state = self._luck
+            self._start(self._inner)
+            for action in taken:
+                self._take(action, self._inner)
+            self._undone += 1
+            if self._recorder is not None:
+                self._recorder.take_back()
+            x, y = self._mdp.cell(self._state)
+            self._say(f"Undone: back at [{x}, {y}] after {counted(self._steps, 'step')}.", _DIM)
+
+    def _solved(self) -> list[int]:
+        """Return the optimal action of each state; none if the level has no solution."""
+        from babyrobot_levels.analysis.guides import best_average, policy_of
+        from babyrobot_levels.analysis.solver.optimum import solve
+        from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+        from babyrobot_levels.render.page_format import rounded
+
+        if self._policy is None:
+            self._policy = []
+            with suppress(UndefinedReturnError):
+                solution = solve(self._level, actions="turns" if self._turns else "all")
+                best = best_average(self._level, solution)
+                limit = self._level.max_steps
+                told = rounded(best).replace("\N{MINUS SIGN}", "-")
+                self._best = with_limit(told, limit, limit) if math.isfinite(best) else ""
+                self._policy = (
+                    solution.policy.ravel().tolist() if self._turns else policy_of(solution)
+                )
+        return self._policy
+
+    def _result(self) -> list[str]:
+        """Return what there is to tell of an episode beside its return."""
+        if self._end and self._mdp.num_states <= MAX_SOLVED:
+            self._solved()
+        counts = ((self._hints, "hint"), (self._undone, "undo"))
+        help_ = ", ".join(counted(number, name) for number, name in counts if number)
+        best = self._best if self._end else ""
+        return [*([f"best average {best}"] if best else []), *([f"help: {help_}"] if help_ else [])]
 
     def _changes(self, then: Configuration) -> Iterator[str]:
         """Yield what has changed since a configuration."""
@@ -305,30 +399,23 @@ class _Game:
 
     def summary(self) -> str:
         """Return the result in one line."""
-        steps = "1 step" if self._steps == 1 else f"{self._steps} steps"
-        return f"{self._name}: {self._end or 'stopped'} after {steps}, return {self._return:g}"
+        facts = [f"return {self._return:g}", *self._result()]
+        how = f"{self._end or 'stopped'} after {counted(self._steps, 'step')}"
+        return f"{self._name}: {how}, {', '.join(facts)}"
 
     def screen(self, room: os.terminal_size) -> list[str]:
         """Return the lines of the whole screen."""
-        dot, arrows = (" · ", "←↑↓→") if self._unicode else (", ", "arrows")
-        turns, forward = ("←→", "↑") if self._unicode else ("left, right", "up")
-        keys = ["r restarts", "q quits"]
-        if not self._end and self._turns:
-            keys = [f"{turns} or AD turn", f"{forward} or W moves forward", *keys]
-        elif not self._end:
-            keys = [f"{arrows} or WASD move", "space stays", *keys]
+        rate = self._level.discount
+        name = "return" if rate == 1 else f"return, discount {rate:g},"
         facts = [f"step {self._steps}{self._limit}", f"reward {self._reward:g}",
-                 f"return {self._return:g}"]  # fmt: skip
-        if len(dot.join(keys)) > room.columns - 2:
-            short = [f"{turns} turn", f"{forward} moves"] if self._turns else [f"{arrows} move"]
-            keys = [*([] if self._end else short), "r restart", "q quits"]
+                 f"{name} {self._return:g}"]  # fmt: skip
         above = [self._styled(self._heading, _BOLD, room)]
         status = self._status()
         below = [
-            self._styled("   ".join(facts), {}, room),
+            *(self._styled("   ".join(each), {}, room) for each in (facts, self._result()) if each),
             *([self._styled(status, {}, room)] if status else []),
             self._styled(*self._message, room),
-            self._styled(dot.join(keys), _DIM, room),
+            self._styled(self._keys(room.columns - 2), _DIM, room),
         ]
         size = type(room)((room.columns - 2, max(1, room.lines - len(above) - len(below))))
         heading = self._mdp.heading(self._state) if self._turns else None
@@ -339,6 +426,28 @@ class _Game:
             # There is room for empty lines.
             above, below = [*above, ""], ["", *below[:-1], "", below[-1]]
         return [*above, *(" " + line for line in picture), *below][: room.lines]
+
+    def _keys(self, width: int) -> str:
+        """Return what the keys do, in the longest of the forms that fit."""
+        dot, arrows = (" · ", "←↑↓→") if self._unicode else (", ", "arrows")
+        turns, forward = ("←→", "↑") if self._unicode else ("left, right", "up")
+        long, short = (
+            [f"{turns} or AD turn", f"{forward} or W moves", "h hints"],
+            [f"{turns} turn", f"{forward} moves", "h hint"],
+        ) if self._turns else (
+            [f"{arrows} or WASD move", "space stays", "h hints"],
+            [f"{arrows} move", "h hint"],
+        )  # fmt: skip
+        if self._end:
+            long = short = []
+        undo = [] if self._is_final else ["u undo"]
+        rest = [*undo, "r restart", "q quits"]
+        forms = (
+            dot.join([*long, *(f"{each}es" for each in undo), "r restarts", "q quits"]),
+            dot.join([*short, *rest]),
+            dot.join([*short[-1:], *rest]),
+        )
+        return next((form for form in forms if len(form) <= width), forms[-1])
 
     def _shown(self) -> int:
         """Return the state in the numbering of the level's tables."""
@@ -369,11 +478,6 @@ def _recorded(env: Any, path: Path) -> Any:
         fail(f"{path} cannot be written ({error.strerror or error})")
 
 
-def _listed(names: Sequence[str]) -> str:
-    """Return names as a sentence lists them."""
-    return " and ".join([*([", ".join(names[:-1])] if names[1:] else []), names[-1]])
-
-
 @contextmanager
 def _whole_screen() -> Iterator[None]:
     """Use the whole screen, and restore it at the end."""
@@ -385,104 +489,3 @@ def _whole_screen() -> Iterator[None]:
         with suppress(OSError):
             sys.stdout.write(_SCREEN_AS_IT_WAS)
             sys.stdout.flush()
-
-
-UP, DOWN, RIGHT, LEFT = "up", "down", "right", "left"
-
-NextKey = Callable[[float], str | None]
-"""Waits at most so many seconds for a key. Returns the name of an arrow key, a character, another
-escape sequence, or None if no key was pressed."""
-
-_INTERRUPT = "\x03"
-
-
-if sys.platform == "win32":
-    import msvcrt
-
-    _ARROWS = {"H": UP, "P": DOWN, "M": RIGHT, "K": LEFT}
-
-    @contextmanager
-    def keyboard() -> Iterator[NextKey]:
-        """Yield a function that waits for keys. It raises KeyboardInterrupt for Ctrl-C."""
-        yield _next_key
-
-    def _next_key(seconds: float) -> str | None:
-        end = time.monotonic() + seconds
-        while not msvcrt.kbhit():
-            if time.monotonic() >= end:
-                return None
-            time.sleep(0.01)
-        key = msvcrt.getwch()
-        if key == _INTERRUPT:
-            raise KeyboardInterrupt
-        if key in ("\x00", "\xe0"):
-            key = msvcrt.getwch()
-            return _ARROWS.get(key, f"\x00{key}")
-        return key
-
-else:
-    import os
-    import select
-    import termios
-
-    _ARROWS = {"A": UP, "B": DOWN, "C": RIGHT, "D": LEFT}
-    _KEY = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|\x1bO[@-~]|.", re.DOTALL)
-    _UNFINISHED = re.compile(r"\x1b(?:\[[0-?]*[ -/]*|O)?")
-    _REST_OF_A_SEQUENCE = 0.05
-
-    @contextmanager
-    def keyboard() -> Iterator[NextKey]:
-        """Yield a function that waits for keys, which the terminal does not echo meanwhile.
-
-        It raises KeyboardInterrupt for Ctrl-C, and EOFError if the terminal is closed.
-        """
-        descriptor = sys.stdin.fileno()
-        before = termios.tcgetattr(descriptor)
-        mode = termios.tcgetattr(descriptor)
-        # Ctrl-Z, too, is a key: suspended, the game would not restore the screen.
-        mode[3] &= ~(termios.ICANON | termios.ECHO | termios.ISIG)
-        mode[6][termios.VMIN], mode[6][termios.VTIME] = 1, 0
-        try:
-            termios.tcsetattr(descriptor, termios.TCSADRAIN, mode)
-            yield _Keys(descriptor)
-        finally:
-            # Fails if the terminal is closed. Keys that were pressed too late for the game are
-            # discarded, so that they are not typed into the shell.
-            with suppress(termios.error):
-                termios.tcsetattr(descriptor, termios.TCSAFLUSH, before)
-
-    class _Keys:
-        """Reads keys from a terminal."""
-
-        def __init__(self, descriptor: int) -> None:
-            self._descriptor = descriptor
-            self._decode = codecs.getincrementaldecoder("utf-8")("replace").decode
-            self._text = ""
-
-        def __call__(self, seconds: float) -> str | None:
-            end = time.monotonic() + seconds
-            while not self._text:
-                # There may be less than a whole character.
-                if not self._read(max(0.0, end - time.monotonic())):
-                    return None
-            while _UNFINISHED.fullmatch(self._text) and self._read(_REST_OF_A_SEQUENCE):
-                pass
-            found = _KEY.match(self._text)
-            key = found[0] if found else self._text
-            self._text = self._text[len(key) :]
-            if key == _INTERRUPT:
-                raise KeyboardInterrupt
-            return _ARROWS.get(key[-1], key) if len(key) > 2 else key
-
-        def _read(self, seconds: float) -> bool:
-            """Read what is there or comes in time. Return False if nothing was."""
-            if not select.select([self._descriptor], [], [], seconds)[0]:
-                return False
-            data = b""
-            # A closed terminal either gives nothing or cannot be read.
-            with suppress(OSError):
-                data = os.read(self._descriptor, 1024)
-            if not data:
-                raise EOFError("the terminal is closed")
-            self._text += self._decode(data)
-            return True

@@ -181,7 +181,7 @@ def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
 
 
 def help_text(row: Play | Grade) -> str:
-    """Return what helped a player, as the page tells; the empty text for nothing."""
+    """Return what helped a player, as the game tells; the empty text for nothing."""
     counts = {"hints": row.hints, "undone": row.undone, "watched": row.watched}
     return ", ".join(f"{count} {name}" for name, count in counts.items() if count)
 

@@ -86,11 +86,11 @@ class PlayFields(Model):
     end: Literal["terminated", "truncated", "unfinished"]
     """How the episode ended; only after `terminated`, the last step led to a terminal state."""
     hints: _Count = 0
-    """How many hints the player asked for, as the page tells."""
+    """How many hints the player asked for, as the game tells."""
     undone: _Count = 0
-    """How many steps the player took back, as the page tells."""
+    """How many steps the player took back, as the game tells."""
     watched: _Count = 0
-    """How many steps the policy took that the player watched, as the page tells."""
+    """How many steps the policy took that the player watched, as the game tells."""
     made_by: _Short
     """The program that wrote the line, with its version."""
 

@@ -100,9 +100,9 @@ class Grade:
         steps: the mean number of steps.
         luck: the probability of the highest return or a higher one under the actions of that
             episode; nan where it is not computed.
-        hints: how many hints the player asked for, as the page tells.
-        undone: how many steps the player took back, as the page tells.
-        watched: how many steps the policy took that the player watched, as the page tells.
+        hints: how many hints the player asked for, as the game tells.
+        undone: how many steps the player took back, as the game tells.
+        watched: how many steps the policy took that the player watched, as the game tells.
         unseeded: how many plays have no seed, so that nothing tells whether chance was chosen.
         copies: how many plays were left out, because they equal another one of the player.
         shared: how many plays equal one of another player.

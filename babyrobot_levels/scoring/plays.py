@@ -43,9 +43,9 @@ class Play(PlayFields):
         rewards: the reward of each step, `[steps]`.
         return_: the discounted sum of the rewards.
         end: `"terminated"`, `"truncated"` or `"unfinished"`.
-        hints: how many hints the player asked for, as the page tells.
-        undone: how many steps the player took back, as the page tells.
-        watched: how many steps the policy took that the player watched, as the page tells.
+        hints: how many hints the player asked for, as the game tells.
+        undone: how many steps the player took back, as the game tells.
+        watched: how many steps the policy took that the player watched, as the game tells.
         made_by: the program that wrote it.
     """
 
@@ -140,6 +140,9 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     An episode that `reset` or `close` ends before its end is recorded as unfinished, unless no step
     was taken. The observation may be any; wrappers that change actions or rewards must be around
     this one and not in it.
+
+    Attributes:
+        hints: how many hints were asked for in this episode, which whoever gives them counts.
     """
 
     __module__ = "babyrobot_levels"
@@ -212,6 +215,18 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
             self._write("terminated" if terminated else "truncated" if is_late else "unfinished")
         return found
 
+    def take_back(self) -> None:
+        """Forget the last step, which the environment in it has gone back before; it is counted.
+
+        Raises:
+            ValueError: there is no step, or the episode is recorded.
+        """
+        if self._is_over or not self._actions:
+            raise ValueError("there is no step that could be taken back")
+        for taken in (self._actions, self._rewards, self._states):
+            taken.pop()
+        self._undone += 1
+
     def close(self) -> None:
         """Close the environment; an episode that did not end is recorded."""
         self._write()
@@ -225,6 +240,7 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         self._actions: list[int] = []
         self._rewards: list[float] = []
         self._is_over = False
+        self.hints = self._undone = 0
 
     def _write(self, end: str = "unfinished") -> None:
         """Append the episode, unless that is done, or it has no step."""
@@ -250,6 +266,8 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
                 "rewards": self._rewards,
                 "return": return_of(self._rewards, level.discount),
                 "end": end,
+                "hints": self.hints,
+                "undone": self._undone,
                 "made_by": program(),
             }
         )

@@ -140,7 +140,7 @@ class Game:
 def yard(tmp_path: Path) -> Iterator[Game]:
     (tmp_path / "yard.yaml").write_text(LEVEL, encoding="utf-8")
     with Game(tmp_path, "yard.yaml", "--seed", "1") as game:
-        game.until("Find the exit")
+        game.until("Move the robot to the exit.")
         yield game
 
 
@@ -156,7 +156,9 @@ def test_the_first_screen(yard: Game) -> None:
     lines = [line.strip() for line in yard.screen.splitlines()]
     assert lines[0] == "The yard"
     assert "step 0   reward 0   return 0" in lines
-    assert lines[-1] == "←↑↓→ or WASD move · space stays · r restarts · q quits"
+    assert lines[-1] == (
+        "←↑↓→ or WASD move · space stays · h hints · u undoes · r restarts · q quits"
+    )
     assert place(yard.screen) == (0, 0)
 
 
@@ -194,15 +196,55 @@ def test_the_exit_ends_the_game_and_it_can_begin_anew(yard: Game) -> None:
     yard.press(LEFT + b"r" + RIGHT)
     assert place(yard.until("step 1 ")) == (1, 0)
     yard.press(b"r" + WAY_OUT + b"q")
-    assert yard.ended() == (0, "yard: reached the exit after 6 steps, return -5\n")
+    assert yard.ended() == (0, "yard: reached the exit after 6 steps, return -5, best average -5\n")
     assert yard.is_restored
+
+
+def test_hints_and_undo_are_told_with_the_best_average(tmp_path: Path) -> None:
+    with Game(tmp_path, "frozen-lake", "--seed", "4") as game:
+        game.until("step 0 of 100")
+        game.press(b"uh?")
+        assert "help: 1 hint" in game.until("Hint: move west.")
+        game.press(b"s" * 30)
+        ended = game.until("The episode is over.")
+        assert "best average 0.74 within 100 steps   help: 1 hint" in ended
+        game.press(b"h")
+        game.until("There is no hint: the episode has ended.")
+        # What is taken back comes again by the same actions, and can be played in another way.
+        game.press(b"u")
+        game.until("Undone: back at [")
+        game.press(b"s")
+        assert game.until("The episode is over.") == ended.replace("1 hint", "1 hint, 1 undo")
+        game.press(b"q")
+        assert game.ended()[1].endswith(
+            "best average 0.74 within 100 steps, help: 1 hint, 1 undo\n"
+        )
+
+
+def test_a_play_without_what_was_undone_is_valid(tmp_path: Path) -> None:
+    with Game(tmp_path, "frozen-lake", "--seed", "4", "--record", "a.brlplay") as game:
+        game.until("step 0 of 100")
+        game.press(b"hs" + b"auaau" + b"s" * 30)
+        game.until("The exit! Well done.")
+        game.press(b"u")
+        assert "u undo" not in game.until("The episode is recorded as it ended.")
+        # The next episode has no seed, and goes on with the same random numbers.
+        game.press(b"r" + b"aaauuwq")
+        assert game.ended()[0] == 0
+    plays = brl.read_plays(tmp_path / "a.brlplay")
+    assert [(play.hints, play.undone, play.seed) for play in plays] == [(1, 2, "4"), (0, 2, None)]
+    # Down, west, and down until the end: what was undone is not in it.
+    assert plays[0].actions[:2] == [3, 4]
+    assert {*plays[0].actions[2:]} == {3}
+    assert plays[1].actions == [4, 1]
+    assert all(verify_play(play).is_valid for play in plays)
 
 
 @pytest.mark.parametrize(("leave", "status"), [(b"q", 0), (b"\x03", 130)])
 def test_each_episode_is_recorded(tmp_path: Path, leave: bytes, status: int) -> None:
     (tmp_path / "yard.yaml").write_text(LEVEL, encoding="utf-8")
     with Game(tmp_path, "yard.yaml", "--seed", "1", "--record", "ada.brlplay") as game:
-        game.until("Find the exit")
+        game.until("Move the robot to the exit.")
         game.press(WAY_OUT)
         game.until("The exit! Well done.")
         # Before the game is over: nothing of the episode can be lost any more.
@@ -258,7 +300,7 @@ def test_a_terminal_that_goes_away_ends_the_game(yard: Game) -> None:
 
 
 def test_a_fault_restores_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    from babyrobot_levels.cli.play import keyboard
+    from babyrobot_levels.cli.keyboard import keyboard
 
     outer, inner = pty.openpty()
     with os.fdopen(inner, "r") as terminal:
@@ -277,7 +319,7 @@ def test_a_fault_restores_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_keys_that_come_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    from babyrobot_levels.cli.play import keyboard
+    from babyrobot_levels.cli.keyboard import keyboard
 
     outer, inner = pty.openpty()
     with os.fdopen(inner, "r") as terminal:
@@ -292,7 +334,7 @@ def test_keys_that_come_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_screen_follows_the_window(yard: Game) -> None:
     yard.resize(12, 8)
-    yard.until("Fin")
+    yard.until("Mov")
     yard.listen(0.6)
     lines = yard.screen.splitlines()
     assert max(map(len, lines)) <= 12
@@ -306,8 +348,8 @@ def test_a_large_level_is_seen_through_a_window(tmp_path: Path) -> None:
     text = "version: 1\nsize: [100, 60]\nstart: [50, 30]\n"
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
     with Game(tmp_path, "large.yaml", size=(40, 15)) as game:
-        lines = game.until("Find").splitlines()
-        assert lines[-1].strip() == "←↑↓→ move · r restart · q quits"
+        lines = game.until("Move the").splitlines()
+        assert lines[-1].strip() == "h hint · u undo · r restart · q quits"
         assert len(lines) <= 15
         assert max(map(len, lines)) <= 40
         row = next(n for n, line in enumerate(lines) if "☻" in line)
@@ -343,7 +385,10 @@ def test_time_is_up(tmp_path: Path) -> None:
         game.press(b"..")
         game.until("No steps left.")
         game.press(b"q")
-        assert game.ended() == (0, "short: ran out of steps after 2 steps, return -2\n")
+        assert game.ended() == (
+            0,
+            ("short: ran out of steps after 2 steps, return -2, best average -1 within 2 steps\n"),
+        )
 
 
 def test_without_colour_and_without_box_characters(tmp_path: Path) -> None:
@@ -357,7 +402,7 @@ def test_without_colour_and_without_box_characters(tmp_path: Path) -> None:
 
 def test_a_level_from_standard_input_is_played_with_the_terminals_keys(tmp_path: Path) -> None:
     with Game(tmp_path, "-", "--seed", "1", given=LEVEL.encode()) as game:
-        assert place(game.until("Find the exit")) == (0, 0)
+        assert place(game.until("Move the robot to the exit.")) == (0, 0)
         game.press(RIGHT)
         assert place(game.until("step 1 ")) == (1, 0)
         game.press(b"q")
@@ -389,7 +434,7 @@ heading: S
 def hall(tmp_path: Path) -> Iterator[Game]:
     (tmp_path / "hall.yaml").write_text(HALL, encoding="utf-8")
     with Game(tmp_path, "hall.yaml", "--seed", "1") as game:
-        game.until("Find the exit. It needs key and lever.")
+        game.until("Fetch the key and switch on the lever, then go to the exit.")
         yield game
 
 
@@ -427,17 +472,19 @@ def test_a_hit_that_ends_the_episode(tmp_path: Path) -> None:
     text = HALL.replace("ends: false", "reward: -9")
     (tmp_path / "hall.yaml").write_text(text, encoding="utf-8")
     with Game(tmp_path, "hall.yaml") as game:
-        game.until("Find the exit.")
+        game.until("Move the robot to the exit.")
         game.press(b"." + DOWN + RIGHT + RIGHT)
         game.until("The guard hits the robot! The episode is over.")
         game.press(b"q")
-        assert game.ended() == (0, "hall: ended after 4 steps, return -12\n")
+        assert game.ended() == (0, "hall: ended after 4 steps, return -12, best average -8\n")
 
 
 def test_a_robot_that_turns(tmp_path: Path) -> None:
     (tmp_path / "hall.yaml").write_text(HALL, encoding="utf-8")
     with Game(tmp_path, "hall.yaml", "--actions", "turns") as game:
-        screen = game.until("←→ or AD turn · ↑ or W moves forward · r restarts · q quits")
+        screen = game.until(
+            "←→ or AD turn · ↑ or W moves · h hints · u undoes · r restarts · q quits"
+        )
         assert "▼" in screen
         # Keys without a meaning for this robot do nothing.
         game.press(b" " + DOWN + b"s" + LEFT)
