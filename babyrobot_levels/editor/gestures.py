@@ -39,9 +39,8 @@ class Walls(_Model):
     side: Side
     length: Count = 1
     """Sides of the run: to the east on N and S, to the south on E and W."""
-    to: Literal["next", "none", "wall", "glass", "door"]
-    """What the sides become. `next` goes from none to wall, glass, door (where there are things
-    that it can need), and none again, by what stands at the first side."""
+    to: Literal["none", "wall", "glass", "door"]
+    """What the sides become."""
     pass_: Annotated[float, Field(alias="pass", ge=0, le=1)] = 0.5
     """The probability of getting through glass."""
 

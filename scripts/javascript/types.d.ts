@@ -229,6 +229,8 @@ interface Tool {
   title: string;
   hint: string;
   icon: string;
+  /** What it builds at sides. */
+  builds?: "wall" | "glass" | "door";
   /** It paints one cell; with Shift, one more where `isMore`. */
   isSingle?: boolean;
   isMore?: boolean;

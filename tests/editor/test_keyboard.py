@@ -156,20 +156,22 @@ def test_keys_draw_as_the_mouse_does(
     assert keys.said.startswith(said)
 
 
-def test_a_side_becomes_wall_glass_and_where_it_can_be_opened_a_door(keys: Typing) -> None:
-    def around() -> list[str]:
+def test_a_side_is_built_with_the_tool_at_hand_and_removed_by_the_same_key(keys: Typing) -> None:
+    def twice(tool: str) -> list[str]:
+        keys.type(tool)
         said = []
-        for _ in range(4):
+        for _ in range(2):
             keys.change("Shift+ArrowDown")
             words = re.fullmatch(r"South side of \[0, 0\]: (.+?)\.( .*)?", keys.said)
             assert words is not None
             said.append(words[1])
         return said
 
-    assert around() == ["wall", "glass 0.5", "open", "wall"]
     keys.change("6", "End", "Space")
     keys.type("Home")
-    assert around() == ["glass 0.5", "door, needs key", "open", "wall"]
+    assert twice("1") == twice("2") == ["wall", "open"]
+    assert twice("x") == ["glass 0.5", "open"]
+    assert twice("d") == ["door, needs key", "open"]
 
 
 def test_what_is_there_is_moved_erased_and_removed(keys: Typing) -> None:

@@ -88,15 +88,32 @@ def test_a_drag_along_walls_removes_them(hand: Hand) -> None:
     assert "- {at: [4, 0], side: S}" in hand.text
 
 
-def test_the_options_of_walls_build_glass_with_a_number(hand: Hand) -> None:
-    hand.page.get_by_role("button", name="Glass", exact=True).click()
-    hand.page.get_by_label("Glass passes").fill("0.25")
+def test_a_click_builds_a_wall_and_the_next_one_removes_it(hand: Hand) -> None:
+    empty = hand.text
+    hand.draw((2, 1.5))
+    assert "- {at: [1, 1], side: E}" in hand.text
+    hand.draw((2, 1.5))
+    assert hand.text == empty
+
+
+def test_a_click_removes_glass_as_it_removes_a_wall(hand: Hand) -> None:
+    empty = hand.text
+    hand.choose("glass")
+    hand.draw((2, 1.5))
+    hand.choose("walls")
+    hand.draw((2, 1.5))
+    assert hand.text == empty
+
+
+def test_the_options_of_glass_are_a_number(hand: Hand) -> None:
+    hand.choose("glass")
+    hand.page.get_by_label("Lets through").fill("0.25")
     hand.draw((1.5, 1), (2.5, 1))
     assert "- {at: [1, 0], side: S, length: 2, pass: 0.25}" in hand.text
 
 
 def test_the_wheel_changes_the_number_of_selected_glass(hand: Hand) -> None:
-    hand.draw((2, 1.5))
+    hand.choose("glass")
     hand.draw((2, 1.5))
     hand.choose("select")
     hand.drag(hand.at(2, 1.5))

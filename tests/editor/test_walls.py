@@ -32,7 +32,7 @@ map: |
 """
 
 
-def build(session: Session, x: int, y: int, side: str, to: str = "next", **fields: object) -> str:
+def build(session: Session, x: int, y: int, side: str, to: str, **fields: object) -> str:
     return done(session, "walls", at=[x, y], side=side, to=to, **fields)
 
 
@@ -55,19 +55,19 @@ def test_side_is_named_from_the_cell_in_the_north_or_the_west() -> None:
     assert added(text) == "walls:\n" + entries
 
 
-def test_clicks_go_from_none_to_wall_to_glass_and_back() -> None:
-    session = Session(EMPTY)
-    assert "- {at: [1, 0], side: E}\n" in build(session, 1, 0, "E")
-    assert "- {at: [1, 0], side: E, pass: 0.5}\n" in build(session, 1, 0, "E")
-    assert build(session, 1, 0, "E") == EMPTY
-
-
-def test_clicks_come_to_doors_where_something_can_open_them() -> None:
+def test_a_side_is_a_wall_glass_a_door_or_open() -> None:
     session = Session(EMPTY + KEY)
-    texts = [build(session, 1, 0, "E") for _ in range(4)]
-    assert "doors:\n  - {at: [1, 0], side: E, needs: key}\n" in texts[2]
-    assert "walls" not in texts[2]
-    assert texts[3] == EMPTY + KEY
+    assert "- {at: [1, 0], side: E}\n" in build(session, 1, 0, "E", "wall")
+    assert "- {at: [1, 0], side: E, pass: 0.5}\n" in build(session, 1, 0, "E", "glass")
+    text = build(session, 1, 0, "E", "door")
+    assert "doors:\n  - {at: [1, 0], side: E, needs: key}\n" in text
+    assert "walls" not in text
+    assert build(session, 1, 0, "E", "none") == EMPTY + KEY
+
+
+def test_a_side_does_not_become_what_comes_next() -> None:
+    error = refused(Session(EMPTY), "walls", at=[1, 0], side="E", to="next")
+    assert error == "this gesture is not known"
 
 
 def test_door_needs_what_opens_nothing_yet() -> None:

@@ -33,7 +33,7 @@ def build(draft: Draft, gesture: Walls) -> None:
     run = Run.of(gesture.at, gesture.side, gesture.length)
     _check_place(draft.level, gesture, run)
     before = _kinds(draft.level, run)
-    to = _next(draft.level, before[0][0]) if gesture.to == "next" else gesture.to
+    to = gesture.to
     chance = gesture.pass_ if to == "glass" else 0.0
     if to == "glass" and not chance:
         to = "wall"
@@ -101,14 +101,6 @@ def _check_place(level: Level, gesture: Walls, run: Run) -> None:
     if not 0 <= run.line < lines - 1:
         side = f"side {gesture.side} of {show_cell(gesture.at)}"
         raise RefusedError(f"{side} is part of the outer wall, which always stays")
-
-
-def _next(level: Level, kind: str) -> str:
-    """Return what a click makes of a side: walls, glass and doors in turn."""
-    kinds = ["none", "wall", "glass"]
-    if names_of(level):
-        kinds.append("door")
-    return kinds[(kinds.index(kind) + 1) % len(kinds)] if kind in kinds else "none"
 
 
 def _need(level: Level) -> str:

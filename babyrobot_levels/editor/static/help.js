@@ -11,7 +11,7 @@ const HAND_GESTURES = [
     title: "Mouse and touch",
     keys: [
       ["Drag along sides", "build or remove walls"],
-      ["Click at a side", "none, wall, glass, door, one after the other"],
+      ["Click at a side", "build or remove a wall"],
       ["Drag over cells", "use the tool"],
       ["Drag start or exit", "move it, with any tool"],
       ["Drag at the rim", "change the size"],

@@ -68,7 +68,7 @@ export const KEYS = [
       ],
       [
         "Shift + arrow",
-        "change the wall at that side; with the tool of wind, blow to it",
+        "build or remove a wall at that side, or glass or a door with its tool; with the tool of wind, blow to it",
         arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side)),
       ],
       [
@@ -352,7 +352,8 @@ export class KeyBindings {
   useAtSide(side) {
     const { editor, overlay } = this;
     if (editor.tool !== "wind") {
-      this.useBetween(side, (spots) => drawnWalls(editor, toolNamed("walls"), spots));
+      const tool = toolNamed(editor.tool);
+      this.useBetween(side, (spots) => drawnWalls(editor, tool.builds ? tool : toolNamed("walls"), spots));
       return;
     }
     const index = this.cell["NS".includes(side) ? 0 : 1];

@@ -109,7 +109,7 @@ export class Options {
     if (this.shown === tool) return this.refresh();
     this.shown = tool;
     const { title, hint } = toolNamed(tool);
-    const fields = { walls: () => this.walls(), area: () => this.area(), item: () => this.item() }[tool]?.() ?? [];
+    const fields = { glass: () => this.glass(), area: () => this.area(), item: () => this.item() }[tool]?.() ?? [];
     this.place.replaceChildren(
       html("strong", {}, title),
       ...fields,
@@ -157,11 +157,8 @@ export class Options {
     );
   }
 
-  walls() {
-    return [
-      this.choices("to", "What is built", ["wall", "glass", "door"]),
-      this.number("pass", "Glass passes", { min: 0.05, max: 0.95, step: 0.05, required: "" }),
-    ];
+  glass() {
+    return [this.number("pass", "Lets through", { min: 0.05, max: 0.95, step: 0.05, required: "" })];
   }
 
   area() {

@@ -15,8 +15,27 @@ export const TOOLS = [
     name: "walls",
     key: "1",
     title: "Walls",
-    hint: "Drag along the sides of cells, or click one side again and again",
+    hint: "Click a side of a cell, or drag along sides; what stands there is removed",
+    builds: "wall",
     icon: "M4 20V4h8v8h8v8",
+    gesture: drawnWalls,
+  },
+  {
+    name: "glass",
+    key: "X",
+    title: "Glass",
+    hint: "Click a side of a cell, or drag along sides",
+    builds: "glass",
+    icon: "M6 3h12v18H6zM9.5 11l4-4M9.500 16l6-6",
+    gesture: drawnWalls,
+  },
+  {
+    name: "door",
+    key: "D",
+    title: "Door",
+    hint: "Click a side of a cell; an item or a switch opens it",
+    builds: "door",
+    icon: "M4 21h16M7 21V3h10v18M13.500 12v1",
     gesture: drawnWalls,
   },
   {
@@ -138,7 +157,7 @@ export const TOOLS = [
  * @type {Record<string, any>}
  */
 export const DEFAULT_OPTIONS = {
-  walls: { to: "wall", pass: 0.5 },
+  glass: { pass: 0.5 },
   area: { color: "#8fb996" },
   item: { shape: "key" },
 };
@@ -182,15 +201,15 @@ export function selectAt(editor, spot) {
 /** Return what a drag from a spot moves, or null. Start and exit are moved by every tool for cells. */
 export function takenAt(editor, spot, tool = toolNamed(editor.tool)) {
   if (tool.name === "select") return pickedAt(editor, spot);
-  if (["erase", "warp", "path"].includes(tool.name) || (tool.name === "walls" && spot.side !== null)) return null;
+  if (["erase", "warp", "path"].includes(tool.name) || (tool.builds && spot.side !== null)) return null;
   return thingsAt(editor, { ...spot, side: null }).find(({ kind }) => kind === "start" || kind === "exit") ?? null;
 }
 
 export function drawnWalls(editor, tool, spots) {
   if (spots[0].side === null) return null;
-  const { to, pass } = editor.options.walls;
+  const to = tool.builds;
+  const { pass } = editor.options.glass;
   const run = runAlong(spots, sizeOf(editor));
-  if (run.length === 1 && to === "wall") return { do: "walls", ...run, to: "next" };
   const standing = wallAt(editor, ...firstOfRun(run, spots[0]));
   const removes = to === "wall" ? standing !== null : standing === to;
   return { do: "walls", ...run, to: removes ? "none" : to, ...(to === "glass" && !removes ? { pass } : {}) };
@@ -310,7 +329,11 @@ export function wallAt(editor, cell, side) {
 export function toolAt(editor, spot) {
   const [thing] = thingsAt(editor, spot);
   const wall = spot.side === null ? null : wallAt(editor, spot.cell, spot.side);
-  if (wall !== null) return { tool: "walls", options: { to: wall, pass: thing?.fields?.pass ?? 0.5 } };
+  if (wall !== null)
+    return {
+      tool: wall === "wall" ? "walls" : wall,
+      options: wall === "glass" ? { pass: thing?.fields?.pass ?? 0.5 } : {},
+    };
   const { kind, fields = {} } = thing ?? {};
   const names = { puddle: fields.size ?? "small", mover: "path", opening: "walls" };
   const tool = toolNamed(names[kind] ?? kind);
