@@ -288,3 +288,58 @@ def mover_never_met(context: LintContext) -> Iterator[Finding]:
                 "let it move where the robot goes, or remove it",
                 fix=removal(context.document, f"remove {name}", ("movers", number), safe=False),
             )
+
+
+@rule("BR538", needs=Needs.LEVEL)
+def doubled_mover(context: LintContext) -> Iterator[Finding]:
+    """Mover that walks in step with another one.
+
+    ## What it does
+
+    Checks for movers with the same path as one before them: both are in the same cell at each
+    step. Wanderers walk at random, so two of them may share a rectangle.
+
+    ## Why is this bad?
+
+    There seems to be one mover, and its picture is too small. Usually the path was drawn, or the
+    entry copied, twice.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [4, 2]
+    movers:
+      - {path: [[1, 1], [2, 1]], back: true}
+      - {path: [[1, 1], [2, 1]], back: true}
+    hit: {reward: -20}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    size: [4, 2]
+    movers:
+      - {path: [[1, 1], [2, 1]], back: true}
+      - {path: [[2, 1], [1, 1]], back: true}
+    hit: {reward: -20}
+    ```
+
+    ## Fix safety
+
+    The fix removes the mover. It is unsafe, because the level gets another digest.
+    """
+    things = context.level.things()
+    first: dict[tuple[tuple[int, int], ...], int] = {}
+    for number, mover in enumerate(context.level.movers):
+        if mover.path is None or first.setdefault(mover.phases, number) == number:
+            continue
+        same = (things.static + each for each in (number, first[mover.phases]))
+        name, other = (f"`{things.names[each]}`" for each in same)
+        yield Finding(
+            ("movers", number),
+            f"{name} is always in the same cell as {other}",
+            "let it begin elsewhere on the path, or remove it",
+            fix=removal(context.document, f"remove {name}", ("movers", number), safe=False),
+        )
