@@ -1,7 +1,7 @@
 // The list of all keys and gestures.
 
 import { dialogElement } from "./dialogs.js";
-import { html } from "./html.js";
+import { html, tapped } from "./html.js";
 import { KEYS } from "./keys.js";
 import { MODIFIERS, toolButton } from "./rail.js";
 import { TOOLS } from "./tools.js";
@@ -11,7 +11,7 @@ const HAND_GESTURES = [
     title: "Mouse and touch",
     keys: [
       ["Drag along sides", "build or remove walls"],
-      ["Click at a side", "build or remove a wall"],
+      [tapped("Click at a side"), "build or remove a wall"],
       ["Drag over cells", "use the tool"],
       ["Drag start or exit", "move it, with any tool"],
       ["Drag at the rim", "change the size"],
@@ -19,7 +19,7 @@ const HAND_GESTURES = [
   },
   {
     title: "Mouse",
-    needsKeys: true,
+    needsMouse: true,
     keys: [
       ["Shift + drag", "use the tool in a rectangle"],
       ["Right button", "erase"],
@@ -48,17 +48,19 @@ export class Help {
     const tools = { title: "Tools", keys: [...TOOLS, ...MODIFIERS].map(({ key, title }) => [key, title]) };
     const dialog = dialogElement(
       "Keys and gestures",
-      html("label", { class: "check with-keys" }, shortcuts, " Letters, digits and signs are shortcuts"),
+      html("label", { class: "check" }, shortcuts, " Letters, digits and signs are shortcuts"),
       html(
         "div",
         { class: "help-groups" },
         ...HAND_GESTURES.map((group) => helpGroup(group)),
-        ...[tools, ...KEYS].map((group) => helpGroup({ ...group, needsKeys: true }, keyElements)),
+        ...[tools, ...KEYS].map((group) => helpGroup(group, keyElements)),
       ),
     );
     dialog.classList.add("help");
     root.append(dialog);
-    place.append(toolButton({ title: "Keys and gestures (?)", icon: HELP_ICON }, () => dialog.showModal()));
+    place.append(
+      toolButton({ title: "Keys and gestures (?)", named: "Keys", icon: HELP_ICON }, () => dialog.showModal()),
+    );
     editor.on("help", () => dialog.showModal());
   }
 }
@@ -69,14 +71,14 @@ const HELP_ICON =
 /**
  * Return a group of the list; `shown` makes elements of the keys, else they are words.
  *
- * @param {{ title: string, keys: any[][], needsKeys?: boolean }} group
+ * @param {{ title: string, keys: any[][], needsMouse?: boolean }} group
  * @param {(pressed: string) => (Node | string)[]} [shown]
  */
-function helpGroup({ title, keys, needsKeys }, shown = (pressed) => [pressed]) {
+function helpGroup({ title, keys, needsMouse }, shown = (pressed) => [pressed]) {
   const rows = keys.map(([pressed, words]) =>
     html("div", {}, html("dt", {}, ...shown(pressed)), html("dd", {}, words)),
   );
-  return html("section", { class: needsKeys && "with-keys" }, html("h3", {}, title), html("dl", {}, ...rows));
+  return html("section", { class: needsMouse && "with-mouse" }, html("h3", {}, title), html("dl", {}, ...rows));
 }
 
 /** Return keys as they are shown, each in a frame. */

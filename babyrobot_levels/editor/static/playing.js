@@ -1,4 +1,4 @@
-// Playing the level at hand: with the same luck each time, and a trail that stays while one edits.
+// Playing the level at hand: with the same luck each time.
 
 import { capital, formatted, GOAL, swiped } from "../../render/static/game.js";
 import { element } from "../../render/static/paint.js";
@@ -19,7 +19,6 @@ export class Playing {
     editor.playing = this;
     this.place = place;
     this.seed = "0";
-    this.walked = []; // The cells of the last episode, in their order.
     this.facts = html("dl", { class: "episode" });
     this.message = html("p", { class: "episode-told", role: "status" });
     this.pad = PAD.map(([name, area, action, d]) =>
@@ -53,7 +52,7 @@ export class Playing {
         ),
       ),
     );
-    editor.on("state", () => this.follow());
+    editor.on("state", () => this.isOn && this.begin());
     editor.on("mode", () => this.changeMode());
     this.changeMode();
     this.listenToSwipes(editor.stage.place);
@@ -79,47 +78,28 @@ export class Playing {
     this.wasOn = this.isOn;
   }
 
-  /** Play the level that has changed, or show the trail in it. */
-  follow() {
-    if (!this.game) return;
-    if (this.isOn) this.begin();
-    else this.showWalked();
-  }
-
   /** Begin an episode, with the same luck as before. */
   begin() {
     if (!this.game) return;
     const { game, editor } = this;
     game.begin(this.seed);
-    this.trail?.group.remove();
-    this.trail?.arrow.remove();
+    this.clear();
     this.trail = new Trail(game, editor.picture.svg);
     this.stand(game.data.goal ?? GOAL);
   }
 
-  /** Leave the episode: its trail stays. */
+  /** Leave the episode. */
   end() {
     const { game } = this;
     if (!game) return;
     game.begin(game.data.seed);
     this.editor.picture.stand();
-    this.showWalked();
+    this.clear();
   }
 
-  /** Show the way of the last episode faintly, as far as its cells are there. */
-  showWalked() {
+  clear() {
     this.trail?.group.remove();
     this.trail?.arrow.remove();
-    const { width, height } = this.game.data;
-    const gone = this.walked.findIndex(([x, y]) => x >= width || y >= height);
-    const cells = gone < 0 ? this.walked : this.walked.slice(0, gone);
-    const states = cells.map(([x, y]) => y * width + x);
-    if (states.length < 2) return;
-    const past = states.slice(0, -1).map((state) => ({ state }));
-    const episode = Object.assign(Object.create(this.game), { past, state: states.at(-1) });
-    this.trail = new Trail(episode, this.editor.picture.svg);
-    this.trail.group.classList.add("faint");
-    this.trail.stand();
   }
 
   newLuck() {
@@ -170,7 +150,6 @@ export class Playing {
     const { game } = this;
     this.message.textContent = message;
     this.message.dataset.kind = kind;
-    this.walked = [...game.past.map(({ state }) => state), game.state].map((state) => game.place(state));
     const facts = [
       ["Steps", String(game.steps)],
       ["Return", formatted(game.total)],
