@@ -173,8 +173,8 @@ class Answers:
             self._page = page_data(self.level)
         return self._page
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what the editor tells of the optimum.
+    def to_dict(self, *, is_valid: bool = True) -> dict[str, Any]:
+        """Return what the editor tells of the optimum: nothing, unless the text is valid.
 
         The keys: `status` (`"done"`; `"pending"` while it is not known; `"none"` where there is
         none); `best`, the optimal expected return from the starts within `max_steps`, and
@@ -183,9 +183,10 @@ class Answers:
         is another one than there; `reason`, why there is no return, or why it is infinite.
         """
         optimum = self.optimum
-        if optimum is None or optimum.guide is None:
-            status = "pending" if optimum is None and self.level is not None else "none"
-            reason = optimum.reason if optimum is not None else ""
+        if not is_valid or optimum is None or optimum.guide is None:
+            is_pending = is_valid and optimum is None and self.level is not None
+            status = "pending" if is_pending else "none"
+            reason = optimum.reason if is_valid and optimum is not None else ""
             return {
                 "status": status,
                 "best": None,

@@ -348,6 +348,11 @@ class EditedFile:
         self._held = self._on_disk()
 
     @property
+    def exists(self) -> bool:
+        """Whether there was such a file when it was read or written last."""
+        return self._held is not None
+
+    @property
     def text(self) -> str:
         """What it held when it was read or written last; nothing if it did not exist."""
         return (self._held or "").removeprefix(BOM).replace("\r\n", "\n").replace("\r", "\n")

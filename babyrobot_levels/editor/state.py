@@ -25,7 +25,8 @@ from babyrobot_levels.text.words import listed
 def state_of(session: Session) -> dict[str, Any]:
     """Return everything that the editor shows.
 
-    The keys: `revision`, `text`, `name`, `path`, `is_valid`, `is_saved`, `can_undo`, `can_redo`;
+    The keys: `revision`, `text`, `name`, `path`, `is_made`, whether there is a file of that path,
+    `is_valid`, `is_saved`, `can_undo`, `can_redo`;
     `maze_regrown`, whether the last gesture made the maze grow anew, which `keep_maze` undoes;
     `findings`, see `findings_of`; `findings_pending`, whether some are still to be looked for,
     which the question `answers` does; and of the level of the text or, if the text is invalid, of
@@ -60,6 +61,7 @@ def state_of(session: Session) -> dict[str, Any]:
         "text": session.text,
         "name": session.name,
         "path": None if session.path is None else session.path.name,
+        "is_made": session.file is not None and session.file.exists,
         "is_valid": session.is_valid,
         "is_saved": session.is_saved,
         "can_undo": session.can_undo,
@@ -68,7 +70,7 @@ def state_of(session: Session) -> dict[str, Any]:
         "findings": findings_of(session.linting, size),
         "findings_pending": bool(session.linting.waiting),
         "unreachable": answers.unreachable,
-        "answers": answers.to_dict(),
+        "answers": answers.to_dict(is_valid=session.is_valid),
         "level": level,
         "places": places,
         "fields": fields,

@@ -128,6 +128,7 @@ interface EditorState {
   text: string;
   name: string | null;
   path: string | null;
+  is_made: boolean;
   is_valid: boolean;
   is_saved: boolean;
   can_undo: boolean;

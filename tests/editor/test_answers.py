@@ -66,12 +66,13 @@ def test_another_size_has_no_changed_cells() -> None:
     assert (told["best"], told["before"], told["changed"]) == (-4.0, -3.0, [])
 
 
-def test_an_invalid_text_keeps_the_last_optimum() -> None:
+def test_an_invalid_text_has_no_optimum_and_the_last_picture() -> None:
     session = Session(CORRIDOR)
     state = send(session, "text", text="version: 1\nsize: [5, x]\n")["state"]
     assert not state["is_valid"]
-    assert state["answers"]["best"] == -3.0
+    assert (state["answers"]["status"], state["answers"]["best_text"]) == ("none", "")
     assert state["level"]["width"] == 5
+    assert send(session, "undo")["state"]["answers"]["best"] == -3.0
 
 
 @pytest.mark.parametrize(

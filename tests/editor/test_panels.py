@@ -45,7 +45,8 @@ def level_section(page: Page, title: str) -> Locator:
     """Open a section of the level; return it."""
     page.get_by_role("tab", name="Level").click()
     section = page.locator("details.group").filter(has=page.locator("summary", has_text=title))
-    section.locator("> summary").click()
+    if section.get_attribute("open") is None:
+        section.locator("> summary").click()
     return section
 
 
@@ -125,6 +126,66 @@ def test_a_stepper_works_by_touch_and_by_keyboard(editor_page: OpenEditor) -> No
     becomes(editor, "step: -2")
     step.get_by_role("textbox").press("ArrowDown")
     becomes(editor, "step: -3")
+
+
+def test_an_empty_level_greets_with_three_steps_until_something_stands_in_it(
+    editor_page: OpenEditor,
+) -> None:
+    editor = editor_page("version: 1\nsize: [4, 3]\n")
+    steps = editor.page.locator(".steps")
+    expect(steps.locator("li")).to_have_count(3)
+    expect(steps.get_by_role("button", name="Play")).to_be_in_viewport(ratio=1)
+    steps.get_by_role("textbox").first.fill("6")
+    steps.get_by_role("textbox").first.press("Enter")
+    becomes(editor, "size: [6, 3]")
+    steps.get_by_role("button", name="Grow a maze").click()
+    becomes(editor, "maze: {seed: ")
+    expect(steps).to_be_hidden()
+
+
+def test_a_maze_is_grown_without_scrolling(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    editor.page.get_by_role("tab", name="Level").click()
+    expect(editor.page.get_by_role("button", name="Grow a maze")).to_be_in_viewport(ratio=1)
+
+
+def test_panels_are_made_wider_by_keys_and_by_hand_and_stay_so(editor_page: OpenEditor) -> None:
+    page = editor_page(LEVEL).page
+    divider = page.get_by_role("separator", name="Width of the panels")
+
+    def wide() -> float:
+        box = page.locator(".panels").bounding_box()
+        assert box is not None
+        return box["width"]
+
+    usual = wide()
+    divider.press("ArrowLeft")
+    assert wide() == pytest.approx(usual + 32, abs=1)
+    page.reload()
+    expect(divider).to_have_attribute("aria-valuenow", str(round(usual + 32)))
+    box = divider.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 6, 400)
+    page.mouse.down()
+    page.mouse.move(box["x"] - 94, 400)
+    page.mouse.up()
+    assert wide() == pytest.approx(usual + 132, abs=8)
+    divider.dblclick()
+    assert wide() == pytest.approx(usual, abs=1)
+
+
+def test_tools_have_names_where_there_is_room_and_one_taps_without_a_mouse(
+    editor_page: OpenEditor,
+) -> None:
+    page = editor_page(LEVEL).page
+    name = page.locator("[data-tool=small] .tool-name")
+    expect(name).to_be_visible()
+    expect(page.locator(".options .hint")).to_contain_text("Click a side")
+    page.set_viewport_size({"width": 900, "height": 700})
+    expect(name).to_be_hidden()
+    size = {"width": 390, "height": 844}
+    page = editor_page(LEVEL, viewport=size, has_touch=True, is_mobile=True).page
+    expect(page.locator(".options .hint")).to_contain_text("Tap a side")
 
 
 def test_a_door_needs_what_is_checked(editor_page: OpenEditor) -> None:

@@ -316,12 +316,43 @@ def test_buttons_zoom_to_the_middle_and_the_middle_button_moves_the_picture(hand
     assert hand.text == LEVEL
 
 
-def test_an_invalid_text_dims_the_last_picture(hand: Hand) -> None:
+def test_an_invalid_text_dims_the_last_picture_and_says_over_it_what_is_wrong(hand: Hand) -> None:
+    page = hand.page
+    problem = page.locator(".view").get_by_role("button", name=re.compile("^Error in line 2"))
+    expect(problem).to_be_hidden()
     with hand.changing():
-        hand.page.locator(".text").fill("version: 1\nsize: [6, wide]\n")
-    expect(hand.page.locator(".stage")).to_have_class(re.compile("dimmed"))
+        page.locator(".text").fill("version: 1\nsize: [6, wide]\n")
+    expect(page.locator(".stage")).to_have_class(re.compile("dimmed"))
     expect(hand.picture).to_be_visible()
-    expect(hand.page.locator(".grip")).to_have_count(0)
+    expect(page.locator(".grip")).to_have_count(0)
+    expect(page.locator(".best-return")).to_have_text("none")
+    expect(problem).to_contain_text("must be")
+    page.locator(".stage").focus()
+    problem.click()
+    expect(page.get_by_label("Level file")).to_be_focused()
+    page.keyboard.press("Shift+End")
+    page.keyboard.type("4]")
+    expect(problem).to_be_hidden()
+    expect(page.locator(".best-return")).not_to_have_text("none")
+
+
+def test_ways_of_movers_and_what_switches_open_are_always_shown(editor_page: OpenEditor) -> None:
+    things = (
+        "switches:\n  - {name: lever, at: [0, 3]}\n"
+        "doors:\n  - {at: [2, 1], side: E, needs: lever}\n"
+        "movers:\n  - {path: [[4, 0], [5, 0], [5, 1]], back: true}\n"
+        "  - {within: {at: [3, 2], size: [2, 2]}}\n"
+    )
+    hand = Hand(editor_page(LEVEL + things))
+    ways, needed = (
+        hand.page.locator(f".links .link.over{more}") for more in (":not(.needed)", ".needed")
+    )
+    assert [
+        len(d.split("M")) - 1
+        for d in map(str, [ways.get_attribute("d"), needed.get_attribute("d")])
+    ] == [2, 1]
+    hand.page.get_by_role("button", name="Play", exact=True).click()
+    expect(ways).to_have_count(0)
 
 
 @pytest.mark.parametrize(

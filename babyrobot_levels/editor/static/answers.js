@@ -49,7 +49,7 @@ export class Answers {
 
   show() {
     const { level, answers, revision, findings_pending: hasMoreFindings } = this.editor.state;
-    if (level !== null) level.shown = [...this.shown];
+    if (level !== null) level.shown = answers.status === "none" ? [] : [...this.shown];
     const isPending = answers.status === "pending";
     this.name.textContent = answers.best_name;
     this.best.textContent = isPending ? "…" : answers.best_text || "none";

@@ -35,7 +35,9 @@ export class Bar {
     const { state } = this.editor;
     this.name.textContent = state.level?.title ?? state.path ?? state.name ?? "Level";
     const file = state.path ?? "no file yet";
-    this.file.textContent = state.is_saved ? file : `${file}, not saved`;
+    const isNew = state.path !== null && !state.is_made;
+    const saved = isNew ? `${file}, made when you save` : file;
+    this.file.textContent = state.is_saved ? saved : `${file}, not saved`;
     this.file.classList.toggle("unsaved", !state.is_saved);
     this.undo.disabled = !state.can_undo;
     this.redo.disabled = !state.can_redo;

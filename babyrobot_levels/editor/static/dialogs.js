@@ -41,12 +41,22 @@ export class FileButtons {
     this.conflict = new ConflictDialog(editor);
     this.leaving = new LeaveDialog(editor, () => this.save());
     place.append(
-      toolButton({ title: "Open another level", icon: "M3 19V6h6l2 2h8v3M3 19l3-8h16l-3 8z" }, () => opening.show()),
-      toolButton({ title: "Copy or download", icon: "M9 9h11v11H9zM5 15H4V4h11v1" }, () => copying.show()),
-      toolButton({ title: "Save (Ctrl+S)", icon: "M5 4h11l4 4v12H5zM8 4v5h7V4M8 20v-6h8v6" }, () => this.save()),
+      toolButton({ title: "Open another level", named: "Open", icon: "M3 19V6h6l2 2h8v3M3 19l3-8h16l-3 8z" }, () =>
+        opening.show(),
+      ),
+      toolButton({ title: "Copy or download", named: "Copy", icon: "M9 9h11v11H9zM5 15H4V4h11v1" }, () =>
+        copying.show(),
+      ),
+      toolButton({ title: "Save (Ctrl+S)", named: "Save", icon: "M5 4h11l4 4v12H5zM8 4v5h7V4M8 20v-6h8v6" }, () =>
+        this.save(),
+      ),
     );
     if (editor.connection.ends) {
-      place.append(toolButton({ title: "End the editor", icon: "M12 3v9M6.3 7a8 8 0 1 0 11.4 0" }, () => this.leave()));
+      place.append(
+        toolButton({ title: "End the editor", named: "End", icon: "M12 3v9M6.3 7a8 8 0 1 0 11.4 0" }, () =>
+          this.leave(),
+        ),
+      );
     }
     root.append(...[opening, copying, this.conflict, this.leaving].map(({ dialog }) => dialog));
     editor.on("save", () => this.save());

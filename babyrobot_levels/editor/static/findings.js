@@ -5,8 +5,9 @@ import { html, prose } from "./html.js";
 const SIGNS = { error: "✕", warning: "!", info: "i" };
 
 export class Findings {
-  constructor(editor, place) {
+  constructor(editor, place, problem) {
     this.editor = editor;
+    this.problem = problem;
     this.heading = html("h2", {});
     this.list = html("ul", { class: "finding-list" });
     place.append(this.heading, this.list);
@@ -18,10 +19,26 @@ export class Findings {
     const key = JSON.stringify([findings, hasMore]);
     if (key === this.key) return; // The focus stays where it is.
     this.key = key;
+    this.showProblem();
     const told = findings.length === 0 ? "No findings" : `Findings (${findings.length})`;
     this.heading.textContent = hasMore ? `${told} …` : told;
     this.heading.title = hasMore ? "The rules that take longer are checked when you pause." : "";
     this.list.replaceChildren(...findings.map((finding) => this.item(finding)));
+  }
+
+  /** Say over the board what is wrong with a text that has no picture; it leads to the place. */
+  showProblem() {
+    const [first, ...others] = this.editor.state.findings.filter(({ severity }) => severity === "error");
+    this.problem.hidden = first === undefined;
+    if (first === undefined) return;
+    const { line, message, help } = first;
+    const more = others.length === 0 ? "" : `, and ${others.length} more`;
+    this.problem.onclick = () => this.goTo(first);
+    this.problem.replaceChildren(
+      html("strong", {}, `Error in line ${line}${more}`),
+      html("span", {}, ...prose(message)),
+      html("span", { class: "finding-help" }, ...prose(help ?? "")),
+    );
   }
 
   item(finding) {

@@ -2,11 +2,13 @@
 
 import { CONTROLS } from "./controls.js";
 import { FieldRow, thingNames } from "./field_row.js";
-import { button, html } from "./html.js";
+import { Greeting } from "./greeting.js";
+import { button, html, tapped } from "./html.js";
 
-const NOTHING =
+const NOTHING = tapped(
   "Click something with the tool Select, press it long, or put the caret into its line of the text. " +
-  "The fields of the level are under Level.";
+    "The fields of the level are under Level.",
+);
 const FIELDLESS = "It has no fields. Drag it to another cell, or draw another one with its tool.";
 
 export class Inspector {
@@ -18,6 +20,7 @@ export class Inspector {
     this.remove = button("Remove", { onclick: () => editor.removeSelected() });
     this.others = html("p", { class: "others" });
     this.body = html("div", { class: "fields" });
+    this.greeting = new Greeting(editor);
     place.append(html("div", { class: "inspector-head" }, this.title, this.remove), this.others, this.body);
     editor.on("state", () => this.show());
     editor.on("selection", () => this.show());
@@ -26,17 +29,20 @@ export class Inspector {
   show() {
     const { state, selection } = this.editor;
     this.forms = state.forms ?? this.forms ?? {};
-    const key = JSON.stringify([selection?.kind, selection?.route]);
-    if (key !== this.key) this.build(selection);
+    const greets = selection === null && this.greeting.isDue;
+    const key = JSON.stringify([selection?.kind, selection?.route, greets]);
+    if (key !== this.key) this.build(selection, greets);
     this.key = key;
-    this.title.textContent = selection === null ? "Nothing is selected" : titleOfPlace(selection);
+    if (greets) this.greeting.show();
+    const untitled = greets ? "Three steps to a level" : "Nothing is selected";
+    this.title.textContent = selection === null ? untitled : titleOfPlace(selection);
     this.remove.classList.toggle("hidden", selection === null);
     this.showOthers(selection);
     for (const row of this.rows) row.show(row.base.length === 0 ? state.fields : selection.fields, thingNames(state));
   }
 
   /** Make the rows of an entry. */
-  build(selection) {
+  build(selection, greets) {
     const { kind, route } = selection ?? { kind: null, route: [] };
     // What the exits need is a field of the level: the same for all of them.
     const [form, base] =
@@ -44,7 +50,8 @@ export class Inspector {
         ? [this.forms.level.filter(({ name }) => name === "exit_needs"), []]
         : [this.forms[kind] ?? [], route];
     this.rows = form.filter(({ type }) => type in CONTROLS).map((field) => new FieldRow(this.editor, field, base));
-    const help = html("p", { class: "field-help" }, selection === null ? NOTHING : FIELDLESS);
+    const told = html("p", { class: "field-help" }, selection === null ? NOTHING : FIELDLESS);
+    const help = greets ? this.greeting.element : told;
     this.body.replaceChildren(...(this.rows.length === 0 ? [help] : this.rows.map((row) => row.element)));
   }
 

@@ -69,7 +69,7 @@ export class MazePanel {
         button("Remove the maze", { onclick: () => editor.send({ do: "remove", route: ["maze"] }) }),
       ),
     );
-    this.add = button("Grow a maze", { onclick: () => this.set(["maze"], { seed: randomSeed() }) });
+    this.add = button("Grow a maze", { onclick: () => growMaze(editor) });
     this.element = html("div", {}, this.inner, this.add);
     editor.on("state", () => this.show());
     this.show();
@@ -78,9 +78,9 @@ export class MazePanel {
   show() {
     const { fields = {} } = this.editor.state;
     const opened = openingsOf(this.editor.state);
-    this.inner.classList.toggle("hidden", opened === null);
-    this.add.classList.toggle("hidden", opened !== null);
-    this.note.classList.toggle("hidden", !opened);
+    this.inner.hidden = opened === null;
+    this.add.hidden = opened !== null;
+    this.note.hidden = !opened;
     for (const row of this.rows) row.show(fields, []);
   }
 
@@ -91,6 +91,11 @@ export class MazePanel {
   set(route, value) {
     this.editor.send({ do: "set", route, value });
   }
+}
+
+/** Let the walls begin with a maze. */
+export function growMaze(editor) {
+  editor.send({ do: "set", route: ["maze"], value: { seed: randomSeed() } });
 }
 
 function randomSeed() {

@@ -5,6 +5,7 @@ import { Announcer } from "./announce.js";
 import { Answers } from "./answers.js";
 import { Bar, Panels } from "./bar.js";
 import { FileButtons } from "./dialogs.js";
+import { Divider } from "./divider.js";
 import { Editor } from "./editor.js";
 import { Findings } from "./findings.js";
 import { Help } from "./help.js";
@@ -39,6 +40,7 @@ const LAYOUT = `
 <p class="unseen" id="keys-hint">The arrow keys move a cursor, and the question mark lists all keys.</p>
 <svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
 <p class="notice"></p>
+<button type="button" class="problem" hidden></button>
 </div>
 <div class="playing" hidden></div>
 <div class="policy" hidden></div>
@@ -96,10 +98,11 @@ export function mount(place, connection, style = "") {
   find("zoom").append(
     ...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))),
   );
+  new Divider(find("editor"), find("panels"));
   new Inspector(editor, find("inspector"));
   new World(editor, find("world"));
   new MazeOffer(editor, find("zoom").parentElement);
-  new Findings(editor, find("findings"));
+  new Findings(editor, find("findings"), find("problem"));
   new TextPane(editor, find("file"));
   new FileButtons(editor, find("files"), find("editor"));
   new Help(editor, find("files"), find("editor"), new KeyBindings(editor, root, overlay));

@@ -7,6 +7,7 @@ import { sizeOf, toolNamed } from "./tools.js";
 
 const TARGET = matchMedia("(pointer: coarse)").matches ? 44 : 28; // The side of what takes a handle, in pixels,
 const RIM = 16; // and how far its middle is from the border.
+const INSET = COMMON.cell / 8; // How far from their border the cells are outlined that a mover wanders in.
 const STRONGEST_WIND = 3; // A click goes on from here to no wind.
 const BLOWS = { N: "north", E: "east", S: "south", W: "west" };
 
@@ -21,6 +22,7 @@ export class Overlay {
   show() {
     if (!this.editor.game) return;
     const isEditing = this.editor.mode === "edit";
+    this.draw("links", isEditing ? this.links() : []);
     this.draw("selected", isEditing ? this.selected() : []);
     this.draw("cursor", isEditing ? this.cursor() : []);
     this.draw("handles", isEditing && this.editor.state.is_valid ? this.handles() : []);
@@ -152,6 +154,34 @@ export class Overlay {
         element("text", { y: 0.36 * pixels, "text-anchor": "middle", "font-size": pixels }, words),
       ),
     ];
+  }
+
+  /** Return the ways of movers, and lines from switches to the doors and exits that need them. */
+  links() {
+    const { places, fields } = this.editor.state;
+    const of = (name) => places.filter(({ kind }) => kind === name);
+    const uses = ({ kind, fields: { needs, unless } }) => (kind === "exit" ? [fields.exit_needs] : [needs, unless]);
+    const lines = of("switch").flatMap((from) =>
+      [...of("door"), ...of("exit")]
+        .filter((to) => uses(to).flat().includes(from.fields.name))
+        .map((to) => `M${this.middle(from)}L${this.middle(to)}`),
+    );
+    const ways = of("mover").map((mover) => this.way(mover));
+    return [...this.outlined(ways.join(""), "link"), ...this.outlined(lines.join(""), "link", "needed")];
+  }
+
+  /** Return the way of a mover: through its cells, or around those that it wanders in. */
+  way({ cells, fields: { within, back } }) {
+    if (!within)
+      return `M${cells.map(([x, y]) => this.corner(x + 0.5, y + 0.5).join(" ")).join("L")}${back ? "" : "z"}`;
+    const { x, y, width, height } = this.box(within.at, within.size);
+    return boxPath({ x: x + INSET, y: y + INSET, width: width - 2 * INSET, height: height - 2 * INSET });
+  }
+
+  /** Return the middle of an entry, which may stand at sides. */
+  middle({ cells, sides }) {
+    const [x, y, side] = sides[Math.floor(sides.length / 2)] ?? cells[0];
+    return this.corner(x + (side === "E" ? 1 : 0.5), y + (side === "S" ? 1 : 0.5)).join(" ");
   }
 
   selected() {

@@ -3,7 +3,7 @@
 import { COMMON } from "../../render/static/common.js";
 import { formatted } from "../../render/static/game.js";
 import { element } from "../../render/static/paint.js";
-import { button, html } from "./html.js";
+import { button, html, tapped } from "./html.js";
 import { beyond, cellsAlong } from "./spots.js";
 
 const DRAWN_ORDER = [-1, 1, 2, 3, 4, 0]; // What a click goes through: none, north, …, stay.
@@ -32,7 +32,7 @@ export class PolicyDrawing {
       html(
         "p",
         { class: "hint" },
-        "Drag through cells to draw arrows; a click turns one. Cells without an arrow act at random.",
+        tapped("Drag through cells to draw arrows; a click turns one. Cells without an arrow act at random."),
         this.moving,
       ),
       html("div", { class: "quick" }, this.optimal, this.clear),

@@ -1,7 +1,7 @@
 // The rail of tools, and the options of the one at hand.
 
 import { element } from "../../render/static/paint.js";
-import { html } from "./html.js";
+import { html, tapped } from "./html.js";
 import { TOOLS, toolNamed } from "./tools.js";
 
 /** Return an icon of strokes in a square of 24 by 24. */
@@ -10,14 +10,15 @@ function iconElement(path) {
 }
 
 /**
- * Return a button with an icon, or with a text, and the key that does the same.
+ * Return a button with an icon, and a name where there is room, or with a text, and the key that does the same.
  *
- * @param {{ icon?: string, key?: string, text?: string, title?: string, [attribute: string]: any }} shown
+ * @param {{ icon?: string, key?: string, text?: string, named?: string, title?: string, [attribute: string]: any }} shown
  * @param {(event: Event) => void} onclick
  */
-export function toolButton({ icon, key, text, title, ...attributes }, onclick) {
+export function toolButton({ icon, key, text, named, title, ...attributes }, onclick) {
   const shown = [
     icon === undefined ? null : iconElement(icon),
+    named === undefined ? null : html("span", { class: "tool-name", "aria-hidden": "true" }, named),
     text ?? null,
     key === undefined ? null : html("kbd", { "aria-hidden": "true" }, key),
   ];
@@ -51,7 +52,8 @@ export class Rail {
         {
           icon,
           key,
-          title: `${title} (${key}): ${hint}`,
+          named: title,
+          title: tapped(`${title} (${key}): ${hint}`),
           "aria-label": title,
           "aria-keyshortcuts": key,
           "data-tool": name,
@@ -60,8 +62,9 @@ export class Rail {
       ),
     );
     this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) =>
-      toolButton({ icon, key, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name }, () =>
-        editor.toggle(name),
+      toolButton(
+        { icon, key, named: title, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name },
+        () => editor.toggle(name),
       ),
     );
     const line = html("span", { class: "divider", role: "separator" });
@@ -108,7 +111,8 @@ export class Options {
     const { tool } = this.editor;
     if (this.shown === tool) return this.refresh();
     this.shown = tool;
-    const { title, hint } = toolNamed(tool);
+    const { title, hint: told } = toolNamed(tool);
+    const hint = tapped(told);
     const fields = { glass: () => this.glass(), area: () => this.area(), item: () => this.item() }[tool]?.() ?? [];
     this.place.replaceChildren(
       html("strong", {}, title),

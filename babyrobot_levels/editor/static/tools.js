@@ -15,7 +15,7 @@ export const TOOLS = [
     name: "walls",
     key: "1",
     title: "Walls",
-    hint: "Click a side of a cell, or drag along sides; what stands there is removed",
+    hint: "Click a side of a cell, or drag along sides, to build walls; again to remove them",
     builds: "wall",
     icon: "M4 20V4h8v8h8v8",
     gesture: drawnWalls,

@@ -35,10 +35,11 @@ export class World {
     this.size = pairControl({ ...own("size")[0], label: "size" }, (size) => editor.send({ do: "resize", size }));
     const sized = html("div", { class: "field" }, html("span", { class: "field-name" }, "size"), this.size.element);
     const [about, ...others] = this.sections(known.filter(({ route }) => !OWN_CONTROLS.has(route[0])));
+    const first = [section("Size", sized), section("Maze", new MazePanel(editor, own("maze")).element)];
+    for (const each of first) each.open = true;
     this.place.replaceChildren(
+      ...first,
       about,
-      section("Size", sized),
-      section("Maze", new MazePanel(editor, own("maze")).element),
       section("Wind", new WindPanel(editor).element),
       section("Theme", new ThemePanel(editor, own("theme")).element),
       ...others,

@@ -1,0 +1,53 @@
+// The first minute: what one does with an empty level, as three steps.
+
+import { pairControl } from "./controls.js";
+import { button, html } from "./html.js";
+import { growMaze } from "./maze.js";
+
+/** The three steps, with the controls that begin them. */
+export class Greeting {
+  constructor(editor) {
+    this.editor = editor;
+    this.size = pairControl({ type: "size", label: "size" }, (size) => editor.send({ do: "resize", size }));
+    this.element = html(
+      "ol",
+      { class: "steps" },
+      html(
+        "li",
+        {},
+        "Set the size, or grow a maze.",
+        html(
+          "span",
+          { class: "buttons" },
+          this.size.element,
+          button("Grow a maze", { onclick: () => growMaze(editor) }),
+        ),
+      ),
+      html("li", {}, "Draw walls and things with the tools. Drag start and exit where they shall be."),
+      html(
+        "li",
+        {},
+        "Play it, then save it.",
+        html(
+          "span",
+          { class: "buttons" },
+          button("Play", { class: "chief", onclick: () => editor.set("mode", { mode: "play" }) }),
+          button("Save", { onclick: () => editor.tell("save") }),
+        ),
+      ),
+    );
+  }
+
+  /** Whether there is nothing in the level but where it begins and ends. */
+  get isDue() {
+    const { is_valid, level, places, fields } = this.editor.state;
+    return (
+      is_valid && level !== null && !fields.maze && places.every(({ kind }) => kind === "start" || kind === "exit")
+    );
+  }
+
+  show() {
+    const { width, height } = this.editor.state.level;
+    this.size.show([width, height]);
+  }
+}
