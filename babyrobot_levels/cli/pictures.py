@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
 from contextlib import contextmanager
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
@@ -166,7 +167,8 @@ def solution_text(
 ) -> str:
     """Return values and policy of a solution for standard output.
 
-    In ASCII, values are a table below the drawing, up to a width of 16 cells.
+    In ASCII, values are a table below the drawing, up to a width of 16 cells. At the end there is
+    what the marks mean.
 
     Args:
         level: the level.
@@ -176,26 +178,37 @@ def solution_text(
         plain: whether to use ASCII in any case.
         configuration: what is where; None is where episodes begin.
     """
-    from babyrobot_levels.render.scene.layout import Overlay
+    from babyrobot_levels.analysis.shown import overlay_given
 
     number = shown_configuration(level, configuration)
-    actions = _actions(solution, number) if policy else None
-    if not plain and takes_pictures():
-        shown = _values(solution, number) if values else None
-        return _picture(level, Overlay(values=shown, actions=actions), number)
-    if policy:
-        painter = TextPainter(level, plain=True, overlay=Overlay(actions=actions))
+    told = overlay_given(level, {"values": solution}).at(number)
+    overlay = replace(
+        told,
+        values=_values(solution, number) if values else None,
+        actions=_actions(solution, number) if policy else None,
+        caption="",
+    )
+    plain = plain or not takes_pictures()
+    if not plain:
+        text = _picture(level, overlay, number)
+    elif policy:
+        painter = TextPainter(level, plain=True, overlay=replace(overlay, values=None))
         text = _joined(painter.lines(None, configuration=number, held=False))
     else:
         text = text_picture(level, plain=True, configuration=configuration)
-    if values and level.size[0] <= WIDEST:
-        text += "\n" + values_text(solution, number)
-    return text
+    if plain and values and level.size[0] <= WIDEST:
+        text += "\n" + values_text(solution, number, overlay.never)
+    marks = TextPainter(level, plain=plain, overlay=replace(overlay, caption=told.caption))
+    explained = _joined(marks.explained())
+    return text + (explained and "\n" + explained)
 
 
-def values_text(solution: Solution, configuration: int | None) -> str:
+def values_text(
+    solution: Solution, configuration: int | None, never: Set[tuple[int, int]] = frozenset()
+) -> str:
     """Return the values in rows and columns, with two decimals."""
-    return _joined(number_lines(_part(solution, solution.values, configuration).tolist(), 2))
+    rows = _part(solution, solution.values, configuration).tolist()
+    return _joined(number_lines(rows, 2, never))
 
 
 def takes_pictures() -> bool:

@@ -50,6 +50,9 @@ if TYPE_CHECKING:
 MAX_WRITTEN = 10_000_000
 """The most actions of a policy by step in JSON."""
 
+MAX_OTHERS = 3
+"""How many other sets of held things are named."""
+
 
 class ActionSet(StrEnum):
     """The sets of actions that a robot may have."""
@@ -325,14 +328,19 @@ def _summary(level: Level, solution: Solution, configuration: int | None) -> str
     if not level.exits:
         del facts["reaches an exit"]
     if solution.actions == ActionSet.TURNS:
-        facts["heading"] = f"{level.heading} (L turns left, R turns right, F goes forward)"
+        facts["heading"] = f"{level.heading} (L turns left, R turns right, F goes forward, . none)"
     if configuration is not None:
         facts["configurations"] = _shown(level, configuration)
     return fact_lines(facts)
 
 
 def _shown(level: Level, configuration: int) -> str:
-    """Return how many configurations there are, and which one is shown."""
-    rows = level.compile().configurations
-    condition = level.things().condition(rows[configuration].tolist())
-    return f"{len(rows)}, shown is {configuration}{condition and ', ' + condition}"
+    """Return how many configurations there are, which one is shown, and how to see others."""
+    from babyrobot_levels.mdp.states import configuration_words, held_sets
+
+    words, rows = configuration_words(level, configuration), level.compile().configurations
+    met, sets = level.things().met(rows[configuration].tolist()), held_sets(level)
+    others = [f"--held {','.join(names) or 'nothing'}" for names in sets if met != {*names}]
+    others[MAX_OTHERS:] = ["…"] * (len(others) > MAX_OTHERS)
+    told = f"{len(rows)}, shown is {configuration}, {words}"
+    return f"{told}; others: {', '.join(others)}" if others else told

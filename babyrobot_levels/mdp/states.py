@@ -46,8 +46,7 @@ def configuration_with(level: GridWorld, names: Iterable[str]) -> int:
         LevelError: the maze has no seed yet (`seed: random`).
         ValueError: a name is not that of such a thing, or no episode comes to this.
     """
-    wanted, things, mdp = frozenset(names), level.things(), level.compile()
-    known = (*things.needed,)
+    wanted, known = frozenset(names), (*level.things().needed,)
     for name in sorted(wanted.difference(known)):
         if not known:
             none = listed([f"no {kind.plural}" for kind in NEEDED])
@@ -55,6 +54,25 @@ def configuration_with(level: GridWorld, names: Iterable[str]) -> int:
         hint = did_you_mean(name, known) or f"; it has {listed(known)}"
         one = listed([kind.noun for kind in NEEDED], "or")
         raise ValueError(f"the level has no {one} {name!r}{hint}")
+    found = held_sets(level)
+    for names, number in found.items():
+        if wanted == {*names}:
+            return number
+    texts = [",".join(names) or "nothing" for names in found]
+    more = ["…"] if len(texts) > MAX_LISTED else []
+    raise ValueError(
+        f"in no episode exactly {listed(sorted(wanted)) or 'nothing'} is held or on; possible "
+        f"are: {'; '.join(texts[:MAX_LISTED] + more)}"
+    )
+
+
+def held_sets(level: GridWorld) -> dict[tuple[str, ...], int]:
+    """Return all that can be held or on at the same time, each with its first configuration.
+
+    Which one that is, see `configuration_with`. Names are in the order of the level, and fewer
+    come before more.
+    """
+    things, mdp = level.things(), level.compile()
     over = np.all(mdp.is_terminal.reshape(mdp.num_configurations, -1), axis=1)
     begins = things.begins()[things.static :]
     met_with = cache(lambda *static: things.met(static))
@@ -64,19 +82,9 @@ def configuration_with(level: GridWorld, names: Iterable[str]) -> int:
         key = bool(over[number]), not all(at in first for at, first in movers), number
         met = met_with(*values[: things.static])
         found[met] = min(found.get(met, key), key)
-    if wanted not in found:
-        # In the order of the level, and fewer before more.
-        sets = sorted([name in met for name in known] for met in found)
-        texts = [
-            ",".join(name for name, is_met in zip(known, each, strict=True) if is_met) or "nothing"
-            for each in sorted(sets, key=sum)
-        ]
-        more = ["…"] if len(texts) > MAX_LISTED else []
-        raise ValueError(
-            f"in no episode exactly {listed(sorted(wanted)) or 'nothing'} is held or on; possible "
-            f"are: {'; '.join(texts[:MAX_LISTED] + more)}"
-        )
-    return found[wanted][2]
+    known = (*things.needed,)
+    order = sorted(found, key=lambda met: (len(met), [name in met for name in known]))
+    return {tuple(name for name in known if name in met): found[met][2] for met in order}
 
 
 def state_text(things: Things, mdp: Mdp, state: int) -> str:
@@ -125,6 +133,11 @@ class Reach:
         """Return for each state the fewest steps in which it can be reached from some others."""
         found: list[int] = self.graph.distances(states).tolist()
         return found
+
+
+def occurring(mdp: Mdp) -> NDArray[np.bool_]:
+    """Return which states episodes come to, in the shape of the states."""
+    return (transitions(mdp).distances(np.flatnonzero(mdp.start)) >= 0).reshape(mdp.shape)
 
 
 def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
@@ -222,6 +235,13 @@ def situation_words(things: Mapping[str, Any]) -> str:
     met = [kind.need.met for kind in NEEDED]
     states = [f"{name} {value}" for name, value in things.items() if value in met]
     return ", ".join([*states, *_places(things)])
+
+
+def configuration_words(level: GridWorld, number: int) -> str:
+    """Return a configuration in words: `while key is held, with bat at [2, 4]`."""
+    condition = level.things().condition(level.compile().configurations[number].tolist())
+    places = listed(_places(situation(level, number)))
+    return ", ".join(filter(None, [condition, places and f"with {places}"]))
 
 
 def _places(things: Mapping[str, Any]) -> list[str]:

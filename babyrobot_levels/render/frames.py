@@ -285,8 +285,9 @@ class FramePainter:
         room: tuple[int, int] | None = None,
     ) -> None:
         cells_only = size is not None
-        # Without a legend: a film's frames are equally large, whatever they show.
-        layout = replace(layout_of(level, cells_only=cells_only, overlay=overlay), legend=0.0)
+        # Without what is below the grid: a film's frames are equally large, whatever they show.
+        layout = layout_of(level, cells_only=cells_only, overlay=overlay)
+        layout = replace(layout, legend=0.0, caption=0.0)
         self.width, self.height = size or _whole_size(layout, room or _ROOM)
         self._level, self._layout = level, layout
         self._crowded = overlay is not None and overlay.fills_cells

@@ -399,11 +399,11 @@ def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict
     may_turn = turns or "heading" in level.model_fields_set
     is_still = not (level.has_things or may_turn)
     overlay = guide.overlay.at() if guide is not None else Overlay()
-    layout = layout_of(level, overlay=overlay)
+    # What the caption tells, the page has outside of the picture, as it has what is held.
+    layout = replace(layout_of(level, overlay=overlay), caption=0.0)
     palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
     alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
     own = level.display.coordinates
-    # Without the strip for what is held, which the page has outside of the picture.
     seen = replace(layout, strip=0.0)
     shapes: dict[str, Iterable[Shape]] = {
         "base": ground_layer(level, seen),
@@ -447,6 +447,8 @@ def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict
             data["turns"]["marks"] = {"values": marks.values(turned)}
     if marks.packed:
         picture["marks"], picture["tiles"] = marks.packed, marks.tiles
+        if marks.never >= 0:
+            picture["never"] = marks.never
     data["rules"] = [
         [pack(sample_shapes(level, rule.sample), palette), rule.text, runs_of(rule.cells)]
         for rule in rules_of(level)

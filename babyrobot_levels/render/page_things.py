@@ -31,6 +31,7 @@ from babyrobot_levels.render.scene.heat import (
     legend_bar,
     legend_plate,
     legend_texts,
+    never_shapes,
     scale_of,
 )
 from babyrobot_levels.render.scene.icons import Spot
@@ -61,6 +62,7 @@ class Marks:
         packed: the shapes of each mark.
         tiles: the colour of the cell below each mark, as the palette counts them; -1 for none.
         scale: the scale of the tiles.
+        never: the mark of cells in which no robot can be, as far as there are any, else -1.
     """
 
     def __init__(
@@ -82,6 +84,7 @@ class Marks:
         self._by_look: dict[tuple[str, int], int] = {}
         self.packed: list[list[Group]] = []
         self.tiles: list[int] = []
+        self.never = -1
 
     @property
     def legend(self) -> list[Group]:
@@ -106,7 +109,7 @@ class Marks:
         for overlay in overlays:
             values = Heat(self._level, self._layout, overlay, self._slots).values
             marks += [
-                self._value(cell, values[cell]) if cell in values else -1
+                self._value(cell, values[cell]) if cell in values else self._blank(cell, overlay)
                 for cell in self._layout.cells()
             ]
         return marks
@@ -116,8 +119,20 @@ class Marks:
         marks = []
         for overlay in overlays:
             lengths = dict(arrow_lengths(overlay, self._slots, self._layout))
-            marks += [self._actions(cell, lengths.get(cell, {})) for cell in self._layout.cells()]
+            for cell in self._layout.cells():
+                found = lengths.get(cell)
+                marks.append(self._actions(cell, found) if found else self._blank(cell, overlay))
         return marks
+
+    def _blank(self, cell: Cell, overlay: Overlay) -> int:
+        """Return the mark of a cell without answers."""
+        if cell not in overlay.never:
+            return -1
+        if self.never < 0:
+            shapes = never_shapes(self._level, Overlay(never=frozenset([cell])), self._layout)
+            self._add("never", cell, shapes)
+            self.never = self._numbers["never"]
+        return self.never
 
     def _value(self, cell: Cell, value: float) -> int:
         box, color = self._slots.plan(cell).number, self.scale.color(value)
@@ -130,8 +145,6 @@ class Marks:
         return self._numbers[key]
 
     def _actions(self, cell: Cell, lengths: Lengths) -> int:
-        if not lengths:
-            return -1
         key = "actions", self._slots.plan(cell).arrow, tuple(lengths.items())
         if key not in self._numbers:
             color = self._level.resolved_theme.colors.arrows

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
@@ -47,6 +47,9 @@ WIDEST = 16
 
 _ARROWS, _PLAIN_ARROWS = "·↑→↓←", ".^>v<"
 """The characters of the actions, from `stay` on."""
+
+_NEVER, _PLAIN_NEVER = "╱", "-"
+"""The characters of a cell in which no robot can be in the configuration that is shown."""
 
 _BLACK = (0, 0, 0)
 _BAR = 24
@@ -211,6 +214,8 @@ class TextPainter:
         arrows = self._arrows_of(overlay)
         if overlay.actions is None and not self._plain:
             symbols = symbols_of(self._level, self._drawing)
+        for x, y in overlay.never:
+            symbols[y][x] = self.never if symbols[y][x] == " " else symbols[y][x]
         for (x, y), arrow in arrows.items():
             symbols[y][x] = arrow
         if self._plain:
@@ -218,7 +223,7 @@ class TextPainter:
         else:
             lines = unicode_lines(self._drawing, [[f" {each} " for each in row] for row in symbols])
         below = [*_table(overlay.values, overlay.precision), *_table(overlay.visits, 0)]
-        below += _texts_below(overlay)
+        below += _texts_below(overlay, self.never)
         return _Drawn(lines, USUAL, frozenset(arrows), {}, below)
 
     def _painted(self, overlay: Overlay, colors: int, columns: int | None) -> _Drawn:
@@ -251,13 +256,40 @@ class TextPainter:
             ]
             for y, row in enumerate(symbols_of(self._level, self._drawing))
         ]
+        for x, y in overlay.never:
+            if contents[y][x].isspace():
+                contents[y][x] = self.never * cells.width
         fills = {cell: rgba(color)[:3] for cell, color in heat.tiles.items()}
         below = [*_legend(heat.scale, form, colors)] if fills else []
         if overlay.values is not None:
             below += _table(overlay.visits, 0)
-        below += _texts_below(overlay)
+        below += _texts_below(overlay, self.never)
         lines = unicode_lines(self._drawing, contents)
         return _Drawn(lines, cells, frozenset(), fills, below)
+
+    @property
+    def never(self) -> str:
+        """The character of a cell in which no robot can be."""
+        return _PLAIN_NEVER if self._plain else _NEVER
+
+    def explained(self) -> list[str]:
+        """Return what the marks of a policy mean, as far as there are any."""
+        overlay, blocked = self._overlay, self._level.grid().blocked_cells
+        arrows, width = self._arrows_of(overlay), self._level.size[0]
+        stay, moves = self._arrows[0], self._arrows[1:]
+        lines = {}
+        if arrows:
+            lines[" ".join(moves)] = "an optimal action, also where there are several"
+        if stay in arrows.values():
+            lines[stay] = "stay"
+        if overlay.caption:
+            mark, _, words = overlay.caption.replace("hatched:", self.never).partition(" ")
+            lines[mark] = words
+        taken = {*arrows, *overlay.never}
+        free = (divmod(cell, width)[::-1] for cell, is_wall in enumerate(blocked) if not is_wall)
+        if arrows and not taken.issuperset(free):
+            lines["others"] = "the episode is over, or no robot can be there"
+        return [f"{mark:7}  {words}" for mark, words in lines.items()]
 
     def _arrows_of(self, overlay: Overlay) -> dict[Cell, str]:
         """Return the arrow of each cell that has one.
@@ -330,10 +362,11 @@ def _window(
 # -- what is below it -------------------------------------------------------------------------
 
 
-def _texts_below(overlay: Overlay) -> Iterator[str]:
-    """Yield notes and the lines of panels; each block begins with an empty line."""
+def _texts_below(overlay: Overlay, never: str) -> Iterator[str]:
+    """Yield notes, the caption and the lines of panels; each block begins with an empty line."""
     notes = [f"[{note.x:g}, {note.y:g}] {note.text}" for note in overlay.notes]
-    for block in (notes, overlay.side_panel, overlay.bottom_panel):
+    caption = [overlay.caption.replace("hatched:", never)] if overlay.caption else []
+    for block in (notes, caption, overlay.side_panel, overlay.bottom_panel):
         if block:
             yield ""
         for text in block:
@@ -347,11 +380,18 @@ def _table(rows: Rows[float | None] | None, precision: int) -> Iterator[str]:
     yield from number_lines(rows, precision)
 
 
-def number_lines(rows: Sequence[Sequence[float | None]], precision: int) -> Iterator[str]:
-    """Yield a line for each row. None and nan give empty cells."""
+def number_lines(
+    rows: Sequence[Sequence[float | None]], precision: int, never: Set[Cell] = frozenset()
+) -> Iterator[str]:
+    """Yield a line for each row. None and nan give empty cells, or say that they never occur."""
     shown = [
-        ["" if value is None or math.isnan(value) else f"{value:.{precision}f}" for value in row]
-        for row in rows
+        [
+            f"{value:.{precision}f}"
+            if value is not None and not math.isnan(value)
+            else _PLAIN_NEVER * ((x, y) in never)
+            for x, value in enumerate(row)
+        ]
+        for y, row in enumerate(rows)
     ]
     width = max(len(text) for row in shown for text in row)
     for row in shown:

@@ -296,10 +296,12 @@ def test_values_of_configurations_follow_the_episode() -> None:
     env.reset()
     solution = brl.solve(with_key())
     env.unwrapped.show_info({"values": solution})
-    first = env.render().splitlines()[-1]
+    first, _, told = env.render().splitlines()[-3:]
     env.step(E)
-    second = env.render().splitlines()[-1]
+    second, _, after = env.render().splitlines()[-3:]
     assert first.split()[0] == "-2.00"
+    assert told == "╱ cannot occur while nothing is held"
+    assert after == "shown while key is held"
     assert second.split() == ["-2.00", "-1.00", "0.00", "0.00"]
 
 

@@ -20,8 +20,10 @@ from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
-from babyrobot_levels.render.scene.layout import Note, Overlay
+from babyrobot_levels.render.scene.layout import CELL, Note, Overlay, caption_lines, layout_of
+from babyrobot_levels.render.scene.shapes import Path, Scene, Text
 from babyrobot_levels.render.text import TextPainter
 
 N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
@@ -275,9 +277,68 @@ def test_pictures_of_an_overlay_by_configuration_differ() -> None:
         scene = without_legend(CORRIDOR, state=number * 5, overlay=overlay)
         expected = to_rgb(scene).astype(int)
         assert np.abs(painter.frame(number * 5) - expected).mean() < 0.3
-    assert "\n".join(TextPainter(CORRIDOR, overlay=overlay).lines(0)).endswith(
-        "0.00  1.00  2.00  3.00  4.00"
-    )
+    *_, numbers, _, told = TextPainter(CORRIDOR, overlay=overlay).lines(0)
+    assert numbers == "0.00  1.00  2.00  3.00  4.00"
+    assert told == "╱ cannot occur while nothing is held or on, with mover-1 at [4, 0]"
+
+
+@pytest.mark.parametrize("kind", ["values", "policy"])
+def test_what_cannot_occur_is_hatched_and_told(kind: str) -> None:
+    level = brl.load("first-key")
+    overlay = overlay_from({kind: brl.solve(level)}, level)
+    behind = {(x, y) for x in (3, 4) for y in range(3)}
+    # Whoever is in the cell of the key holds it.
+    hatched, whole = [
+        build_scene(level, configuration=number, overlay=overlay, robot=False) for number in (0, 1)
+    ]
+    assert overlay.at(0).never == behind | {(0, 0)}
+    assert "hatched: cannot occur while nothing is held" in texts_of(hatched)
+    assert overlay.at(1).never == set()
+    assert "shown while key is held" in texts_of(whole)
+    assert hatched.height == whole.height
+    lines = [
+        shape.commands
+        for shape in hatched.shapes
+        if isinstance(shape, Path) and shape not in whole.shapes and 0 < shape.opacity < 0.5
+    ]
+    margin = layout_of(level, overlay=overlay).margin
+    cells = {
+        tuple(int((place - margin) // CELL) for place in middle_of(line, end))
+        for commands in lines
+        for line, end in zip(commands[::2], commands[1::2], strict=True)
+    }
+    assert cells == overlay.at(0).never
+
+
+def middle_of(start: Any, end: Any) -> list[float]:
+    return [(one + other) / 2 for one, other in zip(start[1], end[1], strict=True)]
+
+
+def texts_of(scene: Scene) -> list[str]:
+    return [shape.text for shape in scene.shapes if isinstance(shape, Text)]
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("two-levers", "hatched: cannot occur while nothing is on"),
+        ("night-watch", "shown with watchman at [7, 1]"),
+        ("shell-game", "hatched: cannot occur while nothing is on, with exit at [0, 0]"),
+        ("frozen-lake", ""),
+    ],
+)
+def test_a_picture_says_which_configuration_it_shows(name: str, words: str) -> None:
+    level = brl.load(name)
+    overlay = overlay_from({"values": brl.solve(level)}, level)
+    assert (overlay.caption, overlay.parts is None) == (words, not words)
+
+
+def test_a_long_caption_takes_lines_and_no_more_than_there_is_room_for() -> None:
+    overlay = Overlay(values=[[1.0] * 5], caption="cannot occur while all is held " * 20)
+    layout = layout_of(CORRIDOR, overlay=overlay)
+    lines = caption_lines(overlay.caption, layout)
+    assert (len(lines), lines[-1][-1]) == (4, "…")
+    assert layout.top_height == layout.legend_top + layout.legend + layout.caption
 
 
 def test_overlays_can_be_pickled_and_copied() -> None:

@@ -11,6 +11,7 @@ import pytest
 from support.playground import guide
 from support.vault import vault
 
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
@@ -194,6 +195,21 @@ def test_values_and_actions_are_those_of_each_configuration() -> None:
     assert len(tiles) == len(marks)
     assert -2 - STEPS <= tiles[number] <= -2
     assert {tiles[mark] for mark in data["marks"]["policy"] if mark >= 0} == {-1}
+
+
+def test_what_cannot_occur_has_a_mark_of_its_own() -> None:
+    level = load("first-key")
+    data = page_data(level, guide=guide_of(level))
+    picture, mdp = data["picture"], level.compile()
+    behind = [0, *(5 * y + x for y in range(3) for x in (3, 4))]
+    for name in ("values", "policy"):
+        marks = np.array(data["marks"][name])
+        assert np.flatnonzero(marks == picture["never"]).tolist() == behind
+        # Exits have no action, but episodes come to them.
+        assert set(np.flatnonzero(marks == -1)) <= {mdp.cells + 9}
+    assert picture["tiles"][picture["never"]] == -1
+    maze = load("final-maze")
+    assert "never" not in page_data(maze, guide=guide_of(maze))["picture"]
 
 
 def test_equal_marks_are_there_once() -> None:

@@ -50,7 +50,8 @@ def without_legend(
     world: Any, *, cells_only: bool = False, overlay: Overlay | None = None, **told: Any
 ) -> Scene:
     """Return the scene of a level as frames show it: without the legend of a heat map."""
-    layout = replace(layout_of(world, cells_only=cells_only, overlay=overlay), legend=0.0)
+    layout = layout_of(world, cells_only=cells_only, overlay=overlay)
+    layout = replace(layout, legend=0.0, caption=0.0)
     layers = build_layers(world, cells_only=cells_only, overlay=overlay, layout=layout, **told)
     shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
     return replace(layers["base"], shapes=shapes)

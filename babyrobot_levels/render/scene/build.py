@@ -11,7 +11,7 @@ from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
-from babyrobot_levels.render.scene.heat import Heat
+from babyrobot_levels.render.scene.heat import Heat, never_shapes
 from babyrobot_levels.render.scene.layout import CELL, Layout, Overlay, each_cell, layout_of
 from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.panels import (
@@ -109,7 +109,7 @@ def build_layers(
     All are as large as the picture. What changes from step to step has layers of its own:
 
     - `base`: the ground, panels, the compass and the rules;
-    - `heat`: values as colours, and their legend;
+    - `heat`: values as colours, what cannot occur, and their legends;
     - `grid`: puddles and walls, and the arrows and texts of the level itself;
     - `things`: what has a state and does not move, locked exits, and what is held;
     - `underlay`: the part of an overlay that is below the robot;
@@ -230,7 +230,7 @@ def overlay_shapes(
     texts += note_shapes(level, overlay.notes, layout)
     texts += panel_texts(level, overlay, layout)
     return OverlayShapes(
-        tuple(heat.shapes),
+        (*heat.shapes, *never_shapes(level, overlay, layout)),
         tuple(arrow_shapes(arrow_lengths(overlay, slots, layout), slots, layout, colors.arrows)),
         tuple(number_labels(level, heat)),
         tuple(texts),

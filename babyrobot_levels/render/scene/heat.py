@@ -21,14 +21,34 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import DELTAS, Action
-from babyrobot_levels.render.colors import BLACK, WHITE, contrast, is_gray, plate_for, rgba
+from babyrobot_levels.render.colors import (
+    BLACK,
+    WHITE,
+    contrast,
+    is_gray,
+    plate_for,
+    rgba,
+    rim_on,
+)
 from babyrobot_levels.render.scene.ground import CellGrounds, shore_shapes
-from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, Overlay, each_cell
+from babyrobot_levels.render.scene.layout import (
+    CAPTION_LEFT,
+    CAPTION_LINE,
+    CAPTION_SIZE,
+    CELL,
+    LEGEND,
+    Layout,
+    Overlay,
+    caption_lines,
+    each_cell,
+)
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
+    Point,
     Rect,
     Shape,
+    Text,
     polygon,
     polyline,
     rectangle,
@@ -196,6 +216,9 @@ BAR_STEPS = 24
 """The number of colours of the legend's bar."""
 
 _BAR, _BAR_TOP = 9.0, 4.0
+_HATCHES, _HATCH_OPACITY = 8, 0.32
+"""How many lines of hatching begin at a side of a cell, and how strong they are."""
+
 _LONGEST_BAR, _LEGEND_MARGIN = 260.0, 11.0
 _LEGEND_SIZE = 9.5
 
@@ -347,21 +370,21 @@ def legend_plate(level: GridWorld, layout: Layout) -> Rect:
     """Return the ground of the legend."""
     colors = level.resolved_theme.colors
     plate = plate_for(colors.text_fg, colors.text_bg)
-    return Rect(0, layout.top_height - layout.legend, layout.left_width, layout.legend, plate)
+    return Rect(0, layout.legend_top, layout.left_width, layout.legend, plate)
 
 
 def legend_bar(layout: Layout) -> Box:
     """Return where the legend's bar is."""
-    times = layout.legend / LEGEND
+    times = layout.times
     length = min(layout.left_width - 2 * _LEGEND_MARGIN * times, _LONGEST_BAR * times)
     left = (layout.left_width - length) / 2
-    top = layout.top_height - layout.legend + _BAR_TOP * times
+    top = layout.legend_top + _BAR_TOP * times
     return Box(left, top, left + length, top + _BAR * times)
 
 
 def legend_texts(level: GridWorld, layout: Layout, scale: Scale, form: Form) -> Iterator[Shape]:
     """Yield what is at the legend's bar: the ends, and zero between them."""
-    top, times = layout.top_height - layout.legend, layout.legend / LEGEND
+    top, times = layout.legend_top, layout.times
     form, ink = replace(form, size=_LEGEND_SIZE), level.resolved_theme.colors.text_fg
     shapes = _legend(layout.left_width / times, top, scale, form, ink)
     yield from scaled(shapes, times, 0, top)
@@ -383,6 +406,41 @@ def _legend(width: float, top: float, scale: Scale, form: Form, ink: str) -> Ite
         if left + low < x - 10 and x + 10 < left + length - high:
             zero = texts._replace(left=x - 10, right=x + 10)
             yield from number_shapes(0.0, Form(0, form.size), zero, ink, bold=False)
+
+
+# -- what cannot occur -----------------------------------------------------------------------------
+
+
+def never_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
+    """Yield the hatching of cells in which no robot can be, and the caption that tells it."""
+    colors = level.resolved_theme.colors
+    cells = [layout.corner(*cell) for cell in sorted(overlay.never)]
+    if cells:
+        step = CELL / max(2, round(_HATCHES / layout.times))
+        yield _hatched(cells, CELL, step, colors.base)
+    if not layout.caption:
+        return
+    top, times = layout.legend_top + layout.legend, layout.times
+    plate = plate_for(colors.text_fg, colors.text_bg)
+    yield Rect(0, top, layout.left_width, layout.caption, plate)
+    if cells:
+        yield _hatched([(9 * times, top + times)], 10 * times, 3 * times, plate, 0.9)
+    left = (CAPTION_LEFT if cells else 9) * times
+    for number, line in enumerate(caption_lines(overlay.caption, layout), 1):
+        y = top + times * (CAPTION_LINE * number - 2.5)
+        yield Text(left, y, line, times * CAPTION_SIZE, colors.text_fg, "start")
+
+
+def _hatched(
+    corners: Iterable[Point], side: float, step: float, ground: str, opacity: float = _HATCH_OPACITY
+) -> Path:
+    """Return diagonal lines in squares, which go on in neighbours."""
+    lines: list[Command] = []
+    for left, top in corners:
+        for along in (step * count for count in range(1, round(2 * side / step))):
+            near, far = max(0.0, along - side), min(along, side)
+            lines += polyline([(left + near, top + far), (left + far, top + near)])
+    return Path(tuple(lines), stroke=rim_on([ground]), width=step / 8, opacity=opacity)
 
 
 def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:

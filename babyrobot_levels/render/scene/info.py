@@ -12,7 +12,7 @@ import numpy as np
 
 from babyrobot_levels.language.looks import is_color
 from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, Turn, drawn_policy
-from babyrobot_levels.mdp.states import initial_configuration
+from babyrobot_levels.mdp.states import configuration_words, initial_configuration, occurring
 from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.scene.texts import short
 from babyrobot_levels.text.words import did_you_mean
@@ -401,9 +401,23 @@ class InfoParts:
             parts = {key: _part(key, array, number, heading) for key, array in self._arrays.items()}
             if len(self._made) >= _CACHED:
                 del self._made[next(iter(self._made))]
-            overlay = replace(flat_overlay({**self.info, **parts}, self.level), extent=self._extent)
+            overlay = flat_overlay({**self.info, **parts}, self.level)
+            overlay = replace(overlay, extent=self._extent, **self._told(number))
             self._made[configuration, heading] = overlay
         return self._made[configuration, heading]
+
+    @cached_property
+    def _occurs(self) -> NDArray[np.bool_]:
+        return occurring(self.level.compile())
+
+    def _told(self, number: int) -> dict[str, Any]:
+        """Return which cells no robot can be in, though in other configurations, and the words."""
+        if not any(array.by_configuration for array in self._arrays.values()):
+            return {}
+        cells = np.argwhere(self._occurs.any(axis=0) & ~self._occurs[number])[:, ::-1].tolist()
+        words = configuration_words(self.level, number)
+        caption = f"{'hatched: cannot occur' if cells else 'shown'} {words}"
+        return {"never": frozenset(map(tuple, cells)), "caption": caption}
 
 
 def _array_of(info: Mapping[str, Any], key: str, level: GridWorld) -> _Array | None:

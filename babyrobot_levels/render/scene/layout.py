@@ -61,6 +61,8 @@ class Overlay:
         rules: whether the rules of the level are shown: in a panel of the level in which they have
             room, else in a box of their own below the picture. Without it, only panels show them
             that have nothing else to show.
+        never: the cells in which no robot can be in the configuration that is shown: hatched.
+        caption: which configuration that is, and what is hatched, in words; below the grid.
         parts: the overlay of a configuration and heading (each None if none is at hand), where
             they differ; it takes the place of this one.
     """
@@ -77,6 +79,8 @@ class Overlay:
     precision: int = 2
     extent: tuple[float, float] | None = None
     rules: bool = False
+    never: frozenset[tuple[int, int]] = frozenset()
+    caption: str = ""
     parts: Callable[[int | None, int | None], Overlay] | None = None
 
     @property
@@ -118,6 +122,9 @@ STRIP = 42.0
 
 LEGEND = 28.0
 """The height of the legend of a heat map below the grid."""
+
+CAPTION_SIZE, CAPTION_LINE, CAPTION_FOOT, CAPTION_LEFT = 9.5, 12.0, 6.0, 24.0
+"""The font size of a caption, the height of its lines, the space below, and its indent."""
 
 _LEGEND_CELLS = 16
 """The columns and rows from which on the legend is larger."""
@@ -170,6 +177,7 @@ class Layout:
         held_in: where what is held is shown: in a panel, or in a strip below the grid.
         strip: the height of that strip, 0 for none.
         legend: the height of the legend of a heat map below the grid, 0 for none.
+        caption: the height of the caption of an overlay below that, 0 for none.
         rules: the height of the box with the rules below everything, 0 for none.
     """
 
@@ -182,6 +190,7 @@ class Layout:
     held_in: Literal["side", "bottom", "strip"] = "strip"
     strip: float = 0.0
     legend: float = 0.0
+    caption: float = 0.0
     rules: float = 0.0
 
     @property
@@ -201,8 +210,18 @@ class Layout:
 
     @property
     def top_height(self) -> float:
-        """The height of the grid with its margins, and of the legend below it."""
-        return self.grid_height + 2 * self.margin + self.legend
+        """The height of the grid with its margins, and of legend and caption below it."""
+        return self.legend_top + self.legend + self.caption
+
+    @property
+    def legend_top(self) -> float:
+        """Where the legend begins."""
+        return self.grid_height + 2 * self.margin
+
+    @property
+    def times(self) -> float:
+        """How much larger legend and caption are: large pictures are made smaller."""
+        return max(1.0, max(self.columns, self.rows) / _LEGEND_CELLS)
 
     @property
     def width(self) -> float:
@@ -282,11 +301,11 @@ def layout_of(
         bottom = height_of(wrapped(overlay.bottom_panel, bottom_room(layout)))
         bottom = max(bottom, layout.bottom) if items and held_in == "bottom" else bottom
     strip = STRIP if items and held_in == "strip" else 0.0
-    legend = 0.0
-    if overlay.has_colors:
-        # Large pictures are made smaller to be looked at.
-        legend = LEGEND * max(1.0, max(columns, rows) / _LEGEND_CELLS)
-    layout = Layout(columns, rows, margin, side, bottom, items, held_in, strip, legend)
+    layout = Layout(columns, rows, margin, side, bottom, items, held_in, strip)
+    legend = LEGEND * layout.times if overlay.has_colors else 0.0
+    lines = caption_lines(overlay.caption, layout) if overlay.fills_cells else []
+    caption = layout.times * (CAPTION_LINE * len(lines) + CAPTION_FOOT) if lines else 0.0
+    layout = replace(layout, legend=legend, caption=caption)
     return with_rules(level, overlay, layout) if overlay.rules else layout
 
 
@@ -299,6 +318,18 @@ def with_rules(level: GridWorld, overlay: Overlay, layout: Layout) -> Layout:
     if room is not None and height_for(texts, room.width) <= room.height:
         return layout
     return replace(layout, rules=height_for(texts, max(layout.width, NARROWEST)))
+
+
+def caption_lines(caption: str, layout: Layout) -> list[str]:
+    """Return a caption in lines, at most as many as the layout has room for if it has any."""
+    room = layout.left_width / layout.times - 2 * CAPTION_LEFT
+    most = round((layout.caption / layout.times - CAPTION_FOOT) / CAPTION_LINE)
+    return textwrap.wrap(
+        caption,
+        max(9, int(room / (CAPTION_SIZE * CHARACTER_WIDTH))),
+        max_lines=most if layout.caption else 4,
+        placeholder=" …",
+    )
 
 
 def rules_room(level: GridWorld, overlay: Overlay, layout: Layout) -> TextRoom | None:

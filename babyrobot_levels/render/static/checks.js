@@ -226,6 +226,7 @@ function checkAdvice({ policy, walker, marks, returns, turns, picture }, states)
   checkNumbers(policy, states, 4);
   checkReturns(returns);
   const last = list(picture?.marks ?? []).length - 1;
+  whole(picture?.never ?? -1, -1, last);
   for (const name of ["values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
   if (turns === undefined) return;
   need(turns !== null && typeof turns === "object" && typeof turns.on === "boolean");

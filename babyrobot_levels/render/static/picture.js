@@ -47,6 +47,7 @@ export function levelPicture(data, symbols = sprites(data.robot)) {
       { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },
       ...layer("base"),
       answer("heat", "values", element("g", { id: "cells" })),
+      element("g", { id: "never" }),
       ...layer("grid"),
       element("g", { id: "signs" }, ...layer("signs")),
       element("g", { id: "beside" }, ...layer("beside")),

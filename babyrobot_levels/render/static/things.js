@@ -264,7 +264,7 @@ export class MarksLayer {
     this.game = game;
     this.shapes = [...svg.querySelector("#marks").children];
     this.tiles = [...svg.querySelector("#tiles").children];
-    this.layers = ["heat", "values", "policy"].map((name) => svg.querySelector(`#${name}`));
+    this.layers = ["heat", "values", "policy", "never"].map((name) => svg.querySelector(`#${name}`));
     this.cells = svg.querySelector("#cells");
     this.shown = this.layers.map(() => []);
   }
@@ -274,12 +274,16 @@ export class MarksLayer {
     if (this.shapes.length === 0) return;
     const { data, isTurning, number, cells } = this.game;
     const marks = (isTurning ? data.turns : data).marks ?? {};
+    const never = data.picture.never ?? -1;
     const first = number - (number % cells);
     this.layers.forEach((layer, index) => {
       if (layer.classList.contains("hidden")) return;
-      const name = layer.id === "heat" ? "values" : layer.id;
+      const name = layer.id === "policy" ? "policy" : "values";
       const numbers = (marks[name] ?? []).slice(first, first + cells);
-      for (let cell = 0; cell < cells; cell++) this.put(layer, index, cell, numbers[cell] ?? -1);
+      for (let cell = 0; cell < cells; cell++) {
+        const mark = numbers[cell] ?? -1;
+        this.put(layer, index, cell, (mark === never) === (layer.id === "never") ? mark : -1);
+      }
     });
   }
 
