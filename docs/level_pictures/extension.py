@@ -7,10 +7,9 @@ from dataclasses import replace
 from hashlib import sha256
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from docutils import nodes
-from docutils.parsers.rst import directives
 from sphinx.util.docutils import SphinxDirective
 from sphinx.util.logging import getLogger
 from sphinx.util.osutil import relative_uri
@@ -123,18 +122,21 @@ def _html(text: str) -> list[nodes.Node]:
     return [nodes.raw("", text, format="html")]
 
 
-class LevelDirective(SphinxDirective):
-    """The picture of a level of the gallery, in a theme."""
+class GameDirective(SphinxDirective):
+    """A level of the gallery to be played: its page, in a frame."""
 
-    required_arguments = 2
-    option_spec: ClassVar = {"class": directives.class_option}
+    required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        """Return the picture."""
-        name, theme = self.arguments
-        found = picture(build_scene(load(name).replace(theme=theme), cells_only=True), scale=1)
-        found["classes"] += self.options.get("class", [])
-        return [found]
+        """Write the page, and return the frame."""
+        level = load(self.arguments[0])
+        name = f"{_FOLDER}/{level.name}.html"
+        file = Path(self.env.app.outdir, *name.split("/"))
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(level.to_html(), encoding="utf-8")
+        address = relative_uri(self.env.docname, name)
+        title = escape(f"{level.title}, to be played")
+        return _html(f'<iframe class="game" src="{address}" title="{title}"></iframe>')
 
 
 def visit_picture(writer: HTML5Translator, node: LevelPicture) -> None:
@@ -158,7 +160,7 @@ def visit_picture(writer: HTML5Translator, node: LevelPicture) -> None:
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register the above; Sphinx calls this."""
     app.add_node(LevelPicture, html=(visit_picture, None))
-    app.add_directive("level", LevelDirective)
+    app.add_directive("game", GameDirective)
     app.add_directive("gallery", GalleryDirective)
     app.connect("doctree-read", add_pictures)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

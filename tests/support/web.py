@@ -119,7 +119,7 @@ class WebPage:
 
     def _link(self, element: Any, name: str, link: str) -> Iterator[str]:
         parts = urlsplit(link)
-        if parts.scheme == "data" and name != "href":
+        if parts.scheme == "data" and element.name != "a":
             return
         if parts.scheme or parts.netloc:
             if name != "href" or element.name != "a":
