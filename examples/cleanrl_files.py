@@ -8,6 +8,7 @@ PyTorch, tensorboard and tyro.
 
 from __future__ import annotations
 
+import argparse
 import runpy
 import sys
 from typing import Any
@@ -37,7 +38,12 @@ gymnasium.register("FinalMaze-v0", entry_point=make)
 
 
 def main() -> None:
-    file, *options = sys.argv[1:]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("file", help="CleanRL's ppo.py or dqn.py; its options follow")
+    file = parser.parse_args(sys.argv[1:2]).file
+    options = sys.argv[2:]
     torch.set_num_threads(1)
     sys.argv = [file, "--env-id", "FinalMaze-v0", "--gamma", "1", *options]
     after = runpy.run_path(file, run_name="__main__")

@@ -8,6 +8,7 @@ here entry by entry; nothing is sampled.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations
@@ -28,11 +29,15 @@ from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.states import told, transitions
 from babyrobot_levels.mdp.tables import Flags, Floats, Mdp, Outcome
+from babyrobot_levels.text.errors import LevelNotFoundError
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | GridWorld
 
 GYMNASIUM = "gymnasium:"
 """The prefix that marks the id of an environment, where a level could be meant as well."""
+
+VERSION = re.compile(r"-v\d+$")
+"""The end of an environment's id, which no level of the gallery has."""
 
 REWARD_TOLERANCE = 1e-12
 
@@ -174,7 +179,14 @@ def _tables_of(other: Any, kwargs: Mapping[str, Any] | None = None) -> _Tables:
         return _tables_of_pair(*other)
     if isinstance(other, Mapping) and other and not any(isinstance(key, str) for key in other):
         raise _invalid_table("the starts are missing; give a pair of both")
-    mdp = _with_fixed_maze(other).compile()
+    try:
+        mdp = _with_fixed_maze(other).compile()
+    except LevelNotFoundError as error:
+        if not VERSION.search(error.name):
+            raise
+        raise LevelNotFoundError(
+            error.name, [GYMNASIUM + error.name.removeprefix("gym:")]
+        ) from None
     names = tuple(action.name.lower() for action in Action)
     next_state = mdp.next_state.astype(np.float64)
     return _Tables(mdp.probability, next_state, mdp.reward, mdp.terminal, mdp.start, names)

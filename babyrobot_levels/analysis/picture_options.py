@@ -70,23 +70,19 @@ def takes(options: Any, **defaults: Any) -> Callable[[Callable[P, T]], Callable[
     def decorated(function: Callable[P, T]) -> Callable[P, T]:
         signature = _signature(function, options, defaults)
 
+        from babyrobot_levels.text.words import unexpected
+
         @wraps(function)
         def checked(*args: P.args, **given: P.kwargs) -> T:
             for name in given:
                 if name not in signature.parameters:
-                    raise TypeError(_unknown(function.__name__, name, signature.parameters))
+                    raise TypeError(unexpected(function.__name__, name, signature.parameters))
             return function(*args, **{**defaults, **given})
 
         checked.__signature__ = signature  # type: ignore[attr-defined]
         return checked
 
     return decorated
-
-
-def _unknown(function: str, name: str, known: Iterable[str]) -> str:
-    from babyrobot_levels.text.words import did_you_mean
-
-    return f"{function}() got an unexpected keyword argument {name!r}{did_you_mean(name, known)}"
 
 
 def _signature(

@@ -76,7 +76,7 @@ def compare(
 
       babyrobot compare four-rooms.yaml minigrid:MiniGrid-FourRooms-v0 --seed 3
     """
-    from babyrobot_levels.analysis.compare import GYMNASIUM
+    from babyrobot_levels.analysis.compare import GYMNASIUM, VERSION
     from babyrobot_levels.analysis.compare import compare as compared
     from babyrobot_levels.analysis.environments import MINIGRID
 
@@ -89,7 +89,7 @@ def compare(
         fail("--seed is for environments of MiniGrid", f"`{MINIGRID}ID`")
     if actions is not None and is_minigrid:
         fail("--actions is not for MiniGrid, whose actions are left, right and forward")
-    if is_minigrid or other.startswith(GYMNASIUM):
+    if is_minigrid or other.startswith(GYMNASIUM) or VERSION.search(other):
         loaded, peer = load_level(level), other
     else:
         loaded, peer = load_two(level, other)

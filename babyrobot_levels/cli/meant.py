@@ -53,7 +53,6 @@ OPTIONS = {
 }
 """Options, and those of other programs; a command has some of them."""
 
-_ENVIRONMENT = re.compile(r"(gym:)?[A-Za-z/]+-v\d+")
 _WRITTEN = re.compile(r".+\.(png|svg|gif|pdf|html?|json|npz?|csv|txt)", re.I)
 
 
@@ -86,8 +85,6 @@ def argument(word: str, what: str, is_near: bool) -> str | None:
 
     `is_near` tells that there are such ones with a name like it.
     """
-    if _ENVIRONMENT.fullmatch(word):
-        return f"name an environment of Gymnasium as `gymnasium:{word.removeprefix('gym:')}`"
     if word in ("random", "best"):
         return f"an agent comes first: `babyrobot score {word} LEVEL`"
     if is_near:

@@ -179,6 +179,11 @@ def checked_names(observation: Any) -> tuple[str, ...]:
         check_choice("observation", observation, OBSERVATIONS)
         return (observation,)
     for name in observation:
+        if isinstance(name, int):
+            raise ValueError(
+                f"observation names what is shown, not its size; {observation!r} pixels are "
+                f"observation='image', image_size={tuple(observation)!r}"
+            )
         check_choice("observation", name, OBSERVATIONS)
     if not observation or len(set(observation)) < len(observation):
         raise ValueError(

@@ -28,6 +28,7 @@ from babyrobot_levels.envs.engine.tables import (
 )
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.text.words import keywords_told
 
 CHUNK = 16_384
 """About how many steps, of all environments together, use one block of draws."""
@@ -61,7 +62,13 @@ class Rollout:
     next_observations: NDArray[np.int32]
     action_masks: NDArray[np.int8]
 
+    def __repr__(self) -> str:
+        """Return how much there is; all numbers would be many pages."""
+        (steps, envs), ends = self.actions.shape, self.terminations | self.truncations
+        return f"<Rollout of {steps:,} steps in {envs:,} environments: {ends.sum():,} ends>"
 
+
+@keywords_told
 def rollout(
     level: Any,
     policy: Any = "random",

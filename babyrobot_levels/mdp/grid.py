@@ -51,6 +51,11 @@ class Grid:
     blocked_cells: bytes
     glass: dict[tuple[int, str], float]
 
+    def __repr__(self) -> str:
+        """Return its size and what has its cells."""
+        shape = [self.height, self.width]
+        return f"<Grid: {self.width}x{self.height}; open {[*shape, 4]}, blocked {shape}>"
+
     @cached_property
     def open_bits(self) -> bytes:
         """For each cell a bit set of the sides that nothing closes: no wall, nothing blocked."""

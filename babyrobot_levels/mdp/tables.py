@@ -83,6 +83,14 @@ class Mdp:
     configurations: NDArray[np.int16] = field(default_factory=_one_configuration)
     headings: int = 1
 
+    def __repr__(self) -> str:
+        """Return the shapes of the tables; all numbers would be many pages."""
+        shape = [*self.probability.shape]
+        return (
+            f"<Mdp: {self.width}x{self.height}; probability, next_state, reward, terminal {shape}, "
+            f"action_mask {shape[:2]}, start {shape[:1]}>"
+        )
+
     @property
     def cells(self) -> int:
         """The number of cells, blocked ones included."""

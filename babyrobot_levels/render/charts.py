@@ -250,6 +250,8 @@ def _row(bar: Bar, top: float, at: Callable[[float], float]) -> Iterator[Shape]:
     yield Text(_BARS_LEFT - 10, middle + 4, name, 12, _INK, "end")
     if not math.isnan(bar.value):
         begin, end = sorted((at(0.0), at(bar.value)))
+        # What is 0 is there, too.
+        begin, end = min(begin, (begin + end) / 2 - 2), max(end, (begin + end) / 2 + 2)
         color = _FORWARD if bar.value >= 0 else _BACKWARD
         yield Rect(begin, middle - _BAR / 2, end - begin, _BAR, color)
         if bar.low < bar.high:

@@ -274,6 +274,9 @@ class Scores(Table[LevelScore]):
 
         shown: Sequence[LevelScore] = self
         title = f"Share of the optimum, mean {self.summary.mean:.3g}"
+        if len(self) == 1:
+            title = "Return {0.expected_return:.4g}; optimum {0.optimum:.4g}, random {0.random:.4g}"
+            title = title.format(self[0])
         if len(self) > MAX_BARS:
             shown = sorted(self, key=lambda each: (math.isnan(each.share), each.share))[:MAX_BARS]
             title += f"; the lowest {MAX_BARS} of {len(self):,} levels"

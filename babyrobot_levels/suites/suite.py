@@ -71,6 +71,8 @@ class Suite(Sequence[Level]):
         split: str | None = None,
         members: Sequence[Member] = (),
     ) -> None:
+        if not isinstance(fields, SuiteFields | SuiteListFields):
+            raise TypeError(f"a suite is loaded by `brl.load_suite({fields!r})`")
         self.fields, self.folder = fields, folder
         self._members, self._split = members, split
         self._source: GrownLevels | ListedLevels

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import re
-from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection, Iterable, Sequence
+from functools import wraps
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 SHORT = 40
 """How many characters of a text from a file a message repeats."""
@@ -161,6 +166,44 @@ def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
 def listed(names: Sequence[str], last: str = "and") -> str:
     """Return names as a list in words: `a, b and c`."""
     return f" {last} ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
+
+
+_KEYWORDS = {
+    "discount": "gamma discount_factor",
+    "within": "horizon max_steps max_episode_steps time_limit steps",
+    "tolerance": "theta tol eps threshold",
+    "max_sweeps": "max_iter max_iterations iterations num_iterations n_iter sweeps",
+    "step_size": "alpha lr learning_rate",
+    "epsilon": "eps exploration",
+    "episodes": "num_episodes n_episodes max_episodes trials",
+    "num_steps": "steps n_steps",
+    "num_envs": "envs n_envs",
+    "seed": "random_state rng",
+    "level": "env environment mdp",
+    "policy": "agent pi",
+}
+"""Keywords of ours, and what textbooks and other libraries call them."""
+
+
+def unexpected(function: str, name: str, known: Collection[str]) -> str:
+    """Return the message that a function has no such keyword, with the one that is meant."""
+    ours = [each for each in _KEYWORDS if each in known and name in _KEYWORDS[each].split()]
+    guess = f"; did you mean `{ours[0]}`?" if ours else did_you_mean(name, known)
+    return f"{function}() got an unexpected keyword argument {name!r}{guess}"
+
+
+def keywords_told(function: Callable[P, T]) -> Callable[P, T]:
+    """Let a function that is called by a keyword of others tell its own."""
+    known = inspect.signature(function).parameters
+
+    @wraps(function)
+    def checked(*args: P.args, **given: P.kwargs) -> T:
+        for name in given:
+            if name not in known:
+                raise TypeError(unexpected(function.__name__, name, known))
+        return function(*args, **given)
+
+    return checked
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -12,6 +12,22 @@ import babyrobot_levels as brl
 
 SCOPE: dict[str, Any] = {"brl": brl, "gymnasium": gymnasium, "np": np}
 MISTAKES = (
+    ("brl.Suite('small-mazes')", "a suite is loaded by `brl.load_suite('small-mazes')`"),
+    ("brl.compare('maze', 'FrozenLake-v1')", "did you mean 'gymnasium:FrozenLake-v1'?"),
+    ("brl.solve('maze', gamma=0.9)", "argument 'gamma'; did you mean `discount`?"),
+    ("brl.load('maze').solve(gamma=0.9)", "argument 'gamma'; did you mean `discount`?"),
+    ("brl.solve('maze', max_steps=9)", "argument 'max_steps'; did you mean `within`?"),
+    ("brl.value_iteration('maze', theta=1e-6)", "argument 'theta'; did you mean `tolerance`?"),
+    ("brl.q_learning('maze', 9, alpha=0.1)", "argument 'alpha'; did you mean `step_size`?"),
+    ("brl.q_learning('maze', num_episodes=9)", "'num_episodes'; did you mean `episodes`?"),
+    ("brl.evaluate('maze', agent='random')", "argument 'agent'; did you mean `policy`?"),
+    ("brl.rollout('maze', n_envs=2)", "argument 'n_envs'; did you mean `num_envs`?"),
+    ("brl.make('maze', observation=[500, 500])", "observation='image', image_size=(500, 500)"),
+    (
+        "brl.make('maze').unwrapped.show_info({'text': [((70, 10), 'Baby Robot')]})",
+        "which is not on the level; texts in a panel are lines: `side_panel`",
+    ),
+    ("brl.Level(size=[3, 3])", "a level begins with `version: 1`"),
     ("brl.Level(version=1, width=5)", "unknown field `width`; did you mean `size`?"),
     ("brl.Level(version=1, size=5)", "`size` must be `[width, height]`, not `5`"),
     ("brl.load('final_maze')", "no level called 'final_maze'; did you mean 'final-maze'"),

@@ -173,6 +173,12 @@ def test_intervals_are_drawn() -> None:
     assert pictures[0].count("<path") + 3 == pictures[1].count("<path")
 
 
+def test_the_picture_of_one_level_tells_its_returns_and_shows_a_share_of_zero() -> None:
+    svg = brl.score("random", "frozen-lake").to_svg()
+    assert "Return 0.01134; optimum 0.7442, random 0.01134" in svg
+    assert 'width="4"' in svg  # the bar
+
+
 def test_of_many_levels_the_lowest_are_shown() -> None:
     svg = brl.Scores([score_of(number / 200) for number in range(150)]).to_svg()
     assert "the lowest 100 of 150 levels" in svg

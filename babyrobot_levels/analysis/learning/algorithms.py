@@ -26,10 +26,12 @@ from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.results import check_seed, num_actions
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.text.words import keywords_told
 
 MAX_SWEEPS = 10_000
 
 
+@keywords_told
 def value_iteration(
     level: Any,
     discount: float | None = None,
@@ -61,6 +63,7 @@ def value_iteration(
     return _sweeps(problem, problem.model, tolerance, max_sweeps)
 
 
+@keywords_told
 def policy_evaluation(
     level: Any,
     policy: Policy,
@@ -94,6 +97,7 @@ def policy_evaluation(
     return _sweeps(problem, chain, tolerance, max_sweeps)
 
 
+@keywords_told
 def policy_iteration(
     level: Any,
     discount: float | None = None,
@@ -184,6 +188,7 @@ def _without_risks(model: Model, weights: Floats) -> Floats:
 # -- Monte Carlo prediction ------------------------------------------------------------------
 
 
+@keywords_told
 def monte_carlo(
     level: Any,
     policy: Policy = "random",
@@ -286,6 +291,7 @@ def _cumulated(chances: Floats) -> Floats:
 # -- temporal-difference control -------------------------------------------------------------
 
 
+@keywords_told
 def q_learning(
     level: Any,
     episodes: int,
@@ -325,6 +331,7 @@ def q_learning(
     return _trials(agent, agent.q_learning_episode, episodes, every)
 
 
+@keywords_told
 def sarsa(
     level: Any,
     episodes: int,

@@ -22,6 +22,7 @@ from babyrobot_levels.analysis.solver.results import Result, check_discount
 from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.text.words import keywords_told
 
 MAX_OUTCOMES = 4_000_000
 """The most outcomes that are followed, over all steps: about a second."""
@@ -62,6 +63,13 @@ class ReturnDistribution(Result):
     discount: float
     max_steps: int
 
+    def __repr__(self) -> str:
+        """Return the distribution in short."""
+        return (
+            f"<ReturnDistribution of {self.values.size:,} returns: mean={self.mean:.6g} "
+            f"standard_deviation={self.standard_deviation:.6g}>"
+        )
+
     @property
     def mean(self) -> float:
         """The expected return."""
@@ -78,6 +86,7 @@ class ReturnDistribution(Result):
         return np.asarray(self.values[np.minimum(reached, self.values.size - 1)])
 
 
+@keywords_told
 def return_distribution(
     level: Any,
     policy: Policy,

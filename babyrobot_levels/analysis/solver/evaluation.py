@@ -32,11 +32,13 @@ from babyrobot_levels.analysis.solver.results import (
 from babyrobot_levels.analysis.solver.within import evaluate_within, weights_by_step
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.text.words import keywords_told
 
 MAX_STEPS = 10_000
 """The limit of steps of simulated episodes in levels without a limit of their own."""
 
 
+@keywords_told
 def evaluate(
     level: Any,
     policy: Policy,
@@ -185,6 +187,7 @@ def _may_reach(chain: Model, goals: Flags) -> Flags:
 # -- simulated episodes, and limits of steps -------------------------------------------------
 
 
+@keywords_told
 def simulate(
     level: Any,
     policy: Policy,
@@ -273,6 +276,7 @@ def simulated_episodes(
     )
 
 
+@keywords_told
 def success_within(
     level: Any, policy: Policy, steps: int | None = None, *, actions: str = "all"
 ) -> float:

@@ -44,6 +44,7 @@ from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.states import exit_states
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.text.words import keywords_told
 
 TOLERANCE = 1e-9
 """Actions whose values differ by no more than this share of the optimal one are all greedy."""
@@ -52,6 +53,7 @@ MAX_ROUNDS = 1000
 """A bound that rounding cannot exceed: a policy that is no better repeats after a few rounds."""
 
 
+@keywords_told
 def solve(
     level: Any,
     discount: float | None = None,

@@ -154,7 +154,10 @@ def _note(item: Any, precision: int, level: GridWorld) -> Note:
         ) from None
     width, height = level.size
     if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
-        raise ValueError(f"the text {text!r} is at [{x:g}, {y:g}], which is not on the level")
+        raise ValueError(
+            f"the text {text!r} is at [{x:g}, {y:g}], which is not on the level; "
+            "texts in a panel are lines: `side_panel` or `bottom_panel`"
+        )
     if color is not None and not (isinstance(color, str) and is_color(color)):
         raise ValueError(f"the text {text!r} has an invalid CSS colour: {color!r}")
     shown = short(text, precision) if isinstance(text, float) and math.isfinite(text) else text
