@@ -1,4 +1,4 @@
-"""`cli.md`, made from the commands themselves.
+"""`cli.md`, and what shells complete, made from the commands themselves.
 
 It reads the commands' own signatures, so that the version of typer does not show.
 """
@@ -6,6 +6,7 @@ It reads the commands' own signatures, so that the version of typer does not sho
 from __future__ import annotations
 
 import inspect
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -38,6 +39,7 @@ class _Parameter:
     info: Any
     kind: Any
     default: Any
+    is_list: bool
 
     @property
     def is_argument(self) -> bool:
@@ -49,12 +51,16 @@ class _Parameter:
         if self.is_argument:
             name = str(self.info.metavar or self.name.upper())
             return name if self.default is inspect.Parameter.empty else f"[{name}]"
+        value = "" if self.kind is bool else f" {self._value}"
+        return ", ".join(self.names) + value
+
+    @property
+    def names(self) -> list[str]:
+        """How the option is called, the shortest first."""
         # typer keeps the first of an annotated option's names where defaults used to be.
         names = [self.info.default, *(self.info.param_decls or ())]
         flags = [name for name in names if isinstance(name, str) and name.startswith("-")]
-        flags = sorted(flags or ["--" + self.name.replace("_", "-")], key=len)
-        value = "" if self.kind is bool else f" {self._value}"
-        return ", ".join(flags) + value
+        return sorted(flags or ["--" + self.name.replace("_", "-")], key=len)
 
     @property
     def _value(self) -> str:
@@ -92,6 +98,57 @@ def reference() -> str:
     return "\n".join(parts + [_command(name, call) for name, call in commands.items()])
 
 
+KINDS = {
+    **{"LEVEL": "level", "A B": "level", "OTHER": "level", "AGENT LEVELS or PLAYS": "levels"},
+    **{"SUITE": "suite", "THEME": "theme", "RULE": "rule", "CODE": "rule", "TAG": "tag"},
+    **{"A": "algorithm", "FORMAT": "format"},
+}
+"""What values are, by the words for them in the help."""
+
+
+def completion() -> str:
+    """Return the table of what shells complete, as JSON."""
+    import babyrobot_levels as brl
+    from babyrobot_levels.convert.formats import FORMATS
+    from babyrobot_levels.language.json_schema import SCHEMAS
+    from babyrobot_levels.language.looks import BUILTIN_THEMES
+    from babyrobot_levels.library.search_path import gallery_folder
+    from babyrobot_levels.linter.rules import all_pages
+    from babyrobot_levels.mdp.mazes import ALGORITHMS
+
+    gallery = [brl.load(path) for path in sorted(gallery_folder().glob("**/*.yaml"))
+               if "kind: suite" not in path.read_text("utf-8")]  # fmt: skip
+    table = {
+        "commands": {name: dict(_completed(name, line.function()))
+                     for name, line in COMMANDS.items()},
+        "options": ["--help", "--version", "--install-completion", "--show-completion"],
+        "words": {
+            "algorithm": [*ALGORITHMS],
+            "format": [*FORMATS],
+            "rule": [word for each in all_pages() for word in (each.code, each.name)],
+            "schema": [*SCHEMAS],
+            "tag": sorted({tag for level in gallery for tag in level.tags}),
+            "theme": [*BUILTIN_THEMES],
+        },
+    }  # fmt: skip
+    return json.dumps(table, indent=1) + "\n"
+
+
+def _completed(command: str, function: Callable[..., Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the arguments and options of a command, each with what it takes."""
+    for parameter in _parameters(function):
+        takes: Any = KINDS.get(str(parameter.info.metavar or "").strip("[]"), "")
+        if isinstance(parameter.kind, type) and issubclass(parameter.kind, Enum):
+            takes = [str(choice.value) for choice in parameter.kind]
+        if parameter.is_argument:
+            own = {"uninstall": "pack", "schema": "schema"}.get(command, takes)
+            has_several = parameter.is_list and parameter.info.metavar == "LEVEL"
+            yield "", "levels" if own == "level" and has_several else own
+        else:
+            for name in parameter.names:
+                yield name, None if parameter.kind is bool else takes
+
+
 def _summary(command: Callable[..., Any]) -> str:
     return " ".join((inspect.getdoc(command) or "").split("\n\n")[0].split())
 
@@ -117,9 +174,10 @@ def _parameters(command: Callable[..., Any]) -> Iterator[_Parameter]:
         kind, info = get_args(hints[name])[:2]
         if isinstance(info, OptionInfo | ArgumentInfo) and not info.hidden:
             kinds = [inner for inner in get_args(kind) if inner is not type(None)] or [kind]
-            is_list = get_origin(kinds[0]) is list
-            innermost = get_args(kinds[0])[0] if is_list else kinds[0]
-            yield _Parameter(name, info, innermost, parameter.default)
+            is_optional = get_origin(kinds[0]) is list
+            innermost = get_args(kinds[0])[0] if is_optional else kinds[0]
+            is_list = is_optional or get_origin(kind) is list
+            yield _Parameter(name, info, innermost, parameter.default, is_list)
 
 
 def _cell(text: str) -> str:

@@ -27,7 +27,7 @@ sys.path += [str(ROOT / "tests"), str(ROOT)]
 
 import doc_pictures as pictures  # noqa: E402
 import structure  # noqa: E402
-from command_reference import reference  # noqa: E402
+from command_reference import completion, reference  # noqa: E402
 from support import golden, mistakes, reports, sessions  # noqa: E402
 
 import babyrobot_levels as brl  # noqa: E402
@@ -261,6 +261,7 @@ def _one(path: str, make: Callable[[], str | bytes], source: str, *needs: str) -
 GENERATED = (
     _one("CONTRIBUTING.md", contributing, "its table of generated files, from `scripts/renew.py`"),
     _one("cli.md", reference, "the commands"),
+    _one("babyrobot_levels/cli/completion.json", completion, "the commands, and what they take"),
     Generated(("schemas/*.json",), "the models of files", _schemas),
     Generated(("docs/rules/*.md",), "docstrings of rules", _rules),
     Generated(("tests/cli/expected/*.txt",), "the commands that they name", _sessions),

@@ -26,6 +26,11 @@ def main() -> None:
     # To find pydantic's plugins, the metadata of every package that is installed would be read.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
+        if "_BABYROBOT_COMPLETE" in os.environ:
+            from babyrobot_levels.cli.completion import complete
+
+            if complete():
+                return
         _run()
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)

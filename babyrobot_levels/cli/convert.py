@@ -136,7 +136,7 @@ def import_level(
       babyrobot import --from minigrid MiniGrid-DoorKey-8x8-v0 --seed 3 -o door-key.yaml
     """
     from babyrobot_levels.convert.conversion import ConversionError, file_text
-    from babyrobot_levels.language.documents import slug
+    from babyrobot_levels.language.names import slug
 
     if name is not None:
         check_name(name)

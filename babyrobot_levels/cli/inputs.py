@@ -39,7 +39,7 @@ ResetSeedOption = Annotated[
 
 def check_name(name: str) -> None:
     """End the command if a level cannot have a name in its file."""
-    from babyrobot_levels.language.documents import slug
+    from babyrobot_levels.language.names import slug
 
     good = slug(name)
     if good != name:

@@ -21,8 +21,8 @@ from babyrobot_levels.convert.conversion import (
     looks_like_data,
     read_data,
 )
-from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.errors import LevelError

@@ -11,7 +11,7 @@ from textwrap import indent
 from typing import Any
 
 from babyrobot_levels.generation.locks import Counts, Placer
-from babyrobot_levels.language.documents import slug
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level, load_source, loads
 from babyrobot_levels.mdp.mazes import carve

@@ -23,12 +23,10 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError
 
+from babyrobot_levels.language.names import SLUG
+
 MAX_SIZE = 1024
 """The most cells that a level is wide or high."""
-
-SLUG = r"^[a-z0-9]+(-[a-z0-9]+)*$"
-_NUMBER = r"(0|[1-9][0-9]{0,8})"
-VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
 
 FORM_PREFIX = "form:"
 """Marks the segment that pydantic puts into an error's location for the form of a union."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.plain_data import MAX_VALUES, plain
 from babyrobot_levels.language.validation import Checked, ModelT, check, parse, validate
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
@@ -156,11 +156,6 @@ def grown_from_mapping(data: Mapping[str, Any]) -> SuiteFields:
 
     theme = _ThemeCheck(None)
     return _from_mapping(data, SuiteFields, [theme, impossible], theme)
-
-
-def slug(text: str) -> str | None:
-    """Return a file's stem as a level's name, or None where nothing of it is left."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or None
 
 
 def _name(model: LevelSpec | AnySuite, path: Path | None) -> None:

@@ -9,9 +9,10 @@ from typing import Any, Literal, TypeGuard, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG, VERSION, Forms
+from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, Forms
 from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
+from babyrobot_levels.language.names import SLUG, VERSION
 from babyrobot_levels.text.scalars import is_plain_string
 from babyrobot_levels.text.words import did_you_mean, shortened
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, StrictStr, StringConstraints, model_validator
 
-from babyrobot_levels.language.base import VERSION, Integer, Model, Number, Slug, Text, form, forms
+from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
+from babyrobot_levels.language.names import VERSION
 from babyrobot_levels.language.suite import (
     MAX_COUNT,
     Share,

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 from babyrobot_levels.analysis.shown import Shown
-from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.level import Level, load_code, load_file, load_source
 from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files

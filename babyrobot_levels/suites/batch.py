@@ -14,7 +14,7 @@ from typing import Any
 
 from babyrobot_levels.generation.candidates import Maker
 from babyrobot_levels.generation.search import Found, UnsatisfiableError, find_level
-from babyrobot_levels.language.base import SLUG
+from babyrobot_levels.language.names import SLUG
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields, bounds, split_ranges
 from babyrobot_levels.library.level import Level

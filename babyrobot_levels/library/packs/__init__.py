@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from importlib.metadata import Distribution, EntryPoint, distributions
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.base import SLUG, VERSION
-from babyrobot_levels.language.suite_list import PackFields
-from babyrobot_levels.language.validation import check
+from babyrobot_levels.language.names import SLUG, VERSION
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import PACK_FILE, is_folder, user_folder
-from babyrobot_levels.text.reader import open_document
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.suite_list import PackFields
 
 CURRENT = "current"
 MAX_LINE = 100
@@ -105,6 +106,11 @@ def version_of(folder: str) -> str | None:
 
 def fields(folder: Path) -> PackFields | None:
     """Return the fields of a pack's `pack.yaml`, None if it is missing or invalid."""
+    # Here, because which packs there are is known by their folders.
+    from babyrobot_levels.language.suite_list import PackFields
+    from babyrobot_levels.language.validation import check
+    from babyrobot_levels.text.reader import open_document
+
     try:
         return check(open_document(folder / PACK_FILE), PackFields).value
     except LevelError:

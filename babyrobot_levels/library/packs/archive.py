@@ -20,7 +20,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictInt, StrictStr, StringConstraints, ValidationError
 
-from babyrobot_levels.language.base import SLUG, Model, Slug
+from babyrobot_levels.language.base import Model, Slug
+from babyrobot_levels.language.names import SLUG
 from babyrobot_levels.language.suite_list import Version
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, RESERVED, SUFFIXES, read_bytes

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.suite import SuiteTexts
 from babyrobot_levels.language.suite_list import PackFields
 from babyrobot_levels.language.validation import check

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.language.documents import slug
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.linter.context import LintContext, Suppression
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.linter.rule import is_known, rule

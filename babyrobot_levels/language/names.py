@@ -1,0 +1,14 @@
+"""Names of levels, suites and packs: their form, and those of files."""
+
+from __future__ import annotations
+
+import re
+
+SLUG = r"^[a-z0-9]+(-[a-z0-9]+)*$"
+_NUMBER = r"(0|[1-9][0-9]{0,8})"
+VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
+
+
+def slug(text: str) -> str | None:
+    """Return a file's stem as a level's name, or None where nothing of it is left."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or None
