@@ -134,13 +134,17 @@ def test_an_empty_level_greets_with_three_steps_until_something_stands_in_it(
     editor = editor_page("version: 1\nsize: [4, 3]\n")
     steps = editor.page.locator(".steps")
     expect(steps.locator("li")).to_have_count(3)
-    expect(steps.get_by_role("button", name="Play")).to_be_in_viewport(ratio=1)
+    expect(steps.locator("li").last).to_be_in_viewport(ratio=1)
     steps.get_by_role("textbox").first.fill("6")
     steps.get_by_role("textbox").first.press("Enter")
     becomes(editor, "size: [6, 3]")
     steps.get_by_role("button", name="Grow a maze").click()
     becomes(editor, "maze: {seed: ")
     expect(steps).to_be_hidden()
+    # What is pressed beside the picture leaves the keys to it.
+    editor.page.keyboard.press("p")
+    expect(editor.page.locator(".playing")).to_be_visible()
+    expect(editor.page.locator(".stage")).to_be_focused()
 
 
 def test_a_maze_is_grown_without_scrolling(editor_page: OpenEditor) -> None:

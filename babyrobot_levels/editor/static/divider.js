@@ -27,27 +27,18 @@ export class Divider {
       ondblclick: () => this.set(null),
     });
     panels.append(this.element);
-    const kept = document.cookie.match(`${COOKIE}=([0-9]+)`);
-    if (kept !== null) this.root.style.setProperty("--panels", `${kept[1]}px`);
-    new ResizeObserver(() => this.tell()).observe(panels);
+    const [, kept = ""] = document.cookie.match(`${COOKIE}=([0-9]+px)`) ?? [];
+    root.style.setProperty("--panels", kept);
+    const tell = () => this.element.setAttribute("aria-valuenow", Math.round(panels.clientWidth));
+    new ResizeObserver(tell).observe(panels);
   }
 
   /** Make the panels so many pixels wide; null for the usual width. */
   set(width) {
-    const pixels = width === null ? null : Math.round(Math.max(LEAST, Math.min(this.most, width)));
-    if (pixels === null) this.root.style.removeProperty("--panels");
-    else this.root.style.setProperty("--panels", `${pixels}px`);
+    const kept = width === null ? "" : `${Math.round(Math.max(LEAST, width))}px`;
+    this.root.style.setProperty("--panels", kept);
     // biome-ignore lint/suspicious/noDocumentCookie: not every browser has cookieStore.
-    document.cookie = `${COOKIE}=${pixels ?? ""}; max-age=${pixels === null ? 0 : 31536000}; path=/; samesite=strict`;
-  }
-
-  get most() {
-    return Math.max(LEAST, 0.65 * this.root.clientWidth);
-  }
-
-  tell() {
-    this.element.setAttribute("aria-valuenow", Math.round(this.panels.clientWidth));
-    this.element.setAttribute("aria-valuemax", Math.round(this.most));
+    document.cookie = `${COOKIE}=${kept}; max-age=31536000; path=/; samesite=strict`;
   }
 
   press(event) {

@@ -24,17 +24,7 @@ export class Greeting {
         ),
       ),
       html("li", {}, "Draw walls and things with the tools. Drag start and exit where they shall be."),
-      html(
-        "li",
-        {},
-        "Play it, then save it.",
-        html(
-          "span",
-          { class: "buttons" },
-          button("Play", { class: "chief", onclick: () => editor.set("mode", { mode: "play" }) }),
-          button("Save", { onclick: () => editor.tell("save") }),
-        ),
-      ),
+      html("li", {}, "Play it, then save it: both are at the top."),
     );
   }
 

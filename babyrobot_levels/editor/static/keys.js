@@ -397,5 +397,5 @@ export class KeyBindings {
   }
 }
 
-const BESIDE_PICTURE = ["bar", "tools", "board", "answers", "tabs"].map((name) => `.${name} button`).join();
+const BESIDE_PICTURE = ["bar", "tools", "board", "answers", "tabs", "steps"].map((name) => `.${name} button`).join();
 const FOCUSABLE = "button:not(:disabled), input:not(:disabled), textarea, select, summary, [tabindex='0']";
