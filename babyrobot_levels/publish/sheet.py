@@ -236,6 +236,9 @@ _SWEEP = (
 _LONGEST = 160
 """The most characters of a title."""
 
+_MOST_TEXT = 2000
+"""The most characters of a description: more than have room."""
+
 _DIGITS = 12
 """The digits of a digest by which a level is found again."""
 
@@ -295,6 +298,7 @@ def entry_of(level: Level, shown: SheetContents) -> Entry:
         answer="" if solution is not None and not shown.key else answer,
         blank=not (shown.key or tells),
         rules=[*_rules(level, shown)] if shown.rules else (),
+        text=one_line(" ".join((level.description or "").split()))[:_MOST_TEXT],
     )
 
 

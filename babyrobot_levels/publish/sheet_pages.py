@@ -34,6 +34,9 @@ _TITLE, _FIELD, _NAME, _SMALL = 20.0, 12.0, 13.0, 8.5
 
 _CAPTION_SIZE = 9.5
 
+_TEXT_LINE, _TEXT_SHARE = 12.0, 0.15
+"""The height of a line of a level's description, and the most that it takes of the level's room."""
+
 _HEADING, _FOOT = 44.0, 18.0
 """The heights of the heading below the title, and of the foot."""
 
@@ -64,6 +67,7 @@ class Entry:
         answer: what is written below; empty for nothing.
         blank: whether there is room to write behind the answer.
         rules: its rules.
+        text: what it says of itself, below its title.
     """
 
     title: str
@@ -72,6 +76,7 @@ class Entry:
     answer: str = ""
     blank: bool = False
     rules: Sequence[SampledRule] = field(default=())
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,7 +272,9 @@ class _Block:
         self._entry, self._number, self.width, self.height = entry, number, width, height
         self._title = _two_lines(entry.title, width - self._DISC - 6, _NAME)
         self._answers = wrapped(entry.answer, _SLACK * width, _FIELD) if entry.answer else []
-        self.head = max(self._DISC, self._LEADING * _NAME * len(self._title)) + 6
+        self._text = _lines_of(entry.text, _SLACK * width, round(_TEXT_SHARE * height / _TEXT_LINE))
+        self._top = max(self._DISC, self._LEADING * _NAME * len(self._title)) + 6
+        self.head = self._top + _TEXT_LINE * len(self._text) + 4 * bool(self._text)
         self._below = 4 + self._LEADING * _FIELD * len(self._answers) + 16
         pictures = [picture for picture, _ in entry.pictures]
         self._widest = max(picture.width for picture in pictures)
@@ -291,6 +298,9 @@ class _Block:
         for count, line in enumerate(self._title):
             y = half + _NAME * (0.36 + self._LEADING * count)
             yield Text(self._DISC + 6, y, line, _NAME, INK, "start", bold=True)
+        for count, line in enumerate(self._text):
+            y = self._top + _TEXT_LINE * (count + 0.6)
+            yield Text(0, y, line, _CAPTION_SIZE, INK, "start")
         scale = self.scale(columns)
         width, height = scale * self._widest, scale * self._highest + self._caption
         for index, (picture, caption) in enumerate(self._entry.pictures):
@@ -310,6 +320,16 @@ class _Block:
             yield _line(left, y + 2, min(self.width, left + 150))
         mark = cut(self._entry.mark, self.width, _SMALL - 1)
         yield Text(0, y + 14, mark, _SMALL - 1, FAINT, "start")
+
+
+def _lines_of(text: str, room: float, most: int) -> list[str]:
+    """Return the lines of a description; the end of a long one is left out, and seen to be."""
+    lines = wrapped(text, room, _CAPTION_SIZE) if text and most else []
+    if len(lines) > most:
+        # Two lines are more than what has room.
+        rest = " ".join(lines[most - 1 : most + 1])
+        lines = [*lines[: most - 1], cut(rest, room, _CAPTION_SIZE)]
+    return lines
 
 
 # -- the rules -------------------------------------------------------------------------------

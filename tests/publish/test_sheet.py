@@ -137,6 +137,15 @@ def test_rules_of_one_level_need_no_number() -> None:
     assert "(level" not in text
 
 
+def test_descriptions_are_told_and_cut_where_they_are_long() -> None:
+    assert "Cross the ice without falling" in texts(brl.sheet("frozen-lake"))[0]
+    level = {"version": 1, "size": [3, 3], "description": "Once upon a time.\n" + "word " * 999}
+    text = texts(brl.sheet([level] * 9, per_page=9))[0]
+    assert "Once upon a time. word" in text
+    assert "…" in text
+    assert text.count("word") < 600
+
+
 def test_rules_can_be_left_out() -> None:
     text = texts(brl.sheet("frozen-lake", rules=False))[0]
     assert "Rules" not in text
