@@ -29,6 +29,8 @@ from .analysis.solver.evaluation import success_within as success_within
 from .analysis.solver.optimum import solve as solve
 from .analysis.solver.results import EpisodeTooLongError as EpisodeTooLongError
 from .analysis.solver.results import Evaluation as Evaluation
+from .analysis.solver.results import ExactSolution as ExactSolution
+from .analysis.solver.results import NotExactError as NotExactError
 from .analysis.solver.results import Simulation as Simulation
 from .analysis.solver.results import Solution as Solution
 from .analysis.solver.results import UndefinedReturnError as UndefinedReturnError

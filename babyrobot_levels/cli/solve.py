@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
+from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -42,10 +43,16 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.results import Solution
+    from babyrobot_levels.analysis.solver.results import ExactSolution, Solution
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Things
     from babyrobot_levels.suites.suite import Suite
+
+LONGEST_FRACTION = 15
+"""Fractions of more characters are decimals in the table; JSON has them."""
+
+LONGEST_SHOWN = 60
+"""Fractions of more characters are not shown in the summary."""
 
 MAX_WRITTEN = 10_000_000
 """The most actions of a policy by step in JSON."""
@@ -94,6 +101,14 @@ def solve(
             "separated by commas; `nothing` for none.  [default: where episodes begin]",
         ),
     ] = None,
+    exact: Annotated[
+        bool,
+        typer.Option(
+            "--exact",
+            help="Compute over the rationals: fractions, with a proof that no action is better. "
+            "Needs the extra `exact`.",
+        ),
+    ] = False,
     split: SplitOption = None,
     report_format: TableOption = TableFormat.TEXT,
     output: RowsOption = None,
@@ -126,6 +141,8 @@ def solve(
 
       babyrobot solve frozen-lake --discount 0.99 --format json
 
+      babyrobot solve russell-norvig-4x3 --exact
+
       babyrobot solve final-maze frozen-lake
 
       babyrobot solve classics -o optimal.jsonl --jobs 4
@@ -135,10 +152,11 @@ def solve(
     )
     many = levels_for_rows(levels, options)
     if many is None:
-        _solve_one(levels[0], discount, actions, within, held, report_format)
+        _solve_one(levels[0], discount, actions, within, held, report_format, exact)
         return
-    if held is not None:
-        fail("--held is for one level")
+    for name, given in {"--held": held is not None, "--exact": exact}.items():
+        if given:
+            fail(f"{name} is for one level")
     _check_discount(discount)
     steps = int(within) if within and within.isdecimal() else within
     if steps not in (None, "max_steps") and not (isinstance(steps, int) and steps > 0):
@@ -174,6 +192,7 @@ def _solve_one(
     within: str | None,
     held: str | None,
     report_format: TableFormat,
+    exact: bool,
 ) -> None:
     """Write the solution of one level."""
     loaded = load_level(level)
@@ -184,23 +203,90 @@ def _solve_one(
             "choose one first: babyrobot resolve LEVEL --maze-seed 0 | babyrobot solve -",
         )
     configuration = None if held is None else configuration_of(loaded, held)
+    limit = _limit(within, loaded)
+    if exact and limit is not None:
+        fail("--exact is without a limit of steps", "leave --within out")
     with working("solving"):
-        solution = solution_of(loaded, discount, actions, _limit(within, loaded))
+        solution = solution_of(loaded, discount, actions, limit)
+        fractions = _fractions(loaded, discount, actions) if exact else None
     if report_format is TableFormat.JSON:
         if held is not None:
             note("--held has no effect on JSON, which has all configurations")
-        write_json(_data(loaded, solution))
+        write_json(_data(loaded, solution) | (_exact_data(fractions) if fractions else {}))
         return
     if solution.explanation:
         note(solution.explanation)
     if within is None:
         _note_limit(loaded, solution)
     shown = shown_configuration(loaded, configuration)
-    write(_summary(loaded, solution, shown) + "\n")
+    write(_summary(loaded, solution, shown, fractions) + "\n")
     if actions is ActionSet.TURNS:
         write(_turns(loaded, solution, shown))
     else:
-        write(solution_text(loaded, solution, values=True, policy=True, configuration=shown))
+        values = fractions is None
+        write(solution_text(loaded, solution, values=values, policy=True, configuration=shown))
+    if fractions is not None:
+        heading = loaded.heading if actions is ActionSet.TURNS else None
+        write("\n" + _fraction_table(fractions.at(shown or 0, heading).values.tolist()))
+
+
+def _fractions(level: Level, discount: float | None, actions: ActionSet) -> ExactSolution:
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import NotExactError
+
+    try:
+        return solve(level, discount, actions=str(actions), exact=True)
+    except NotExactError as error:
+        fail(str(error))
+
+
+def _fraction_table(rows: list[list[Fraction | float]]) -> str:
+    """Return fractions in rows and columns; those that are long as decimals, after `~`."""
+
+    def shown(value: Fraction | float) -> str:
+        if value != value:
+            return ""
+        return text if len(text := str(value)) <= LONGEST_FRACTION else f"~{float(value):.6g}"
+
+    table = [[shown(value) for value in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = (
+        "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in table
+    )
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _exactly(value: Fraction | float, rounded: str) -> str:
+    """Return a fraction beside the number that it is about."""
+    text = str(value)
+    if isinstance(value, float) or value.denominator == 1:
+        return rounded
+    if len(text) > LONGEST_SHOWN:
+        return f"{rounded}, a fraction of {len(text)} characters (--format json)"
+    return f"{text} = {rounded}"
+
+
+def _exact_data(found: ExactSolution) -> dict[str, Any]:
+    """Return for JSON what a solution has over the rationals: fractions as text."""
+
+    def text(values: Any) -> Any:
+        if isinstance(values, list):
+            return [text(value) for value in values]
+        return str(values) if isinstance(values, Fraction) else _number(values)
+
+    return {
+        "expected_return": text(found.expected_return),
+        "expected_steps": text(found.expected_steps),
+        "exit_probability": text(found.exit_probability),
+        "method": "policy iteration over the rationals",
+        "iterations": found.iterations,
+        "residual": 0,
+        "values": text(found.values.tolist()),
+        "action_values": text(found.action_values.tolist()),
+        "policy": found.policy.tolist(),
+        "greedy": found.greedy.tolist(),
+    }
 
 
 def _limit(within: str | None, level: Level) -> int | None:
@@ -314,7 +400,9 @@ def _number(value: float) -> float | str | None:
     return value if math.isfinite(value) else "inf" if value > 0 else "-inf"
 
 
-def _summary(level: Level, solution: Solution, configuration: int | None) -> str:
+def _summary(
+    level: Level, solution: Solution, configuration: int | None, fractions: ExactSolution | None
+) -> str:
     from babyrobot_levels.render.words.phrases import with_limit
 
     best = f"{solution.expected_return:.6g}"
@@ -325,6 +413,14 @@ def _summary(level: Level, solution: Solution, configuration: int | None) -> str
         "discount": f"{solution.discount:g}",
         "method": f"{solution.method}, residual {solution.residual:.1g}",
     }
+    if fractions is not None:
+        exact = {
+            "expected return": fractions.expected_return,
+            "expected steps": fractions.expected_steps,
+            "reaches an exit": fractions.exit_probability,
+        }
+        facts |= {name: _exactly(value, facts[name]) for name, value in exact.items()}
+        facts["method"] = "policy iteration over the rationals: no action is better"
     if not level.exits:
         del facts["reaches an exit"]
     if solution.actions == ActionSet.TURNS:

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     import gymnasium
 
     from babyrobot_levels.analysis.previews import Facts, Preview
-    from babyrobot_levels.analysis.solver.results import Solution
 
 
 class Level(Pictured, GridWorld):
@@ -71,8 +70,8 @@ class Level(Pictured, GridWorld):
 
     # -- what it comes to ------------------------------------------------------------------
 
-    def solve(self, discount: float | None = None, **options: Any) -> Solution:
-        """Return an optimal policy and its values; see `brl.solve` for arguments and errors."""
+    def solve(self, discount: float | None = None, **options: Any) -> Any:
+        """Return a `Solution`, or what else `brl.solve` returns for these arguments."""
         from babyrobot_levels.analysis.solver.optimum import solve
 
         return solve(self, discount, **options)

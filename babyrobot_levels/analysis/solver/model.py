@@ -132,6 +132,21 @@ class Model:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Core:
+    """The states of a model with finite values, and the actions that matter there.
+
+    Attributes:
+        model: these states; its last action may be to stop in a loop that costs nothing.
+        inside: their numbers in the whole model, `[n]`.
+        policy: an optimal policy, `[n]`.
+    """
+
+    model: Model
+    inside: Ints
+    policy: Ints
+
+
 def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
     """Return the model of a level's tables.
 

@@ -8,7 +8,7 @@ end cannot be reached with probability one, costs are infinite. Policy iteration
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from babyrobot_levels.analysis.solver.linear import (
     prefer_ending,
 )
 from babyrobot_levels.analysis.solver.model import (
+    Core,
     Model,
     attractor,
     closed_classes,
@@ -35,6 +36,7 @@ from babyrobot_levels.analysis.solver.model import (
 )
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import (
+    ExactSolution,
     Solution,
     check_discount,
     check_within,
@@ -53,6 +55,23 @@ MAX_ROUNDS = 1000
 """A bound that rounding cannot exceed: a policy that is no better repeats after a few rounds."""
 
 
+@overload
+def solve(
+    level: Any,
+    discount: float | None = ...,
+    *,
+    actions: str = ...,
+    within: int | str | None = ...,
+    exact: Literal[False] = ...,
+) -> Solution: ...
+
+
+@overload
+def solve(
+    level: Any, discount: float | None = ..., *, actions: str = ..., exact: Literal[True]
+) -> ExactSolution: ...
+
+
 @keywords_told
 def solve(
     level: Any,
@@ -60,7 +79,8 @@ def solve(
     *,
     actions: str = "all",
     within: int | str | None = None,
-) -> Solution:
+    exact: bool = False,
+) -> Solution | ExactSolution:
     """Return the optimal values of a level and an optimal policy, exactly.
 
     Without a discount the return is the total reward. It is inf from where the robot can reach,
@@ -79,6 +99,8 @@ def solve(
             Actions that a wall refuses can be taken too.
         within: the number of steps after which episodes are truncated, or `"max_steps"` for the
             level's own limit; None for no limit.
+        exact: whether to compute over the rationals, with the extra `exact`: an `ExactSolution`,
+            whose values are fractions. For levels of up to 3,000 states, without a limit of steps.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -89,11 +111,14 @@ def solve(
             partial sum of such a loop, this does not matter.
         EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
             end; or the limit is so large that this takes too long, or the policy is too large.
+        NotExactError: there are too many states or digits for exact values, or no python-flint.
     """
     level = world_of(level)
     discount = check_discount(discount, level.discount)
     space, limit = space_of(level, actions), check_within(within, level.max_steps)
     if limit is not None:
+        if exact:
+            raise ValueError("exact values are those without a limit of steps; leave `within` out")
         return solve_within(space, discount, limit)
     model, mdp = space.model(), space.mdp
     found = _discounted(model, discount) if discount < 1 else _undiscounted(model, space)
@@ -113,7 +138,7 @@ def solve(
         endless = model.states[np.isinf(ahead_steps)]
         fastest[endless] = greedy[endless]
     diverging = diverging_states(chain, expected, space)
-    return Solution(
+    solution = Solution(
         values=space.spread(model, found.values),
         action_values=space.spread(model, ahead),
         expected_return=expected,
@@ -131,6 +156,12 @@ def solve(
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
         level=level,
     )
+    if not exact:
+        return solution
+    # Fractions are asked for seldom.
+    from babyrobot_levels.analysis.solver.exact import solve_exactly
+
+    return solve_exactly(space, solution, found.core)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,13 +169,15 @@ class _Optimum:
     values: Floats
     policy: Ints
     rounds: int
+    core: Core
 
 
 def _discounted(model: Model, discount: float) -> _Optimum:
     _, towards_end = attractor(model, model.end, model.allowed)
     policy = np.where(towards_end >= 0, towards_end, model.reward.argmax(axis=1))
     values, policy, rounds = iterate_policies(model, policy, discount)
-    return _Optimum(values, prefer_ending(model, values, policy, discount), rounds)
+    policy = prefer_ending(model, values, policy, discount)
+    return _Optimum(values, policy, rounds, Core(model, np.arange(model.size), policy))
 
 
 def _undiscounted(model: Model, space: StateSpace) -> _Optimum:
@@ -174,7 +207,7 @@ def _undiscounted(model: Model, space: StateSpace) -> _Optimum:
     unclear = values < loops.ceiling - TOLERANCE * np.maximum(1.0, np.abs(loops.ceiling))
     if unclear.any():
         raise space.undefined_return(model, unclear)
-    return _Optimum(values, policy, rounds)
+    return _Optimum(values, policy, rounds, Core(core, inside, core_policy))
 
 
 def most_expected(model: Model, rewards: Floats, space: StateSpace) -> Floats:

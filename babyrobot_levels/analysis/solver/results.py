@@ -6,11 +6,12 @@ import math
 import operator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from html import escape
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.analysis.shown import Shown, image, number, share, state_picture
 from babyrobot_levels.language.base import SIDES
@@ -70,6 +71,15 @@ class EpisodeTooLongError(BabyRobotError, ArithmeticError):
             "the expected episode length exceeds 10^10 steps, too many for an exact return; "
             "give a discount below 1"
         )
+
+
+class NotExactError(BabyRobotError, ArithmeticError):
+    """A level has no exact solution that can be computed: too many states, or too many digits.
+
+    Raised as well where the library for it is missing.
+    """
+
+    __module__ = "babyrobot_levels"
 
 
 # -- results -------------------------------------------------------------------------------
@@ -323,6 +333,67 @@ class Solution(Evaluation):
 
     def _how_found(self) -> list[tuple[str, str]]:
         return [("Method", f"{self.method}, residual {self.residual:.1g}")]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ExactSolution(StateResult):
+    """The optimal values of a level as fractions, proven: no action of any state is better.
+
+    The numbers of the level are the decimals that its file says. Arrays are shaped as those of a
+    `Solution`, hold `fractions.Fraction`s, and are read-only.
+
+    Attributes:
+        values: the expected return from each cell: 0 at terminal cells. Floats stand for what is
+            no fraction: nan as in a `Solution`, inf and -inf.
+        action_values: the same if an action is taken first, `[height, width, actions]`.
+        expected_return: the expected return from the level's starts; inf or -inf as there.
+        expected_steps: the expected steps of `policy` until the end; inf if there may be none.
+        exit_probability: how likely `policy` reaches an exit.
+        discount: the discount.
+        actions: `"all"`, `"moves"` or `"turns"`.
+        greedy: all optimal actions, bool `[height, width, actions]`.
+        policy: one optimal action for each cell, int64 `[height, width]`: that of the solution in
+            floating point, unless another one is better.
+        error: by how much the values in floating point differ, at most.
+        iterations: how many policies were evaluated over the rationals.
+        level: the level.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    values: NDArray[np.object_]
+    action_values: NDArray[np.object_]
+    expected_return: Fraction | float
+    expected_steps: Fraction | float
+    exit_probability: Fraction | float
+    discount: Fraction
+    actions: str
+    greedy: Flags
+    policy: Ints
+    error: float
+    iterations: int
+    level: GridWorld | None
+
+    def _html(self) -> str:
+        from babyrobot_levels.render.notebook.html import facts
+
+        return facts(
+            [
+                ("Expected return", str(self.expected_return)),
+                ("Expected steps", str(self.expected_steps)),
+                ("Reaches an exit", str(self.exit_probability)),
+                ("Discount", str(self.discount)),
+                ("Actions", self.actions),
+                ("Method", "policy iteration over the rationals: no action is better"),
+            ]
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"<ExactSolution expected_return={self.expected_return} "
+            f"expected_steps={self.expected_steps} exit_probability={self.exit_probability} "
+            f"discount={self.discount}>"
+        )
 
 
 @dataclass(frozen=True, eq=False)
