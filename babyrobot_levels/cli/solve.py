@@ -221,7 +221,7 @@ def _solve_one(
     shown = shown_configuration(loaded, configuration)
     write(_summary(loaded, solution, shown, fractions) + "\n")
     if actions is ActionSet.TURNS:
-        write(_turns(loaded, solution, shown))
+        write(_turns(loaded, solution, shown, values=fractions is None))
     else:
         values = fractions is None
         write(solution_text(loaded, solution, values=values, policy=True, configuration=shown))
@@ -329,13 +329,13 @@ def _note_limit(level: Level, solution: Solution) -> None:
         note(f"{ignored}; {best} is {within:.4g} (--within max_steps)")
 
 
-def _turns(level: Level, solution: Solution, configuration: int | None) -> str:
+def _turns(level: Level, solution: Solution, configuration: int | None, *, values: bool) -> str:
     """Return letters and values of a robot that looks as at the start."""
     part = solution.at(configuration or 0, level.heading)
     rows = part.policy.tolist()
     text = "".join(" ".join(".LRF"[action + 1] for action in row) + "\n" for row in rows)
     # Wider tables are for `--format json`.
-    return text + ("\n" + values_text(part, None) if level.size[0] <= WIDEST else "")
+    return text + ("\n" + values_text(part, None) if values and level.size[0] <= WIDEST else "")
 
 
 def _data(level: Level, solution: Solution) -> dict[str, Any]:
