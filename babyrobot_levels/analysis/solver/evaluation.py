@@ -86,7 +86,8 @@ def evaluate(
         message = f"with this policy, {found.explanation}"
         if actions == "all" and looks_like_moves(policy, found.values.ndim):
             message += "; if its action 0 is north, give actions='moves'"
-        warnings.warn(message, RuntimeWarning, stacklevel=2)
+        # The caller stands below what checks keywords.
+        warnings.warn(message, RuntimeWarning, stacklevel=3)
     return found
 
 
