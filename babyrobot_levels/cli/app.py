@@ -52,9 +52,10 @@ def _run() -> None:
         note(error.shown(width_of(sys.stderr)))
         sys.exit(FINDINGS)
     except BabyRobotError as error:
-        note(f"error: {error}")
+        is_folder = isinstance(error, LevelNotFoundError) and error.name == "levels"
+        note("error: no folder levels/ here" if is_folder else f"error: {error}")
         help_text = error.help if isinstance(error, ExecutorError) else None
-        if isinstance(error, LevelNotFoundError) and not error.is_file:
+        if isinstance(error, LevelNotFoundError) and not (error.is_file or is_folder):
             help_text = argument(error.name, error.what, is_near=bool(error.nearest))
         if help_text:
             note(f"  help: {help_text}")

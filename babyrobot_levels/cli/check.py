@@ -153,11 +153,11 @@ def format_levels(
 
 def work_on(path: Path) -> Outcome:
     """Format a file, or standard input for `-`. Nothing is written."""
-    from babyrobot_levels.language.formatting import format_source
+    from babyrobot_levels.suites.checking import formatted
 
     try:
         source = read_path(path)
-        result = format_source(source, None if path == STANDARD_INPUT else path)
+        result = formatted(source, None if path == STANDARD_INPUT else path)
     except LevelError as error:
         return Outcome(errors=error.diagnostics)
     differs = result.text != source.text or (result.kept is None and bool(source.mark))

@@ -93,6 +93,24 @@ _UsageError: Any = typer.BadParameter.__mro__[1]
 _EXTRA = re.compile(r"unexpected extra argument\S* \(([^ )]+)")
 
 
+_NUMBERS = {
+    "int_parsing": "{input!r} is not a whole number",
+    "float_parsing": "{input!r} is not a number",
+    "greater_than_equal": "{input} is below {ge}",
+    "greater_than": "{input} is not above {gt}",
+    "less_than_equal": "{input} is above {le}",
+    "less_than": "{input} is not below {lt}",
+}
+"""What is wrong with a number, by the types of pydantic's errors."""
+
+
+def _plain(cause: Any) -> str | None:
+    """Return in our words what pydantic says of a number; None for all else."""
+    first: dict[str, Any] = cause.errors()[0] if hasattr(cause, "errors") else {}
+    told = _NUMBERS.get(first.get("type", ""))
+    return told and told.format(input=first["input"], **first.get("ctx", {}))
+
+
 class _Commands(TyperGroup):
     """The group of all commands."""
 
@@ -109,6 +127,8 @@ class _Commands(TyperGroup):
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
             similar = meant.commands(name, COMMANDS)
+            if similar == ["--help"] and args[1:] and args[1] in COMMANDS:
+                similar = [f"{args[1]} --help"]
             hint = f" Did you mean {' or '.join(map(repr, similar))}?" if similar else ""
             ctx.fail(f"No such command {name!r}.{hint}")
         return super().resolve_command(ctx, args)
@@ -131,7 +151,7 @@ class _Commands(TyperGroup):
             return super().invoke(ctx)
         except typer.BadParameter as error:
             # What a user typed was a word, not a value that raised an error.
-            error.message = error.message.removeprefix("Value error, ")
+            error.message = _plain(error.__cause__) or error.message.removeprefix("Value error, ")
             raise
         except _UsageError as error:
             command: Any = error.ctx.command if error.ctx else self

@@ -193,12 +193,13 @@ def _agent(word: str, *, trust: bool) -> Any:
     suffix = path.suffix.lower()
     if suffix not in (*_TABLES, _MODEL):
         fail(f"there is no agent {word!r}", f"an agent is {_AGENTS}")
-    if suffix == _MODEL and not trust:
-        fail(
-            f"{word} is a model, and loading a model can run any code",
-            "if you trust its author, add --trust",
-        )
     try:
+        if suffix == _MODEL and not trust:
+            path.stat()
+            fail(
+                f"{word} is a model, and loading a model can run any code",
+                "if you trust its author, add --trust",
+            )
         return load_model(path) if suffix == _MODEL else load_policy(path)
     except AgentError as error:
         fail(str(error), error.help)

@@ -17,7 +17,7 @@ from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Rout
 from babyrobot_levels.text.document import Document, comments
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import SourceFile, Span
+from babyrobot_levels.text.source import SourceFile, Span, other_form
 from babyrobot_levels.text.words import nearest, shortened
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -67,7 +67,7 @@ def check(
         what = "is empty" if document.data is None else "does not contain a mapping of fields"
         from babyrobot_levels.language.messages import beginning
 
-        help_text = beginning(model)
+        help_text = other_form(document.source.name) or beginning(model)
         if document.data is None and is_block_map(document.source.lines):
             # To YAML, lines that begin with `#` are comments.
             help_text = "convert a map of blocks with `babyrobot import`"

@@ -20,9 +20,14 @@ from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
+    from babyrobot_levels.language.formatting import Formatted
     from babyrobot_levels.language.suite_list import AnySuite
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.suites.suite import Levels
+
+
+PLACEMENT = ("BR322", "BR323")
+"""The errors of what stands or walks where walls are."""
 
 
 def validate(levels: Levels) -> Findings:
@@ -56,20 +61,34 @@ def format(level: Levels, *, write: bool = False) -> str:  # noqa: A001
         LevelError: the text is not valid; its `diagnostics` say where and why.
         ValueError: it is not one level, or there is no file to write to.
     """
-    from babyrobot_levels.language.formatting import format_source
-
     found = [*texts_of(level)]
     if len(found) > 1:
         raise ValueError(f"format takes one level, not {len(found):,}")
     if isinstance(found[0], SourceFile):
         if write:
             raise ValueError("the text is from no file that could be written")
-        return format_source(found[0]).text
+        return formatted(found[0]).text
     source = read_source(found[0])
-    text = format_source(source, found[0]).text
+    text = formatted(source, found[0]).text
     if write and (text != source.text or source.mark):
         write_text(found[0], text)
     return text
+
+
+def formatted(source: SourceFile, path: Path | None = None) -> Formatted:
+    """Return the canonical form of a text, as `format_source` does; see there.
+
+    Raises:
+        LevelError: the text is not valid, or its doors and movers do not fit its walls.
+    """
+    from babyrobot_levels.language.formatting import format_source
+
+    found = format_source(source, path)
+    if "doors" in source.text or "movers" in source.text:
+        errors = [each for each in errors_of(source, path) if each.code in PLACEMENT]
+        if errors:
+            raise LevelError(errors)
+    return found
 
 
 def texts_of(levels: Levels) -> Iterator[Path | SourceFile]:

@@ -19,7 +19,7 @@ from babyrobot_levels.text.document import Document, Node, diagnostic_of
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.scalars import is_integer, resolve
-from babyrobot_levels.text.source import START, Position, SourceFile, Span
+from babyrobot_levels.text.source import START, Position, SourceFile, Span, other_form
 from babyrobot_levels.text.words import did_you_mean, plain_words, shortened
 
 MAX_DEPTH = 64
@@ -285,7 +285,8 @@ class _Builder:
             position = Position(*words.place)
         elif words.at_beginning and begin is not None:
             position = self.source.position(begin.index)
-        return self._error("BR104", self._span_at(position), words.message, words.help)
+        help_text = other_form(self.source.name) or words.help
+        return self._error("BR104", self._span_at(position), words.message, help_text)
 
     def _character_error(self, index: int) -> LevelError:
         span = self._span_at(self.source.position(index))

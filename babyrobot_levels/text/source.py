@@ -7,6 +7,7 @@ import unicodedata
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import PurePath
 from typing import NamedTuple
 
 MAX_BYTES = 1 << 20
@@ -113,6 +114,15 @@ class SourceFile:
 
 
 _JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
+
+
+_OTHERS = {".toml": "TOML", ".py": "Python", ".ini": "INI", ".csv": "CSV"}
+
+
+def other_form(name: str) -> str | None:
+    """Return what to do with a file that is no YAML, by its name; None if that may be YAML."""
+    form = _OTHERS.get(PurePath(name).suffix.lower())
+    return form and f"a level is written in YAML or JSON, and this is a file of {form}"
 
 
 def printable(text: str) -> str:

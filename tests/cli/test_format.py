@@ -28,6 +28,23 @@ def write(name: str, text: str = UNTIDY) -> Path:
     return path
 
 
+@pytest.mark.parametrize(
+    ("code", "things"),
+    [
+        ("BR322", "items: [{name: key, at: [1, 0]}]\ndoors: [{at: [1, 1], side: E, needs: key}]\n"),
+        ("BR323", "movers: [{path: [[1, 1], [2, 1]], back: true}]\n"),
+    ],
+)
+def test_what_does_not_fit_the_walls_is_an_error(code: str, things: str) -> None:
+    text = f"{UNTIDY}walls: [{{at: [1, 1], side: E}}]\n{things}"
+    path = write("a.yaml", text)
+    result = babyrobot("format", path)
+    assert (result.status, path.read_text()) == (1, text)
+    assert f"error {code}: " in result.out
+    with pytest.raises(brl.LevelError, match=code):
+        brl.format(text)
+
+
 def test_files_below_the_usual_folder() -> None:
     paths = [write("levels/a.yaml"), write("levels/deep/b.yml")]
     others = [write("levels/themes/a.yaml", "widths:  {}\n"), write("levels/c.txt")]

@@ -60,7 +60,10 @@ def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
     help_text = "open a path, or move the start or the exit; use `exit: none` for no exit"
     if level.movers and level.hit.ends and _is_open_without_hits(level):
         help_text = "movers end every such episode first: leave the robot room to get past them"
-    yield Finding(context.place_of_end("start", number), message, help_text)
+    # Where no start is written, the exit is what is out of reach.
+    is_told = level.map is not None or "start" in context.data or "exit" not in context.data
+    place = context.place_of_end(*(("start", number) if is_told else ("exit", 0)))
+    yield Finding(place, message, help_text)
 
 
 def _is_open_without_hits(level: Level) -> bool:
