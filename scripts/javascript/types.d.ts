@@ -103,6 +103,7 @@ interface PictureData {
   scale?: string[];
   looks?: Group[][];
   marks?: Group[][];
+  never?: number;
   tiles?: number[];
 }
 
