@@ -137,6 +137,17 @@ def test_the_result_is_kept_and_the_best_one_stays(own: Page, site: Path) -> Non
     expect(own.locator("#progress")).to_have_text("Your best return: \N{MINUS SIGN}3 ★★★")
 
 
+def test_whoever_wins_is_led_to_the_next_level_if_there_is_one(own: Page, site: Path) -> None:
+    show(own, site)
+    onwards = own.locator("#result").get_by_role("link", name="Next level")
+    expect(onwards).to_be_hidden()
+    solve(own)
+    onwards.click()
+    expect(own).to_have_url((site / "huge" / "index.html").as_uri())
+    show(own, site, "gridworld-3-5")
+    expect(own.locator("#result a")).to_have_count(0)
+
+
 def test_an_episode_that_was_watched_is_not_the_visitor_s(own: Page, site: Path) -> None:
     show(own, site)
     press(own, "p")
