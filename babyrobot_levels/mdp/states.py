@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -85,6 +86,24 @@ def held_sets(level: GridWorld) -> dict[tuple[str, ...], int]:
     known = (*things.needed,)
     order = sorted(found, key=lambda met: (len(met), [name in met for name in known]))
     return {tuple(name for name in known if name in met): found[met][2] for met in order}
+
+
+def shown_configurations(level: GridWorld, most: int) -> tuple[dict[str, int], int]:
+    """Return a configuration for each set of held things, and how many of them are left out.
+
+    The one in which episodes begin comes first. Each has its set in words: `key, lever on`.
+    """
+    start, things, rows = (
+        initial_configuration(level),
+        level.things(),
+        level.compile().configurations,
+    )
+    found: dict[str, int] = {}
+    for number in (start, *held_sets(level).values()):
+        told = things.told(rows[number].tolist())
+        words = [n if state == "held" else f"{n} {state}" for state in told for n in told[state]]
+        found.setdefault(", ".join(words) or "nothing", number)
+    return dict(islice(found.items(), most)), max(0, len(found) - most)
 
 
 def state_text(things: Things, mdp: Mdp, state: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +32,7 @@ class Files:
         tile: a small picture for the wall, without panels.
         film: an episode as a GIF; None if no film is made.
         values: its picture with optimal values and actions; None without a solution, or answers.
+        sets: the same for other sets of held things.
     """
 
     page: str
@@ -41,6 +42,7 @@ class Files:
     tile: str
     film: str | None
     values: str | None = None
+    sets: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)

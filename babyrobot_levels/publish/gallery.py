@@ -23,7 +23,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import gallery_folder, gallery_order
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
-from babyrobot_levels.publish.level_page import level_html, values_svg, with_neighbours
+from babyrobot_levels.publish.level_page import level_html, values_svgs, with_neighbours
 from babyrobot_levels.publish.wall import ASSETS, wall_html
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.raster import reduced, to_png
@@ -316,7 +316,8 @@ def _known_files(path: Path) -> set[str] | None:
         data = json.loads(read_bytes(path / LIST, MAX_LIST))
         if data["format"] != FORMAT or not data["made_by"].startswith(program().split()[0]):
             return None
-        files = {str(name) for level in data["levels"] for name in level["files"].values() if name}
+        listed = [names or [] for level in data["levels"] for names in level["files"].values()]
+        files = {name for each in listed for name in ([each] if isinstance(each, str) else each)}
         folders = {name.partition("/")[0] for name in files}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
@@ -386,6 +387,8 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
     # In a small picture, the texts of panels cannot be read.
     plain = bare(level)
     film = _film(plain, solution, shown) if solution is not None else None
+    guide = guide_of(level, solution) if solution is not None else None
+    values = values_svgs(level, guide, f"{name}/values.svg") if guide is not None else {}
     files = Files(
         page=f"{name}/index.html",
         level=f"{name}/level.yaml",
@@ -393,7 +396,8 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
         png=f"{name}/picture.png",
         tile=f"{name}/tile.png",
         film=f"{name}/film.gif" if film is not None else None,
-        values=f"{name}/values.svg" if solution is not None else None,
+        values=next(iter(values), None),
+        sets=[*values][1:],
     )
     facts = facts_of(
         level,
@@ -403,7 +407,6 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
         metrics=found,
         maze_seed=MAZE_SEED if is_random else None,
     )
-    guide = guide_of(level, solution) if solution is not None else None
     over = solution if shown.key else None
     scene = pictures.still(level, values=over, policy=over)
     png = _png(scene)
@@ -415,11 +418,10 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
         files.png: png,
         files.tile: reduced(small, TILE_SIDE),
         files.film: film,
-        files.values: values_svg(level, guide) if guide is not None else None,
     }
     written = {
         path: data.encode("utf-8") if isinstance(data, str) else data
-        for path, data in made.items()
+        for path, data in (*made.items(), *values.items())
         if path is not None and data is not None
     }
     page = level_html(

@@ -16,7 +16,11 @@ from babyrobot_levels.language.play import program
 from babyrobot_levels.library.catalogue import files_in
 from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.library.search_path import gallery_place
-from babyrobot_levels.mdp.states import initial_configuration
+from babyrobot_levels.mdp.states import (
+    configuration_words,
+    initial_configuration,
+    shown_configurations,
+)
 from babyrobot_levels.publish.citation import bibtex, citation
 from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.publish.published import Comparison, comparisons
@@ -283,6 +287,9 @@ def _span(kind: str, text: str) -> str:
 
 # -- what is shown of the solution -----------------------------------------------------------------
 
+MOST_SETS = 8
+"""The most sets of held things of which the page of a level has a picture of values."""
+
 MOST_CELLS = 256
 """The most cells of a level whose values are on the page as a table, too."""
 
@@ -291,13 +298,28 @@ LARGE_CELL = 96
 """The width of a cell of the picture in pixels, where there is room."""
 
 
-def values_svg(level: Level, guide: Guide) -> str:
-    """Return the picture of a level with its optimal values and actions, where episodes begin."""
-    start = _start(level)
-    scene = build_scene(
-        bare(level), configuration=start, robot=False, overlay=guide.overlay.at(start)
-    )
-    return to_svg(scene)
+def values_svgs(level: Level, guide: Guide, path: str) -> dict[str, str]:
+    """Return the pictures of a level with its optimal values and actions, by their paths.
+
+    The first one is that where episodes begin; then comes one for each other set of held things.
+    """
+    return {
+        other: to_svg(
+            build_scene(
+                bare(level), configuration=number, robot=False, overlay=guide.overlay.at(number)
+            )
+        )
+        for other, (_, number) in _sets(level, path)[0].items()
+    }
+
+
+def _sets(level: Level, path: str) -> tuple[dict[str, tuple[str, int | None]], int]:
+    """Return what is held in each picture, and its configuration; and how many are left out."""
+    if not level.has_things:
+        return {path: ("", None)}, 0
+    found, left_out = shown_configurations(level, MOST_SETS)
+    paths = [path, *(path.replace(".svg", f"-{count}.svg") for count in range(2, MOST_SETS + 1))]
+    return dict(zip(paths, found.items(), strict=False)), left_out
 
 
 def _start(level: Level) -> int | None:
@@ -330,7 +352,14 @@ def solved_values(level: Level, facts: Facts, guide: Guide) -> dict[str, Any]:
         facts: its facts.
         guide: its solution.
     """
+    assert facts.files.values is not None
+    sets, left_out = _sets(level, facts.files.values)
     return {
+        "sets": {path: words for path, (words, _) in sets.items()},
+        "start": configuration_words(level, initial_configuration(level))
+        if level.has_things
+        else "",
+        "left_out": left_out,
         "width": LARGE_CELL * level.size[0],
         "within": with_limit("from there", None, facts.max_steps),
         "changing": [kind.state for kind in THINGS if kind.field in facts.things],

@@ -19,7 +19,7 @@ from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.states import initial_configuration
+from babyrobot_levels.mdp.states import initial_configuration, shown_configurations
 from babyrobot_levels.publish.sheet_pages import INK, Entry, PageStyle, pages_of
 from babyrobot_levels.render.notebook.html import picture_of, strip
 from babyrobot_levels.render.page import bare
@@ -52,6 +52,9 @@ KINDS = ("pdf", "html", "png")
 MAX_LEVELS = 500
 MAX_PER_PAGE = 24
 MAX_GRIDS = 11
+MAX_SETS = 4
+"""The most sets of held things of which a key has a picture of a level."""
+
 MAX_CELLS = 10_000
 """The largest level of which a sheet has a picture."""
 
@@ -285,21 +288,38 @@ def entry_of(level: Level, shown: SheetContents) -> Entry:
             answer = _in_words(level, solution)
         except UndefinedReturnError:
             answer = "No policy has an expected return."
-    picture = still(
-        level,
-        values=solution if shown.values or shown.key else None,
-        policy=solution if shown.policy or shown.key else None,
-    )
+    pictures, left_out = _pictures(level, shown, solution)
+    if left_out:
+        answer += f"; {left_out} other sets of held things are left out"
     name = "" if level.name is None else f"{one_line(level.name)}  "
     return Entry(
         title=one_line(level.title or level.name or "Level")[:_LONGEST],
         mark=f"{name}{level.digest[: len('sha256:') + _DIGITS]}",
-        pictures=[(picture, ""), *_grids(level, shown)],
+        pictures=[*pictures, *_grids(level, shown)],
         answer="" if solution is not None and not shown.key else answer,
         blank=not (shown.key or tells),
         rules=[*_rules(level, shown)] if shown.rules else (),
         text=one_line(" ".join((level.description or "").split()))[:_MOST_TEXT],
     )
+
+
+def _pictures(
+    level: Level, shown: SheetContents, solution: Solution | None
+) -> tuple[list[tuple[Scene, str]], int]:
+    """Return the pictures with their headings: of a key, one for each set of held things."""
+    values, policy = (
+        solution if each or shown.key else None for each in (shown.values, shown.policy)
+    )
+    if solution is None or not level.has_things:
+        return [(still(level, values=values, policy=policy), "")], 0
+    found, left_out = shown_configurations(level, MAX_SETS if shown.key else 1)
+    pictures: list[tuple[Scene, str]] = []
+    for words, at in found.items():
+        held = level.things().met(level.compile().configurations[at].tolist())
+        # Without a choice, it is the configuration in which episodes begin.
+        picture = still(level, values=values, policy=policy, held=held if pictures else None)
+        pictures.append((picture, f"With {words}" if len(found) > 1 else ""))
+    return pictures, left_out if shown.key else 0
 
 
 def _in_words(level: Level, solution: Solution) -> str:
@@ -331,6 +351,8 @@ def _figure(value: float) -> str:
 def _rules(level: Level, shown: SheetContents) -> Iterator[SampledRule]:
     if shown.grids:
         yield SampledRule(level, "", _SWEEP)
+    if level.things().needed and (shown.key or shown.values or shown.policy):
+        yield SampledRule(level, "", "hatched: the robot cannot be there with what is held then")
     for rule in rules_of(level):
         yield SampledRule(level, rule.sample, rule.text)
 

@@ -227,8 +227,7 @@ class _Area(NamedTuple):
 
 def _body(part: _Part, style: PageStyle, room: _Area) -> Iterator[Shape]:
     """Yield the levels of a page, in as many columns as make their pictures largest."""
-    count = max(len(entry.pictures) for entry in part.entries)
-    best, sizes = 0.0, range(1, count + 1)
+    best = 0.0
     for columns in range(1, style.per_page + 1):
         rows = math.ceil(style.per_page / columns)
         width = (room.width - (columns - 1) * _GAP) / columns
@@ -242,16 +241,26 @@ def _body(part: _Part, style: PageStyle, room: _Area) -> Iterator[Shape]:
             head = max(block.head for block in beside)
             for block in beside:
                 block.head = head
-        for inner in sizes:
-            goodness = round(sum(block.scale(inner) for block in blocks), 2)
-            if goodness > best:
-                best, found = goodness, (columns, inner, blocks)
+        # Levels with equally many pictures have them in equally many columns.
+        inner = {size: _inner_columns(blocks, size) for size in {block.size for block in blocks}}
+        goodness = round(sum(block.scale(inner[block.size]) for block in blocks), 2)
+        if goodness > best:
+            best, found = goodness, (columns, inner, blocks)
     columns, inner, blocks = found
     for index, block in enumerate(blocks):
         row, column = divmod(index, columns)
         left = room.left + column * (block.width + _GAP)
         top = room.top + row * (block.height + _GAP)
-        yield from shifted(block.shapes(inner), left, top)
+        yield from shifted(block.shapes(inner[block.size]), left, top)
+
+
+def _inner_columns(blocks: Sequence[_Block], size: int) -> int:
+    """Return in how many columns the pictures of levels with so many are largest."""
+    alike = [block for block in blocks if block.size == size]
+    return max(
+        range(1, size + 1),
+        key=lambda columns: round(sum(block.scale(columns) for block in alike), 2),
+    )
 
 
 class _Block:
@@ -260,6 +269,7 @@ class _Block:
     Attributes:
         width: its width.
         height: its height.
+        size: how many pictures it has.
         head: the height of its title, and of the highest one beside it.
     """
 
@@ -270,6 +280,7 @@ class _Block:
 
     def __init__(self, entry: Entry, number: int, width: float, height: float) -> None:
         self._entry, self._number, self.width, self.height = entry, number, width, height
+        self.size = len(entry.pictures)
         self._title = _two_lines(entry.title, width - self._DISC - 6, _NAME)
         self._answers = wrapped(entry.answer, _SLACK * width, _FIELD) if entry.answer else []
         self._text = _lines_of(entry.text, _SLACK * width, round(_TEXT_SHARE * height / _TEXT_LINE))

@@ -133,9 +133,10 @@ def icon_svg(theme: Theme) -> str:
 def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
     """Return the picture that is shown without JavaScript."""
     overlay = Overlay()
-    if guide is not None:
+    if guide is not None and shown:
         answers = guide.overlay.at()
-        overlay = Overlay(
+        overlay = replace(
+            answers,
             values=answers.values if "values" in shown else None,
             actions=answers.actions if "policy" in shown else None,
         )

@@ -105,6 +105,7 @@ interface PictureData {
   marks?: Group[][];
   never?: number;
   tiles?: number[];
+  never?: number;
 }
 
 /** An item, a door, a switch, a mover or the exit; see `things_data`. */

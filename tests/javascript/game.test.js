@@ -110,3 +110,31 @@ test("checksums are CRC-32, also in parts", () => {
   assert.equal(checksum(bytes), 0xcbf43926);
   assert.equal(checksum(bytes.subarray(4), checksum(bytes.subarray(0, 4))), 0xcbf43926);
 });
+
+/** Return a corridor with a key and a lever, in four configurations. */
+function things() {
+  const thing = (kind, name, values) => ({ kind, name, values, looks: [[], []] });
+  return {
+    things: [thing("item", "key", [0, 1, 0, 1]), thing("switch", "lever", [0, 0, 1, 1])],
+    possible: Array(12).fill(1),
+    marks: { values: [...Array(12).keys()], policy: [] },
+  };
+}
+
+test("what can be held and on is told in words, fewer first", () => {
+  const game = new Game(corridor(things()));
+  assert.deepEqual(
+    [...game.things.situations(4)],
+    [
+      ["Nothing", 0],
+      ["key", 1],
+      ["lever on", 2],
+      ["key, lever on", 3],
+    ],
+  );
+});
+
+test("marks are those of a configuration", () => {
+  const game = new Game(corridor(things()));
+  assert.deepEqual([game.marks("values"), game.marks("values", 2), game.marks("policy")], [[0, 1, 2], [6, 7, 8], []]);
+});

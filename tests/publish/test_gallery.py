@@ -65,7 +65,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_it_has_the_files_that_its_list_names_and_no_others(site: Path) -> None:
     data = listed(site)
     assert (data["format"], data["title"]) == (1, "Levels")
-    named = {path for each in data["levels"] for path in each["files"].values() if path}
+    named = set[str]()
+    for each in data["levels"]:
+        named.update(each["files"].pop("sets"), filter(None, each["files"].values()))
     shared = {name for name in contents(site) if name.startswith("assets/")}
     assert set(contents(site)) == {"index.html", "gallery.json"} | named | shared
     assert [each["id"] for each in data["levels"]] == LEVELS

@@ -136,13 +136,15 @@ def test_the_optimum_within_the_time_limit_is_told_where_it_differs() -> None:
     assert not [name for name in facts_on(page_of(load("final-maze"))) if "within" in name]
 
 
-def test_values_of_things_are_those_at_the_start() -> None:
+def test_values_of_things_are_there_for_all_that_can_be_held() -> None:
     def told(name: str) -> str:
         return page_of(load(name)).texts["figcaption"][0]
 
-    assert "at the start of an episode" in told("first-key")
     assert "the items that are held, the doors that are open" in told("first-key")
-    assert "at the start" not in told("final-maze")
+    assert "They change" not in told("final-maze")
+    assert page_of(load("first-key")).texts["label"][-2:] == ["Nothing", "key"]
+    left_out = [text for text in page_of(load("three-gems")).texts["span"] if "more" in text]
+    assert left_out == ["and 8 more, which the game shows when one comes to them"]
 
 
 def test_what_a_book_prints_stands_beside_what_is_computed() -> None:

@@ -23,7 +23,7 @@ HUGE = {"version": 1, "name": "huge", "size": [129, 128]}
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("gallery") / "site"
-    brl.gallery([ROW, HUGE, "gridworld-3-5"], folder)
+    brl.gallery([ROW, HUGE, "gridworld-3-5", "first-key"], folder)
     return folder
 
 
@@ -238,3 +238,16 @@ def test_no_window_is_too_narrow_for_the_buttons(own: Page, site: Path) -> None:
         if own.evaluate("document.documentElement.scrollWidth") > width:
             wider.append(width)
     assert wider == []
+
+
+def test_values_are_shown_for_what_is_chosen_to_be_held(own: Page, site: Path) -> None:
+    show(own, site, "first-key", "#values")
+    images = own.locator("#panel-values img:visible")
+    expect(images).to_have_count(1)
+    expect(images).to_have_attribute("src", "values.svg")
+    own.get_by_role("radio", name="Nothing").focus()
+    press(own, "ArrowRight")
+    expect(own.get_by_role("radio", name="key")).to_be_checked()
+    expect(images).to_have_count(1)
+    expect(images).to_have_attribute("src", "values-2.svg")
+    assert images.evaluate("(image) => image.decode().then(() => image.naturalWidth)") > 0

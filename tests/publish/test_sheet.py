@@ -68,6 +68,18 @@ def test_a_single_level_and_a_suite_are_levels_too() -> None:
     assert len(brl.sheet((brl.load(name) for name in NAMES), per_page=6).pages) == 1
 
 
+def test_a_key_has_a_picture_for_each_set_of_held_things() -> None:
+    (text,) = texts(brl.sheet(["first-key", "three-gems", "final-maze"], key=True))
+    # In the order of the level, fewer before more, and no more than four.
+    for words in ("nothing", "key", "coin", "sapphire", "ruby"):
+        assert f"With {words}" in text
+    assert "With emerald" not in text
+    assert "12 other sets of held things are left out" in text
+    assert "hatched: the robot cannot be there with what is held then (levels 1 and 2)" in text
+    (shown,) = texts(brl.sheet("first-key", values=True))
+    assert ("With" in shown, "left out" in shown) == (False, False)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("landscape", [False, True])
 @pytest.mark.parametrize("paper", ["a4", "letter"])

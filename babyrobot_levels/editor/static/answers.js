@@ -1,6 +1,7 @@
 // The optimum of the level: its return, what the last change did to it, and what the picture shows.
 
 import { formatted } from "../../render/static/game.js";
+import { ShownSets } from "../../render/static/shown.js";
 import { html } from "./html.js";
 
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
@@ -75,6 +76,25 @@ export class Answers {
       this.asked = null; // The next change asks again, or tells that nobody answers.
     else if (state.revision === this.editor.state.revision) this.editor.show(state);
   }
+}
+
+/** Offer for what is held values and optimal actions are shown while one edits. */
+export function offerSets(editor, place) {
+  const fieldset = html("fieldset", { class: "sets" });
+  const sets = new ShownSets(fieldset, (configuration) => editor.picture.look(configuration));
+  place.append(fieldset);
+  const follow = () => {
+    const { game, picture, mode } = editor;
+    const isSeen = game !== null && mode === "edit" && picture.showsAnswers;
+    fieldset.hidden = !isSeen;
+    if (!isSeen) return;
+    const { words } = sets;
+    sets.begin(game);
+    sets.stand(true);
+    if (words !== sets.words && sets.all.has(words)) sets.choose(words);
+  };
+  editor.on("state", follow);
+  editor.on("mode", follow);
 }
 
 /** Describe what the last change did to the optimum; the empty text for nothing. */

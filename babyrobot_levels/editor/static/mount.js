@@ -2,7 +2,7 @@
 
 import { ZOOM_STEP } from "../../render/static/view.js";
 import { Announcer } from "./announce.js";
-import { Answers } from "./answers.js";
+import { Answers, offerSets } from "./answers.js";
 import { Bar, Panels } from "./bar.js";
 import { FileButtons } from "./dialogs.js";
 import { Divider } from "./divider.js";
@@ -91,6 +91,7 @@ export function mount(place, connection, style = "") {
   new Announcer(editor, find("spoken"));
   new Playing(editor, find("playing"));
   new PolicyDrawing(editor, find("policy"));
+  offerSets(editor, find("answers"));
   new Rail(editor, find("tools"));
   new Options(editor, find("options"));
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });

@@ -81,21 +81,11 @@ export class PolicyDrawing {
   findSituations(game) {
     this.game = game;
     const { things, cells, data } = game;
-    this.words = Array.from(
-      { length: data.possible.length / cells },
-      (_, configuration) =>
-        things
-          .met(configuration)
-          .flatMap(([state, found]) => found.map(({ name }) => (state === "held" ? name : `${name} ${state}`)))
-          .join(", ") || "Nothing",
-    );
-    /** @type {Map<string, number>} */
-    this.situations = new Map(this.words.map((words, at) => /** @type {[string, number]} */ ([words, at])).reverse());
+    const configurations = data.possible.length / cells;
+    this.words = Array.from({ length: configurations }, (_, configuration) => things.words(configuration));
+    this.situations = things.situations(configurations);
     this.begun = this.words[game.configurationOf(data.starts[0])];
-    const count = (held) => held.split(",").length;
-    const names = [...this.situations.keys()].sort(
-      (one, other) => count(one) - count(other) || this.situations.get(one) - this.situations.get(other),
-    );
+    const names = [...this.situations.keys()];
     if (!this.situations.has(this.held)) this.held = ANYTHING;
     this.moving.hidden = things.of("mover").length === 0;
     this.holding.hidden = names.length < 2;

@@ -107,6 +107,17 @@ for (const each of document.querySelectorAll(".with-script")) each.hidden = fals
 // A file has an address of its own on each computer.
 byId("copy-link").parentElement.hidden = location.protocol === "file:";
 
+// -- for what is held the values are -------------------------------------------------------
+
+for (const sets of document.querySelectorAll("#panel-values .sets")) {
+  const show = () => {
+    const chosen = sets.querySelector(":checked").getAttribute("value");
+    for (const image of sets.parentElement.querySelectorAll("img")) image.hidden = image.getAttribute("src") !== chosen;
+  };
+  sets.addEventListener("change", show);
+  show();
+}
+
 // -- what the visitor has reached ----------------------------------------------------------
 
 function keep(entry) {

@@ -91,6 +91,19 @@ export class Game {
   }
 
   /**
+   * Return the marks of values or of optimal actions in all cells.
+   *
+   * @param {"values" | "policy"} name
+   * @param {number} configuration
+   * @returns {number[]}
+   */
+  marks(name, configuration = this.configuration) {
+    const { marks } = this.isTurning ? this.data.turns : this.data;
+    const first = (this.isTurning ? 4 * configuration + this.heading : configuration) * this.cells;
+    return marks?.[name]?.slice(first, first + this.cells) ?? [];
+  }
+
+  /**
    * The action of the level that an action of the robot comes to.
    *
    * @param {number} action

@@ -99,6 +99,11 @@ export class Picture {
     this.showAnswers();
   }
 
+  /** Whether values or optimal actions are seen. */
+  get showsAnswers() {
+    return this.svg.querySelector(":is(#values, #policy):not(.hidden)") !== null;
+  }
+
   /** Show the values and optimal actions that are switched on, and the legend only beside values. */
   showAnswers() {
     const { width, height, legend = 0 } = this.game.data.picture;
@@ -108,6 +113,12 @@ export class Picture {
     this.svg.setAttribute("height", high);
     this.marks.stand();
     this.view.measure();
+  }
+
+  /** Show things and answers in another configuration; the robot stays. */
+  look(configuration) {
+    this.things.stand(configuration * this.game.cells + (this.game.state % this.game.cells));
+    this.marks.stand(configuration);
   }
 
   /** Show the robot at a place, in a pose and a phase of its move. */

@@ -8,6 +8,7 @@ import { element, pixels } from "./paint.js";
 import { levelPicture, Picture } from "./picture.js";
 import { downloadPlay, playLine } from "./play.js";
 import { resultFacts, ruleOf, starsOf, titleOf } from "./result.js";
+import { ShownSets } from "./shown.js";
 import { closedSides, surroundings } from "./speech.js";
 import { lookElement } from "./things.js";
 import { Trail } from "./trail.js";
@@ -15,6 +16,8 @@ import { View, ZOOM_STEP } from "./view.js";
 
 const view = new View(byId("stage"), byId("map"));
 const legend = new Legend(view, byId("rules"), byId("cell"));
+
+const sets = new ShownSets(byId("sets"), (configuration) => picture.look(configuration));
 
 let game = null;
 let picture = null;
@@ -31,6 +34,7 @@ export function showLevel(data) {
   picture = new Picture(game, svg, view);
   trail = new Trail(game, svg);
   legend.show(game);
+  sets.begin(game);
   byId("watched").textContent = data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
   for (const name of ["values", "policy"]) {
     byId(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
@@ -76,6 +80,7 @@ function show(message, kind = "") {
   line.dataset.kind = kind;
   speak(message);
   showHeld();
+  showSets();
   showResult();
   showHint(-1);
   for (const button of document.querySelectorAll("[data-action]")) showButton(button);
@@ -133,6 +138,11 @@ function showHint(action) {
 /** Show or hide the trail, as one chose. */
 function showTrail() {
   trail.group.classList.toggle("hidden", !byId("trail").checked);
+}
+
+/** Show for what is held values and optimal actions are shown, while they are. */
+function showSets() {
+  sets.stand(game.known.policy !== null && picture.showsAnswers);
 }
 
 /** Show what is held, and what is on. */
@@ -247,6 +257,7 @@ function toggle(name) {
     byId(layer).classList.toggle("hidden", !isShown);
   }
   picture.showAnswers();
+  showSets();
 }
 
 /** Let the robot turn, or move to all sides again: from the start. */
@@ -328,6 +339,7 @@ document.addEventListener("keydown", (event) => {
   if (view.stage.closest("[hidden]") !== null) return;
   const { target } = event;
   if (target.matches("[type=text]")) return;
+  if (target.matches("[type=radio]") && /^Arrow| /.test(event.key)) return;
   if (event.key === " " && target.matches("button, input, summary")) return;
   if (event.key.length === 1 && !byId("shortcuts").checked) return;
   const control = KEYS[event.key.toLowerCase()];
@@ -347,4 +359,6 @@ byId("seed").addEventListener("change", ({ target }) => {
   if (!target.checkValidity() || target.value === "") return;
   restart(target.value);
 });
+// Whoever points at a set plays next: its keys are not those of a choice.
+byId("sets").addEventListener("click", ({ detail }) => detail > 0 && view.stage.focus({ preventScroll: true }));
 byId("trail").addEventListener("change", showTrail);

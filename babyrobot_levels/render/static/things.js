@@ -46,6 +46,32 @@ export class Things {
   }
 
   /**
+   * Return what is held and on in a configuration, in words.
+   *
+   * @param {number} configuration
+   */
+  words(configuration) {
+    const met = this.met(configuration).flatMap(([state, found]) =>
+      found.map(({ name }) => (state === "held" ? name : `${name} ${state}`)),
+    );
+    return met.join(", ") || "Nothing";
+  }
+
+  /**
+   * Return what can be held and on, in words, each with its first configuration; fewer come first.
+   *
+   * @param {number} configurations
+   * @returns {Map<string, number>}
+   */
+  situations(configurations) {
+    /** @type {Map<string, number>} */
+    const found = new Map();
+    for (let at = configurations - 1; at >= 0; at--) found.set(this.words(at), at);
+    const count = (words) => words.split(",").length;
+    return new Map([...found].sort((one, other) => count(one[0]) - count(other[0]) || one[1] - other[1]));
+  }
+
+  /**
    * Return the cells that end an episode as exits.
    *
    * @param {number} configuration
@@ -269,17 +295,14 @@ export class MarksLayer {
     this.shown = this.layers.map(() => []);
   }
 
-  /** Show the marks of all cells, in the layers that are visible. */
-  stand() {
+  /** Show the marks of all cells in a configuration, in the layers that are visible. */
+  stand(configuration = this.game.configuration) {
     if (this.shapes.length === 0) return;
-    const { data, isTurning, number, cells } = this.game;
-    const marks = (isTurning ? data.turns : data).marks ?? {};
+    const { data, cells } = this.game;
     const never = data.picture.never ?? -1;
-    const first = number - (number % cells);
     this.layers.forEach((layer, index) => {
       if (layer.classList.contains("hidden")) return;
-      const name = layer.id === "policy" ? "policy" : "values";
-      const numbers = (marks[name] ?? []).slice(first, first + cells);
+      const numbers = this.game.marks(layer.id === "policy" ? "policy" : "values", configuration);
       for (let cell = 0; cell < cells; cell++) {
         const mark = numbers[cell] ?? -1;
         this.put(layer, index, cell, (mark === never) === (layer.id === "never") ? mark : -1);

@@ -15,6 +15,8 @@ from support.codes import played
 from support.playground import KEYS, Playground, guide
 from support.vault import vault
 
+from babyrobot_levels.analysis.guides import guide_of
+from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Turn
 from babyrobot_levels.render.page import link_fragment, page_data
@@ -189,8 +191,8 @@ def test_values_are_those_of_the_configuration_at_hand(ground: Playground) -> No
     def texts(configuration: int) -> list[str]:
         rows = best.overlay.at(configuration).values
         assert rows is not None
-        return [f"{value:.2f}".rstrip("0").rstrip(".") for row in rows for value in row
-                if value is not None]  # fmt: skip
+        numbers = [value for row in rows for value in row if value is not None]
+        return [f"{value:.2f}".rstrip("0").rstrip(".").replace("-", MINUS) for value in numbers]
 
     first = ground.state // 8
     assert sorted(shown.all_text_contents()) == sorted(texts(first))
@@ -204,6 +206,37 @@ def test_values_are_those_of_the_configuration_at_hand(ground: Playground) -> No
     ground.wait_until_still()
     ground.press("v")
     assert sorted(shown.all_text_contents()) == sorted(texts(ground.state // 8))
+
+
+def test_answers_are_shown_for_what_is_chosen_to_be_held(ground: Playground) -> None:
+    level = load("first-key")
+    ground.open(level, guide=guide_of(level))
+    sets, hatched = ground.page.locator("#sets"), ground.page.locator("#never path")
+    nothing, key = (sets.get_by_role("radio", name=name) for name in ("Nothing", "key"))
+    expect(sets).to_be_hidden()
+    expect(hatched.first).to_be_hidden()
+    ground.press("v")
+    expect(nothing).to_be_checked()
+    expect(sets).to_contain_text("Hatched: cannot occur with nothing held.")
+    # Behind the door, and where the key lies.
+    expect(hatched).to_have_count(7)
+    nothing.focus()
+    ground.press("ArrowRight")
+    expect(key).to_be_checked()
+    expect(hatched).to_have_count(0)
+    assert "Hatched" not in sets.inner_text()
+    assert ground.number("steps") == 0
+    # The next step shows what is held now, and whoever points at a set goes on playing.
+    sets.get_by_text("Nothing").click()
+    ground.press("ArrowUp")
+    assert ground.number("steps") == 1
+    sets.get_by_text("key").click()
+    ground.press("ArrowLeft", "ArrowLeft")
+    expect(key).to_be_checked()
+    ground.press("z")
+    expect(nothing).to_be_checked()
+    expect(hatched).to_have_count(7)
+    assert ground.faults == []
 
 
 def test_turning_is_switched_on_and_off(ground: Playground) -> None:
