@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from support.claims import plain
 from support.places import DOCS, TESTS
 
 import babyrobot_levels as brl
@@ -39,12 +40,6 @@ NO_LAWS = (
     *("With the key and without", "In this level the lever"),
 )
 """How looks, names and what only leads to an example begin; examples have tests of their own."""
-
-
-def plain(text: str) -> str:
-    """Return a text of the page without its marks and line breaks."""
-    text = re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", text)
-    return " ".join(re.sub(r"\*\*([^*]+)\*\*|\*(\w[^*]*\w)\*", r"\1\2", text).split())
 
 
 def sentences() -> Iterator[str]:
