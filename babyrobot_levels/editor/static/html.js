@@ -41,9 +41,7 @@ export function prose(message) {
   return message.split("`").map((part, index) => (index % 2 === 1 ? html("code", {}, part) : part));
 }
 
-const HAS_NO_MOUSE = matchMedia("(hover: none)").matches;
-
 /** Return words for what one has at hand: one taps with a finger. */
 export function tapped(words) {
-  return HAS_NO_MOUSE ? words.replaceAll("Click", "Tap").replaceAll("click", "tap") : words;
+  return matchMedia("(hover: none)").matches ? words.replaceAll("Click", "Tap").replaceAll("click", "tap") : words;
 }
