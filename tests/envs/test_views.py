@@ -64,6 +64,14 @@ def test_a_line_passes_the_end_of_a_wall_but_not_a_corner_of_two() -> None:
     assert shown(view_of(brl.load(across), radius=1)) == ["", " .", " ."]
 
 
+def test_glass_hides_nothing_and_is_a_wall_before_a_blocked_cell() -> None:
+    glass = [{"at": [0, 0], "side": "E", "pass": 0.5}]
+    level = {"version": 1, "size": [2, 2], "walls": glass, "exit": [1, 1]}
+    assert shown(view_of(brl.load(level), radius=1)) == ["", " ..", " .."]
+    blocked = brl.load({**level, "blocked": [{"at": [1, 0]}]})
+    assert shown(view_of(blocked, radius=1), "blocked") == ["", " .", " .."]
+
+
 DOOR = {
     "version": 1,
     "size": [4, 1],

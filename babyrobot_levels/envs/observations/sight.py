@@ -1,11 +1,11 @@
 """Lines of sight: which cells around the robot it can see past walls, doors and blocked cells.
 
 A cell is seen if the straight line from the centre of the robot's cell to its centre crosses no
-wall, no closed door and no blocked cell; glass hides nothing. A line that runs exactly through a
-corner passes if there is a way past the corner on one side of it: over two open sides, and the cell
-between them. Where a line runs follows from whole numbers alone, so that it is the same on every
-platform, and the line back crosses the same sides: of two cells that are not blocked, either each
-sees the other or none does.
+wall, no closed door and no blocked cell; glass hides nothing, but is a wall before a blocked cell.
+A line that runs exactly through a corner passes if there is a way past the corner on one side of
+it: over two open sides, and the cell between them. Where a line runs follows from whole numbers
+alone, so that it is the same on every platform, and the line back crosses the same sides: of two
+cells that are not blocked, either each sees the other or none does.
 """
 
 from __future__ import annotations
