@@ -19,6 +19,7 @@ from babyrobot_levels.cli.console import (
     bold,
     each_change,
     fail,
+    hanging,
     note,
     unified,
     value_option,
@@ -395,7 +396,8 @@ def rule(
     elif code is None:
         width = max(len(each.name) for each in rules)
         for each in rules:
-            write(f"{bold(each.code)}  {each.name.ljust(width)}  {each.summary}\n")
+            told = hanging(each.summary, len(each.code) + width + 4)
+            write(f"{bold(each.code)}  {each.name.ljust(width)} {told}\n")
     else:
         (only,) = rules
         write(f"{bold(f'{only.code} {only.name}')}\n\n{_shown(only.page)}\n")

@@ -219,21 +219,25 @@ def percent(value: float | None) -> str:
 
 
 def fact_lines(facts: Mapping[str, str]) -> str:
-    """Return names and values, one below the other, with the values aligned.
-
-    On a terminal, lines break between words, and a word without room has a line of its own.
-    """
+    """Return names and values, one below the other, with the values aligned."""
     indent = max(map(len, facts)) + 2
-    width = width_of(sys.stdout)
     return "".join(
-        bold(f"{name}:".ljust(indent - 1)) + _value(value, indent, width) + "\n"
+        bold(f"{name}:".ljust(indent - 1)) + hanging(value, indent) + "\n"
         for name, value in facts.items()
         if value
     )
 
 
-def _value(text: str, indent: int, width: int | None) -> str:
-    """Return a value with what stands before its lines."""
+def hanging(text: str, indent: int) -> str:
+    """Return a text behind the name that it belongs to, with the blanks before its lines.
+
+    On a terminal, lines break between words, and a word without room has a line of its own.
+
+    Args:
+        text: the text.
+        indent: the column in which its lines begin.
+    """
+    width = width_of(sys.stdout)
     before = f"\n{' ' * indent}"
     if width is not None:
         room = max(width - indent, _LEAST)

@@ -311,7 +311,8 @@ def _write_grades(grades: Grades, *, has_level: bool) -> None:
     is_shown = {name: any(row[name] for row in rows) for name in ("help", "notes")}
     is_shown["level"] = has_level
     heading = [name for name in rows[0] if is_shown.get(name, True)]
-    write_table(heading, [[row[name] for name in heading] for row in rows], less=("verified",))
+    less = ("verified", "random", "success", "episodes")
+    write_table(heading, [[row[name] for name in heading] for row in rows], less)
 
 
 def _grade_cells(row: Grade) -> dict[str, str]:

@@ -20,6 +20,7 @@ from babyrobot_levels.cli.console import (
     TableOption,
     fact_lines,
     fail,
+    hanging,
     note,
     width_of,
     write,
@@ -265,7 +266,7 @@ def list_levels(
 
     if report_format is ReportFormat.TEXT and not tag and sys.stdout.isatty():
         # Only for people: standard error of a pipeline is for errors.
-        note("suites: " + ", ".join(sorted(suite_files())))
+        note("suites:" + hanging(", ".join(sorted(suite_files())), 8))
     _note_all(
         f"{path} is left out because of errors (see `babyrobot validate {path}`)" for path in broken
     )

@@ -250,7 +250,7 @@ def test_the_list_tells_levels_apart(tmp_path: Path) -> None:
 
 
 def test_facts_break_no_words(tmp_path: Path) -> None:
-    for arguments in (("show", "final-maze"), ("show", "final-maze", "frozen-lake")):
+    for arguments in (("show", "final-maze"), ("show", "final-maze", "frozen-lake"), ("rule",)):
         whole = run_here([*arguments], environment(tmp_path)).out
         lines = plain(in_terminal(tmp_path, *arguments)[0]).splitlines()
         assert max(map(columns_of, lines)) <= 80
