@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+from pathlib import Path
 
 COMMANDS = {
     "play": "run start step simulate walk",
@@ -91,4 +92,9 @@ def argument(word: str, what: str, is_near: bool) -> str | None:
         return None
     if what == "suite":
         return f"to write into a folder, give it as `-o {word}`"
-    return f"to write a file, give it as `-o {word}`" if _WRITTEN.fullmatch(word) else None
+    if _WRITTEN.fullmatch(word):
+        return f"to write a file, give it as `-o {word}`"
+    pack, _, name = word.partition("/")
+    if not name or Path(pack).is_dir():
+        return None
+    return f"the levels of a pack {pack!r} can be used once `babyrobot install` has its file"

@@ -73,7 +73,9 @@ def pack(
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
-        fail(f"{folder} is not a folder" if folder.exists() else f"no such folder: {folder}")
+        if folder.exists():
+            fail(f"{folder} is not a folder", f"give the folder: babyrobot pack {folder.parent}")
+        fail(f"no such folder: {folder}")
     if (folder / PACK_FILE).is_dir():
         fail(f"{folder / PACK_FILE} is a folder, not a file")
     if not (folder / PACK_FILE).exists():

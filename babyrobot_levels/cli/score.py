@@ -119,7 +119,10 @@ def score(
     """
     are_plays = {word.lower().endswith(_PLAYS) for word in what}
     if are_plays == {True, False}:
-        fail("files of recorded episodes cannot be mixed with agents and levels")
+        fail(
+            "files of recorded episodes cannot be mixed with agents and levels",
+            "`--level LEVEL` names the level that was to be played",
+        )
     if are_plays == {True}:
         options = split, within, discount
         if any(option is not None for option in options) or stochastic or trust:
@@ -130,6 +133,8 @@ def score(
             )
         _score_plays(what, level, table_format, output, force=force)
         return
+    if Path(what[0]).is_dir() and any(Path(what[0]).glob(f"*{_PLAYS}")):
+        fail(f"{what[0]} is a folder", f"give its files: {Path(what[0], '*')}{_PLAYS}")
     if level is not None:
         fail("--level is for recorded episodes", f"give files that end in {_PLAYS}")
     if len(what) < 2:

@@ -496,7 +496,11 @@ def _pattern(pattern: str, root: str, value: Any) -> Complaint:
         message = f"must be lower-case letters and digits joined by `-`, not {show(value)}"
         if root in NAMING:
             return "BR207", message, "use a name such as `red-key`"
-        return "BR207", message, "use a name such as `first-maze`; `title` takes any text"
+        return (
+            "BR207",
+            message,
+            "use a name such as `first-maze`; `title` and `description` take any text",
+        )
     if pattern == VERSION:
         return (
             "BR207",

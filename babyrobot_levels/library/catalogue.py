@@ -245,9 +245,12 @@ def find(name: str, first: Sequence[Place] = ()) -> Path:
     """
     for path in _named(name, first):
         return path
+    # A pack that is not installed is a folder.
+    folder, _, stem = name.partition("/")
+    files = [str(path) for path in yaml_files(Path(folder)) if path.stem == stem] if stem else []
     known = {file.name: file.path for file in level_files()}
-    near = _nearest_names(name, [*known])
-    raise LevelNotFoundError(name, [other for other in near if not is_suite_file(known[other])])
+    near = [each for each in _nearest_names(name, [*known]) if not is_suite_file(known[each])]
+    raise LevelNotFoundError(name, files or near)
 
 
 def levels() -> LevelList:

@@ -23,6 +23,7 @@ from babyrobot_levels.scoring.plays import Play, read_plays
 from babyrobot_levels.scoring.results import Table, plain
 from babyrobot_levels.scoring.score import score
 from babyrobot_levels.scoring.verify import verify_play
+from babyrobot_levels.text.words import listed
 
 _Conditions = tuple[str, str, int | None, float]
 """Of plays that are compared: digest, set of actions, time limit, discount."""
@@ -215,7 +216,9 @@ def _grades_of(path: Path, wanted: Level | None) -> Iterator[tuple[Grade, set[by
         copies[key] += episode in group
         group.setdefault(episode, play)
     if wanted is not None and not groups and not faults:
-        yield _grade(path.stem, _name_of(wanted), [], 0, "it has no play of this level"), set()
+        others = sorted({play.name for play in plays if play.name})[:3]
+        fault = "it has no play of this level" + (f", but of {listed(others)}" if others else "")
+        yield _grade(path.stem, _name_of(wanted), [], 0, fault), set()
     for key in groups | faults:
         group = groups.get(key, {})
         valid = [*group.values()]

@@ -116,7 +116,7 @@ def test_files_that_cannot_be_read_have_a_row(tmp_path: Path) -> None:
     assert faults[0].startswith("line 1: the line is cut off")
     assert faults[1] == os.strerror(errno.EISDIR)
     assert faults[2] == os.strerror(errno.ENOENT)
-    assert faults[3] == "it has no play of this level"
+    assert faults[3] == "it has no play of this level, but of first-key"
     assert all(grade.episodes == 0 and math.isnan(grade.mean) for grade in grades)
 
 

@@ -2,6 +2,7 @@
 
 A file of mistakes holds entries: `## ` and what somebody did; the text of a level or a suite; below
 `---` what the linter says of it; and, where its fixes change the text, below `+++` what is left.
+What somebody did to a `pack.yaml` begins with `pack: `.
 """
 
 from __future__ import annotations
@@ -9,13 +10,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from babyrobot_levels.language.suite_list import PackFields
+from babyrobot_levels.language.validation import parse
 from babyrobot_levels.linter.rules import select
 from babyrobot_levels.linter.runner import fix, lint_source
 from babyrobot_levels.text.source import SourceFile
 from support.places import TESTS
 
 FOLDER = TESTS / "mistakes"
-NAME = "level.yaml"
+NAME, PACK = "level.yaml", "pack.yaml"
 
 
 def entries(text: str) -> Iterator[tuple[str, str]]:
@@ -31,6 +34,9 @@ def told(text: str) -> str:
 
 
 def _entry(did: str, level: str) -> str:
+    if did.startswith("pack: "):
+        diagnostics = parse(SourceFile(PACK, level), PackFields)[1]
+        return f"## {did}\n{level}---\n" + "".join(f"{each}\n" for each in diagnostics)
     source, rules = SourceFile(NAME, level), select(None)
     shown = f"## {did}\n{level}---\n"
     shown += "".join(f"{each}\n" for each in lint_source(source, rules).diagnostics) or "clean\n"
