@@ -26,6 +26,9 @@ from .analysis.solver.distribution import return_distribution as return_distribu
 from .analysis.solver.evaluation import evaluate as evaluate
 from .analysis.solver.evaluation import simulate as simulate
 from .analysis.solver.evaluation import success_within as success_within
+from .analysis.solver.occupancy import Occupancy as Occupancy
+from .analysis.solver.occupancy import occupancy as occupancy
+from .analysis.solver.occupancy import successor_representation as successor_representation
 from .analysis.solver.optimum import solve as solve
 from .analysis.solver.results import EpisodeTooLongError as EpisodeTooLongError
 from .analysis.solver.results import Evaluation as Evaluation

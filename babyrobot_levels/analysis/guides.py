@@ -24,7 +24,8 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
     Args:
         level: the level.
         info: as for `show_info`; True, and "best" for a policy, stand for the level's solution,
-            and what is None or False is not shown.
+            and what is None or False is not shown. Visits are those of the optimal policy then, or
+            of "random" actions.
 
     Raises:
         UndefinedReturnError: a solution is asked for, and the level has none.
@@ -35,6 +36,8 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
     given = {key: value for key, value in info.items() if value is not None and value is not False}
     if not given:
         return None
+    if (given.get("visits") is True) or isinstance(given.get("visits"), str):
+        given["visits"] = _visits_of(level, given["visits"])
     asked = [key for key, value in given.items() if _asks(key, value)]
     if asked:
         from babyrobot_levels.analysis.solver.optimum import solve
@@ -43,11 +46,24 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
     return overlay_given(level, given)
 
 
+def _visits_of(level: GridWorld, policy: str | bool) -> Any:
+    """Return how often a policy that is given by name visits the cells."""
+    from babyrobot_levels.analysis.solver.occupancy import occupancy
+    from babyrobot_levels.analysis.solver.optimum import solve
+
+    if policy not in (True, BEST, RANDOM):
+        raise ValueError(f"visits given by name are those of 'best' or 'random', not {policy!r}")
+    found = occupancy(level, policy if policy == RANDOM else solve(level))
+    if not math.isfinite(found.visits.max()):
+        raise ValueError("an episode may go on for ever, so that visits have no picture")
+    return found
+
+
 def _asks(key: str, value: Any) -> bool:
     """Return whether the level is to be solved for something that is shown."""
     if key == "policy" and isinstance(value, str) and value != BEST:
         raise ValueError(f"a policy given by name is {BEST!r}, not {value!r}")
-    return key != "visits" and (value is True or (key == "policy" and isinstance(value, str)))
+    return value is True or (key == "policy" and isinstance(value, str))
 
 
 def policy_of(solution: Solution) -> list[int]:

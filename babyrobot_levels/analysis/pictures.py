@@ -65,7 +65,8 @@ def to_svg(
             a `Sweep` for theirs, or an array as `show_info` takes it.
         policy: the same for actions; `"best"` means True.
         action_values: the same for the values of actions.
-        visits: counts of visits, as `show_info` takes them.
+        visits: counts of visits, as `show_info` takes them, or an `Occupancy`; `"best"` and
+            `"random"` for the expected visits of the optimal policy and of random actions.
         coordinates: whether cells show their coordinates; by default, what the level says.
         theme: another theme: a name, or a mapping as in a level file.
         held: the names of the things that are held or on, in a list or separated by commas;

@@ -82,7 +82,8 @@ def state_picture(result: Any, extent: tuple[float, float] | None = None) -> Pic
     level: GridWorld | None = getattr(result, "level", None)
     if level is None or is_too_large(level):
         return None
-    given = {"values": result, **({"policy": result} if hasattr(result, "policy") else {})}
+    kinds = [kind for kind in ("values", "policy", "visits") if hasattr(result, kind)]
+    given = dict.fromkeys(kinds, result)
     try:
         overlay = overlay_given(level, given)
     except ValueError:

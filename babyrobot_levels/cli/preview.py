@@ -112,6 +112,12 @@ def preview(
     values: Annotated[
         bool, typer.Option("--values", help="Show the optimal value of each cell.")
     ] = False,
+    visits: Annotated[
+        bool,
+        typer.Option(
+            "--visits", help="Show how often an optimal policy visits each cell, on average."
+        ),
+    ] = False,
     policy: Annotated[
         PolicyName | None,
         value_option(
@@ -187,6 +193,8 @@ def preview(
 
       babyrobot preview first-key --values --held key -o with-key.svg
 
+      babyrobot preview final-maze --visits -o visits.png
+
       babyrobot preview final-maze --policy best --seed 3 -o walk.gif
 
       babyrobot preview final-maze -o play.html
@@ -206,6 +214,7 @@ def preview(
         shown = listed([kind if kind == TEXT else f"{kind}s" for kind in kinds])
         fail(f"--held is for {shown}", "leave out --held")
     _check_for("answers", chosen, given=no_answers, name="--no-answers")
+    _check_for("visits", chosen, given=visits)
     if no_answers and (values or policy == PolicyName.BEST):
         fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
     times = _scale(scale, cell, chosen)
@@ -219,6 +228,7 @@ def preview(
         note("--coordinates has no effect on text output")
     asked = {
         "values": values,
+        "visits": visits,
         "policy": policy,
         "seed": seed or 0,
         "scale": times,

@@ -222,7 +222,10 @@ class TextPainter:
             lines = ascii_lines(self._drawing, symbols)
         else:
             lines = unicode_lines(self._drawing, [[f" {each} " for each in row] for row in symbols])
-        below = [*_table(overlay.values, overlay.precision), *_table(overlay.visits, 0)]
+        below = [
+            *_table(overlay.values, overlay.precision),
+            *_table(overlay.visits, _decimals(overlay)),
+        ]
         below += _texts_below(overlay, self.never)
         return _Drawn(lines, USUAL, frozenset(arrows), {}, below)
 
@@ -262,7 +265,7 @@ class TextPainter:
         fills = {cell: rgba(color)[:3] for cell, color in heat.tiles.items()}
         below = [*_legend(heat.scale, form, colors)] if fills else []
         if overlay.values is not None:
-            below += _table(overlay.visits, 0)
+            below += _table(overlay.visits, _decimals(overlay))
         below += _texts_below(overlay, self.never)
         lines = unicode_lines(self._drawing, contents)
         return _Drawn(lines, cells, frozenset(), fills, below)
@@ -371,6 +374,12 @@ def _texts_below(overlay: Overlay, never: str) -> Iterator[str]:
             yield ""
         for text in block:
             yield from map(printable, text.splitlines())
+
+
+def _decimals(overlay: Overlay) -> int:
+    """Return the decimals of counts, which expected ones have."""
+    counts = [count for row in overlay.visits or () for count in row]
+    return form_of(counts, overlay.precision).decimals
 
 
 def _table(rows: Rows[float | None] | None, precision: int) -> Iterator[str]:

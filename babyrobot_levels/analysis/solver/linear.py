@@ -67,8 +67,30 @@ def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
     return sums[:, :-1].reshape(rewards.shape)
 
 
-def _solved(chain: Model, rewards: Floats, discount: float) -> Floats:
-    """Return the solution of `x = rewards + discount * P x`.
+def expected_visits(chain: Model, begin: Floats, discount: float) -> Floats:
+    """Return the expected discounted number of visits of each state until the end, `[n]`.
+
+    Args:
+        chain: as for `expected_sums`.
+        begin: how likely an episode begins in each state, `[n]`.
+        discount: the factor by which the visit after each further step counts less.
+
+    Raises:
+        EpisodeTooLongError: there is no discount, and it takes more than 10^10 steps on average.
+    """
+    if chain.size == 0:
+        return begin.copy()
+    try:
+        visits = _solved(chain, begin, discount, transposed=True)
+    except ArithmeticError:
+        raise EpisodeTooLongError from None
+    if not (visits.min() >= -CONVERGED and visits.sum() < MAX_STEPS):
+        raise EpisodeTooLongError
+    return np.maximum(visits, 0.0)
+
+
+def _solved(chain: Model, rewards: Floats, discount: float, *, transposed: bool = False) -> Floats:
+    """Return the solution of `x = rewards + discount * P x`, or with P transposed.
 
     Raises:
         ArithmeticError: there is none, for all that floating point can tell.
@@ -80,13 +102,13 @@ def _solved(chain: Model, rewards: Floats, discount: float) -> Floats:
         flat = np.bincount(cells.ravel(), weights.ravel(), size * (size + 1))
         matrix = np.eye(size) - flat.reshape(size, size + 1)[:, :size]
         try:
-            return np.asarray(np.linalg.solve(matrix, rewards), np.float64)
+            return np.asarray(np.linalg.solve(matrix.T if transposed else matrix, rewards))
         except np.linalg.LinAlgError as error:
             raise ArithmeticError from error
-    return _sparse_sums(chain.next_state[:, 0], weights, rewards)
+    return _sparse_sums(chain.next_state[:, 0], weights, rewards, transposed=transposed)
 
 
-def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
+def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transposed: bool) -> Floats:
     from scipy.sparse import csc_array, eye_array  # type: ignore[import-untyped]
     from scipy.sparse.linalg import splu  # type: ignore[import-untyped]
 
@@ -95,6 +117,7 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
     target = next_state[source, outcome]
     steps = csc_array((weights[source, outcome], (source, target)), shape=(size, size))
     matrix = (eye_array(size, format="csc") - steps).tocsc()
+    matrix = matrix.T.tocsc() if transposed else matrix
     if size >= MANY_STATES and steps.nnz > FILLED * size:
         found = _iterated(matrix.tocsr(), rewards)
         if found is not None:

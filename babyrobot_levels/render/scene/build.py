@@ -254,7 +254,9 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             box = slots.plan(cell).number.moved(*layout.corner(*cell))
             ground = color if cell in covered else None
             yield from number_shapes(value, form, box, rim_on([color]), ground)
-    form = form_of(heat.visits.values(), 0, CELL / 2 - 7 if slots.shown.second else CELL - 8)
+    form = form_of(
+        heat.visits.values(), overlay.precision, CELL / 2 - 7 if slots.shown.second else CELL - 8
+    )
     if form.is_readable(layout):
         for cell, count in heat.visits.items():
             plan, tile = slots.plan(cell), heat.tiles.get(cell)
