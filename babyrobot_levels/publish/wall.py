@@ -187,8 +187,8 @@ def _options(facet: Facet, facts: Sequence[Facts]) -> list[str]:
 
 def _searched(facts: Facts) -> str:
     """Return what a search looks through, beside the title."""
-    kinds = (_outcomes(facts), *facts.features, *facts.words)
-    texts = (facts.name, facts.description, facts.author, " ".join(facts.tags), " ".join(kinds))
+    kinds = " ".join((*facts.features, *facts.words))
+    texts = (facts.name, facts.description, facts.author, " ".join(facts.tags), kinds)
     return "\n".join(text[:MAX_TEXT] for text in texts if text)
 
 

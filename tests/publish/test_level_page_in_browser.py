@@ -23,7 +23,7 @@ HUGE = {"version": 1, "name": "huge", "size": [129, 128]}
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("gallery") / "site"
-    brl.gallery([ROW, HUGE, "gridworld-3-5", "first-key"], folder)
+    brl.gallery([ROW, "first-key", HUGE, "gridworld-3-5"], folder)
     return folder
 
 
@@ -143,7 +143,7 @@ def test_whoever_wins_is_led_to_the_next_level_if_there_is_one(own: Page, site: 
     expect(onwards).to_be_hidden()
     solve(own)
     onwards.click()
-    expect(own).to_have_url((site / "huge" / "index.html").as_uri())
+    expect(own).to_have_url((site / "first-key" / "index.html").as_uri())
     show(own, site, "gridworld-3-5")
     expect(own.locator("#result a")).to_have_count(0)
 
@@ -203,8 +203,9 @@ def test_a_level_that_is_too_large_has_its_other_tabs(own: Page, site: Path) -> 
 def test_neighbours_lead_from_level_to_level(own: Page, site: Path) -> None:
     show(own, site)
     own.get_by_role("link", name="Next level").click()
-    expect(own).to_have_title("huge – Levels")
-    own.get_by_role("link", name="Next level").click()
+    expect(own).to_have_title("The first key – Levels")
+    for _ in range(2):
+        own.get_by_role("link", name="Next level").click()
     expect(own.get_by_role("link", name="Next level")).to_have_count(0)
     own.get_by_title("All levels").click()
     expect(own).to_have_title("Levels")
