@@ -12,11 +12,15 @@ import re
 import shlex
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 VARIABLE = "_BABYROBOT_COMPLETE"
 TABLE = Path(__file__).with_suffix(".json")
 """What commands take: for each argument (`""`) and option the words, or their kind; null: none."""
+
+_MOST = 1 << 20
+"""The most bytes that are read of a file."""
 
 _SUITE = re.compile(rb"^kind:[ \t]*[\"']?suite\b", re.MULTILINE)
 
@@ -93,6 +97,15 @@ def _of(values: str | list[str], table: dict[str, dict[str, list[str]]]) -> Iter
         yield from table["words"].get(values, ())
 
 
+def _is_suite(path: Path) -> bool:
+    """Return whether a file is a suite, judging by its text."""
+    with suppress(OSError):
+        if path.is_file():
+            with path.open("rb") as file:
+                return _SUITE.search(file.read(_MOST)) is not None
+    return False
+
+
 def _names(kind: str) -> Iterator[str]:
     """Yield the names of one level (`level`), of what stands for several (`levels`), and so on."""
     from babyrobot_levels.language.names import slug
@@ -102,6 +115,5 @@ def _names(kind: str) -> Iterator[str]:
         if place.pack is not None and kind in ("levels", "pack"):
             yield place.pack
         for path in yaml_files(place.folder) if kind != "pack" else ():
-            is_suite = path.is_file() and _SUITE.search(path.read_bytes()) is not None
-            if kind == "levels" or is_suite == (kind == "suite"):
+            if kind == "levels" or _is_suite(path) == (kind == "suite"):
                 yield place.named(slug(path.stem) or "")

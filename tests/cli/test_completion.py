@@ -67,6 +67,9 @@ def test_own_levels_and_packs_are_offered() -> None:
     Path("levels", "my-suite.yaml").write_text("version: 1\nkind: suite\n", encoding="utf-8")
     assert offered("babyrobot play my") == ["my-maze"]
     assert offered("babyrobot show my") == ["my-maze", "my-suite"]
+    # What cannot be read is named as a level, and ends nothing.
+    Path("levels", "my-link.yaml").symlink_to("nowhere")
+    assert offered("babyrobot play my") == ["my-link", "my-maze"]
     found = offered("babyrobot uninstall ", XDG_DATA_HOME=str(USER))
     assert found
     levels = offered(f"babyrobot play {found[0]}/", XDG_DATA_HOME=str(USER))
