@@ -14,7 +14,7 @@ from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
 from babyrobot_levels.language.names import SLUG, VERSION
 from babyrobot_levels.text.scalars import is_plain_string
-from babyrobot_levels.text.words import did_you_mean, shortened
+from babyrobot_levels.text.words import did_you_mean, nearest, shortened
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
@@ -120,6 +120,8 @@ ELSEWHERE = (
     ("version", "reward_range", "it follows from the rewards: leave it out"),
     ("areas", "hole holes lava trap traps pit pits cliff cliffs", "each is an area that ends the "
      "episode: `areas: [{at: [x, y], reward: -10, ends: true}]`"),
+    ("colors widths", "background bg ground base walls border", "colours are one level deeper: "
+     "`theme: {colors: {base: white}}`"),
     ("areas", "ice mud", "it is an area in which the robot skids: "
      "`areas: [{at: [x, y], skid: 0.2}]`"),
     ("version", "render_mode fps", "environments choose it: `gymnasium.make(…, render_mode=…)`"),
@@ -210,7 +212,8 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         words = next(part.words for part in _parts(info) if isinstance(part, Forms))
         message = f"must be {words}, not {show(value)}"
         if kind == "literal_error":
-            return "BR204", message + _guess(value, _choices(context["expected"])), None
+            message += _guess(value, _choices(context["expected"]))
+            return "BR204", message, _type_help(field, info, kind, value)
         return "BR203", message, _type_help(field, info, kind, value)
     if kind in TYPES:
         help_text = _type_help(field, info, kind, value)
@@ -352,9 +355,9 @@ def _unknown(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> Complai
     if (text := _elsewhere(word, fields)) is not None:
         return "BR201", message, text
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
-    other = _other_name(word, fields)
+    other = _other_name(word, fields) or next(iter(nearest(field, fields, 1)), None)
     if other is None:
-        return "BR201", message + did_you_mean(field, fields), known
+        return "BR201", message, known
     return "BR201", f"{message}; did you mean `{other}`?", known or _example(other, value, fields)
 
 
@@ -374,6 +377,10 @@ def _example(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> str:
     is_pair = isinstance(value, list) and [*map(type, value)] == [int, int]
     if (is_number and example[0].isdigit()) or (is_pair and example == "[x, y]"):
         example = show(value).strip("`")
+    if is_number and (value < 0 or field != "rewards"):  # A cost is a negative reward.
+        example = re.sub(r"(?<=: )-?\d+(?=}$)", f"{value:g}", example)
+    if field == "exit" and isinstance(value, list) and not is_pair:
+        example = "[[x, y], [x, y]]"
     return f"write `{field}: {example}`"
 
 
@@ -406,6 +413,13 @@ def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str
         return f"write `maze: {{seed: {value}}}`"
     if field == "max_steps" and (_is_word(value, "none", "inf", "infinity", ".inf", "unlimited")):
         return "leave it out for episodes without a limit"
+    if field == "tags" and isinstance(value, str):
+        return f"write `tags: [{value}]`"
+    if field == "color" and type(value) is int:
+        return f'put quotes around a colour: `"#{value:06}"`'
+    if field in ("start", "exit") and _is_word(value, "random"):
+        other = "start: " if field == "start" else "exit_one_of: "
+        return f"list the cells of which each reset draws one: `{other}[[x, y], [x, y]]`"
     if field == "skid" and value is True:
         return "write `skid: 0.2`, how likely the robot skids"
     if field == "map" and isinstance(value, list):

@@ -60,6 +60,7 @@ def plain_words(problem: str, context: str, lines: Sequence[str], line: int, col
     return (
         _unindented_drawing(lines, line)
         or _comment_for_color(f"{problem} {context}", lines, line)
+        or _slashes(f"{problem} {context}", lines)
         or _missing_space(problem, lines, line)
         or _by_problem(problem, context, text, column)
     )
@@ -88,6 +89,16 @@ def _comment_for_color(complaint: str, lines: Sequence[str], line: int) -> Words
         if found is not None and is_open:
             help_text = f'put quotes around the colour: `"{found[1]}"`'
             return Words("`#` begins a comment here", help_text, place=(number, found.start(1) + 1))
+    return None
+
+
+def _slashes(complaint: str, lines: Sequence[str]) -> Words | None:
+    """Recognise a comment of JavaScript, of which the parser complains where a part begins."""
+    if "flow" not in complaint:
+        return None
+    for number, text in enumerate(lines[:LINES_BACK], 1):
+        if text.lstrip().startswith("//"):
+            return Words("`//` begins no comment", "begin comments with `#`", place=(number, 1))
     return None
 
 
@@ -126,6 +137,8 @@ def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
         )
     if "cannot start any token" in problem:
         return Words(f"text cannot begin with `{here}`", "put quotes around it")
+    if "document start" in problem and " = " in line:
+        return Words("unexpected `=`", "a level is YAML, not TOML: write `size: [5, 3]`")
     if "document start" in problem:
         return Words("content after the end of the document", "a file contains one document")
     if "expected key" in problem or "'-' indicator" in problem:
