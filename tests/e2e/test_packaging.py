@@ -108,6 +108,7 @@ def test_the_wheel_holds_the_package_and_its_data(wheel: Path) -> None:
     }
     assert "babyrobot_levels/py.typed" in inside
     assert "babyrobot_levels/data/levels/final-maze.yaml" in data
+    assert "babyrobot_levels/data/levels/order.txt" in data
     assert "babyrobot_levels/data/schemas/level.schema.json" in data
     assert inside == wanted | data
     for name in data:

@@ -117,9 +117,17 @@ def casing_shapes(
         if is_faint and style.width > 0:
             drawn.setdefault(style, []).append(edge)
     for style, edges in drawn.items():
-        commands, width = tuple(_commands(layout, edges)), style.width + 2 * _CASING
+        commands, width = tuple(_within_border(layout, edges)), style.width + 2 * _CASING
         rim = rim_on([style.outline])
         yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=style.cap)
+
+
+def _within_border(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
+    """Yield the lines of edges, whose rims are not seen outside of the border."""
+    least = layout.margin + _CASING
+    right, foot = (least + side - 2 * _CASING for side in (layout.grid_width, layout.grid_height))
+    for name, (x, y) in _commands(layout, edges):
+        yield name, (min(max(x, least), right), min(max(y, least), foot))
 
 
 def _lowest(level: GridWorld) -> tuple[tuple[_Style, ...], tuple[_Style]]:
