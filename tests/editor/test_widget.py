@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
-from support.jupyter import OpenNotebook, Served, jupyterlab, until
+from support.jupyter import OpenNotebook, Served, jupyter, until
 
 import babyrobot_levels as brl
 from babyrobot_levels.editor import answers
@@ -175,7 +175,7 @@ SHOW = "print(len(editor.level.puddles), editor.level.digest)"
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     root, home = (tmp_path_factory.mktemp(name) for name in ("served", "jupyter"))
-    with jupyterlab(root, home) as served:
+    with jupyter(root, home) as served:
         yield served
 
 

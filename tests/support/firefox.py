@@ -26,6 +26,9 @@ PREFERENCES = {
     "network.proxy.socks_port": 9,
     "network.proxy.socks_remote_dns": True,
     "ui.prefersReducedMotion": 1,
+    # A mouse, which is fine and can hover: without a window there would be none.
+    "ui.allPointerCapabilities": 6,
+    "ui.primaryPointerCapabilities": 6,
 }
 SCHEME = "layout.css.prefers-color-scheme.content-override"
 EVENTS = ["log.entryAdded", "network.beforeRequestSent", "network.fetchError"]

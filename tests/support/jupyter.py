@@ -1,4 +1,4 @@
-"""JupyterLab for the tests: a server of its own, and a notebook that is open in a browser."""
+"""Jupyter for the tests: a server of its own, and a notebook that is open in a browser."""
 
 from __future__ import annotations
 
@@ -12,15 +12,26 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import nbformat
 from nbformat.v4 import new_code_cell, new_notebook
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Locator, Page, Response
 
 from support.subprocesses import HOME
 
 Found = TypeVar("Found")
+
+FrontEnd = Literal["jupyterlab", "notebook"]
+"""JupyterLab, and Jupyter Notebook 7, which is made of its parts."""
+
+PLACES = {"jupyterlab": "doc/tree", "notebook": "notebooks"}
+"""Where a front end has the page of a notebook."""
+
+IDLE_NOTEBOOK = (
+    "body:has(.jp-NotebookKernelStatus-fade) .jp-Notebook-ExecutionIndicator[data-status=idle]"
+)
+"""What Notebook 7 has once a kernel waits; JupyterLab tells it in a bar."""
 
 QUIET = {
     "@jupyterlab/apputils-extension:notification": {
@@ -43,7 +54,7 @@ def until(condition: Callable[[], Found | None], what: str, seconds: float = 20)
 
 
 class Served:
-    """A folder that JupyterLab serves."""
+    """A folder that Jupyter serves."""
 
     def __init__(self, root: Path, address: str) -> None:
         self.root, self._address = root, address
@@ -61,12 +72,13 @@ class Served:
 
 
 @contextmanager
-def jupyterlab(root: Path, home: Path) -> Iterator[Served]:
-    """Serve a folder in JupyterLab, kernels being the running interpreter.
+def jupyter(root: Path, home: Path, front_end: FrontEnd = "jupyterlab") -> Iterator[Served]:
+    """Serve a folder in Jupyter, kernels being the running interpreter.
 
     Args:
         root: the folder.
         home: an empty folder for everything that Jupyter writes down.
+        front_end: what is served.
     """
     settings = home / "config" / "labconfig" / "default_setting_overrides.json"
     settings.parent.mkdir(parents=True)
@@ -80,7 +92,7 @@ def jupyterlab(root: Path, home: Path) -> Iterator[Served]:
         "PYTHONPATH": str(HOME),
     }
     call = [
-        *(sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root"),
+        *(sys.executable, "-m", front_end, "--no-browser", "--allow-root"),
         *("--ServerApp.ip=127.0.0.1", "--ServerApp.port=0", "--IdentityProvider.token="),
         *(f"--ServerApp.root_dir={root}", "--LabApp.extension_manager=readonly"),
     ]
@@ -88,10 +100,8 @@ def jupyterlab(root: Path, home: Path) -> Iterator[Served]:
     with log.open("w") as output:
         server = subprocess.Popen(call, env=environment, stdout=output, stderr=output)
         try:
-            yield Served(
-                root,
-                until(lambda: _address(server, home / "runtime", log), "JupyterLab starts", 60),
-            )
+            found = until(lambda: _address(server, home / "runtime", log), "Jupyter starts", 60)
+            yield Served(root, f"{found}{PLACES[front_end]}/")
         finally:
             server.terminate()
             try:
@@ -110,23 +120,28 @@ def _address(server: subprocess.Popen[bytes], runtime: Path, log: Path) -> str |
     return None
 
 
+def _is_saved(response: Response) -> bool:
+    return "/api/contents/" in response.url and response.request.method == "PUT"
+
+
 class OpenNotebook:
     """A notebook that is open in a browser, with a kernel.
 
     Args:
         page: the page to open it in.
-        address: where JupyterLab is served.
+        address: where notebooks are served.
         name: the notebook's path below the served folder.
     """
 
     def __init__(self, page: Page, address: str, name: str) -> None:
         self._page = page
-        page.goto(f"{address}doc/tree/{name}")
+        page.goto(f"{address}{name}")
         self._wait()
 
     def _wait(self) -> None:
         # Before there is a kernel, what is to run is forgotten without a word.
-        self._page.locator("#jp-main-statusbar", has_text=re.compile(r"\| Idle")).wait_for()
+        bar = self._page.locator("#jp-main-statusbar", has_text=re.compile(r"\| Idle"))
+        self._page.locator(IDLE_NOTEBOOK).or_(bar).wait_for(state="attached")
         self._page.locator(".jp-Cell").first.wait_for()
 
     def reload(self) -> None:
@@ -153,7 +168,8 @@ class OpenNotebook:
 
     def save(self) -> None:
         """Save the notebook as a user does, and wait until that is done."""
-        self._page.keyboard.press("Control+s")
+        with self._page.expect_response(_is_saved):
+            self._page.keyboard.press("Control+s")
         self._page.locator(".jp-mod-dirty").wait_for(state="detached")
 
     def output(self, number: int) -> Locator:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import gymnasium
 import pytest
 from playwright.sync_api import Locator, Page
-from support.jupyter import OpenNotebook, Served, jupyterlab, until
+from support.jupyter import OpenNotebook, Served, jupyter, until
 from support.pictures import Cell, Pixels, changed_cells, photograph, unlike
 
 import babyrobot_levels as brl
@@ -90,7 +90,7 @@ def at_rest_in(cell: Cell, element: Locator) -> Pixels:
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     root, home = (tmp_path_factory.mktemp(name) for name in ("served", "jupyter"))
-    with jupyterlab(root, home) as served:
+    with jupyter(root, home) as served:
         yield served
 
 
