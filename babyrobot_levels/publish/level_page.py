@@ -303,23 +303,19 @@ def values_svgs(level: Level, guide: Guide, path: str) -> dict[str, str]:
 
     The first one is that where episodes begin; then comes one for each other set of held things.
     """
+    found, _ = _sets(level)
+    paths = [path, *(path.replace(".svg", f"-{count + 1}.svg") for count in range(1, len(found)))]
     return {
-        other: to_svg(
-            build_scene(
-                bare(level), configuration=number, robot=False, overlay=guide.overlay.at(number)
-            )
+        each: to_svg(
+            build_scene(bare(level), configuration=at, robot=False, overlay=guide.overlay.at(at))
         )
-        for other, (_, number) in _sets(level, path)[0].items()
+        for each, at in zip(paths, found.values(), strict=True)
     }
 
 
-def _sets(level: Level, path: str) -> tuple[dict[str, tuple[str, int | None]], int]:
-    """Return what is held in each picture, and its configuration; and how many are left out."""
-    if not level.has_things:
-        return {path: ("", None)}, 0
-    found, left_out = shown_configurations(level, MOST_SETS)
-    paths = [path, *(path.replace(".svg", f"-{count}.svg") for count in range(2, MOST_SETS + 1))]
-    return dict(zip(paths, found.items(), strict=False)), left_out
+def _sets(level: Level) -> tuple[Mapping[str, int | None], int]:
+    """Return the sets of held things of which there are pictures, and how many are left out."""
+    return shown_configurations(level, MOST_SETS) if level.has_things else ({"": None}, 0)
 
 
 def _start(level: Level) -> int | None:
@@ -352,13 +348,11 @@ def solved_values(level: Level, facts: Facts, guide: Guide) -> dict[str, Any]:
         facts: its facts.
         guide: its solution.
     """
-    assert facts.files.values is not None
-    sets, left_out = _sets(level, facts.files.values)
+    found, left_out = _sets(level)
+    files, start = (facts.files.values, *facts.files.sets), _start(level)
     return {
-        "sets": {path: words for path, (words, _) in sets.items()},
-        "start": configuration_words(level, initial_configuration(level))
-        if level.has_things
-        else "",
+        "sets": dict(zip(files, found, strict=False)),
+        "start": "" if start is None else configuration_words(level, start),
         "left_out": left_out,
         "width": LARGE_CELL * level.size[0],
         "within": with_limit("from there", None, facts.max_steps),

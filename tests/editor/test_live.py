@@ -200,3 +200,30 @@ def test_a_policy_is_drawn_by_what_is_held(editor_page: OpenEditor) -> None:
     page.get_by_role("button", name="key", exact=True).click()
     page.get_by_role("button", name="Edit", exact=True).click()
     expect(page.locator("#things use")).not_to_have_count(0)
+
+
+def test_answers_are_shown_for_what_is_chosen_to_be_held(editor_page: OpenEditor) -> None:
+    editor = editor_page(
+        "version: 1\nsize: [4, 1]\nstart: [1, 0]\nmax_steps: 20\n"
+        "items:\n  - {name: key, at: [0, 0]}\ndoors:\n  - {at: [1, 0], side: E, needs: key}\n"
+    )
+    page, sets = editor.page, part(editor, "sets")
+    hatched = page.locator("#never path")
+    expect(sets).to_be_hidden()
+    press(editor, "v")
+    expect(sets).to_contain_text("Hatched: cannot occur with nothing held.")
+    expect(hatched).to_have_count(3)
+    sets.get_by_text("key").click()
+    expect(hatched).to_have_count(0)
+    # What is chosen stays so while one edits, and other modes have their own.
+    press(editor, "2", "ArrowRight", "ArrowRight", "Space")
+    expect(part(editor, "change")).to_have_text(re.compile(r"cells? changed"))
+    expect(sets.get_by_role("radio", name="key")).to_be_checked()
+    expect(hatched).to_have_count(0)
+    page.get_by_role("button", name="Policy", exact=True).click()
+    expect(sets.get_by_role("radio")).to_have_count(0)
+    expect(sets).to_have_text("Hatched: cannot occur with what is held.")
+    expect(hatched).to_have_count(3)
+    page.get_by_role("button", name="Edit", exact=True).click()
+    expect(sets.get_by_role("radio", name="key")).to_be_checked()
+    expect(hatched).to_have_count(0)

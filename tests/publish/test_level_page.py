@@ -42,6 +42,7 @@ FILES = Files(
     tile="own/tile.png",
     film="own/film.gif",
     values="own/values.svg",
+    sets=[f"own/values-{number}.svg" for number in range(2, 9)],
 )
 SIZES = dict.fromkeys((FILES.level, FILES.svg, FILES.png, FILES.film, FILES.values), 12_345)
 

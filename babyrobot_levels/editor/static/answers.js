@@ -85,9 +85,13 @@ export function offerSets(editor, place) {
   place.append(fieldset);
   const follow = () => {
     const { game, picture, mode } = editor;
-    const isSeen = game !== null && mode === "edit" && picture.showsAnswers;
-    fieldset.hidden = !isSeen;
-    if (!isSeen) return;
+    fieldset.hidden = true;
+    if (game === null || !picture.showsAnswers) return;
+    if (mode !== "edit") {
+      fieldset.hidden = game.data.picture.never === undefined;
+      fieldset.replaceChildren(html("p", {}, "Hatched: cannot occur with what is held."));
+      return;
+    }
     const { words } = sets;
     sets.begin(game);
     sets.stand(true);
