@@ -52,8 +52,8 @@ KINDS = ("pdf", "html", "png")
 MAX_LEVELS = 500
 MAX_PER_PAGE = 24
 MAX_GRIDS = 11
-MAX_SETS = 4
-"""The most sets of held things of which a key has a picture of a level."""
+MAX_SETS, MAX_WITH_SETS = 4, 9
+"""The most sets of held things of which a key has a picture of a level, and of levels then."""
 
 MAX_CELLS = 10_000
 """The largest level of which a sheet has a picture."""
@@ -119,7 +119,9 @@ def sheet(
         raise ValueError("a sheet needs at least one level")
     if len(found) > MAX_LEVELS:
         raise ValueError(f"a sheet has at most {MAX_LEVELS} levels")
-    shown = SheetContents(theme, values, policy, rules, grids, key)
+    # On a page of many levels, there is room for one picture each.
+    sets = MAX_SETS if key and (per_page or 1) <= MAX_WITH_SETS else 1
+    shown = SheetContents(theme, values, policy, rules, grids, key, sets)
     entries: list[Entry] = []
     for each in found:
         entries.append(entry_of(load(each), shown))
@@ -257,6 +259,7 @@ class SheetContents:
         rules: whether to tell the rules.
         grids: the number of grids for the values of sweeps.
         key: whether it is all filled in.
+        sets: the most sets of held things of which there are answers.
     """
 
     theme: Any = "print"
@@ -265,6 +268,7 @@ class SheetContents:
     rules: bool = True
     grids: int = 0
     key: bool = False
+    sets: int = 1
 
 
 def entry_of(level: Level, shown: SheetContents) -> Entry:
@@ -289,7 +293,7 @@ def entry_of(level: Level, shown: SheetContents) -> Entry:
         except UndefinedReturnError:
             answer = "No policy has an expected return."
     pictures, left_out = _pictures(level, shown, solution)
-    if left_out:
+    if left_out and shown.sets > 1:
         answer += f"; {left_out} other sets of held things are left out"
     name = "" if level.name is None else f"{one_line(level.name)}  "
     return Entry(
@@ -312,14 +316,14 @@ def _pictures(
     )
     if solution is None or not level.has_things:
         return [(still(level, values=values, policy=policy), "")], 0
-    found, left_out = shown_configurations(level, MAX_SETS if shown.key else 1)
+    found, left_out = shown_configurations(level, shown.sets)
     pictures: list[tuple[Scene, str]] = []
     for words, at in found.items():
         held = level.things().met(level.compile().configurations[at].tolist())
         # Without a choice, it is the configuration in which episodes begin.
         picture = still(level, values=values, policy=policy, held=held if pictures else None)
         pictures.append((picture, f"With {words}" if len(found) > 1 else ""))
-    return pictures, left_out if shown.key else 0
+    return pictures, left_out
 
 
 def _in_words(level: Level, solution: Solution) -> str:
@@ -352,7 +356,9 @@ def _rules(level: Level, shown: SheetContents) -> Iterator[SampledRule]:
     if shown.grids:
         yield SampledRule(level, "", _SWEEP)
     if level.things().needed and (shown.key or shown.values or shown.policy):
-        yield SampledRule(level, "", "hatched: the robot cannot be there with what is held then")
+        start = "answers are those where episodes begin; " if shown.sets == 1 else ""
+        text = f"{start}hatched: the robot cannot be there with what is held then"
+        yield SampledRule(level, "", text)
     for rule in rules_of(level):
         yield SampledRule(level, rule.sample, rule.text)
 

@@ -27,7 +27,8 @@ export class ShownSets {
     });
     if (names.length > MOST) chips.push(made("span", `and ${names.length - MOST} more, when one comes to them`));
     this.told = made("p", "");
-    this.place.replaceChildren(made("legend", "Values and optimal actions for"), ...chips, this.told);
+    if (chips.length > 0) chips.unshift(made("legend", "Values and optimal actions for"));
+    this.place.replaceChildren(...chips, this.told);
   }
 
   /** Tell which configuration is shown. */
@@ -40,7 +41,7 @@ export class ShownSets {
     const hatched = this.game.marks("values", configuration).includes(data.picture.never ?? -2);
     const texts = [
       hatched && `Hatched: cannot occur with ${this.words === "Nothing" ? nothing : this.words}.`,
-      things.of("mover").length > 0 && "Movers are where the picture shows them.",
+      things.of("mover").length > 0 && "Answers are for movers where the picture shows them.",
     ];
     this.told.textContent = texts.filter(Boolean).join(" ");
     this.place.hidden = !isSeen || (this.all.size < 2 && this.told.textContent === "");
