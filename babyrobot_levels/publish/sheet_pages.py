@@ -37,6 +37,9 @@ _CAPTION_SIZE = 9.5
 _TEXT_LINE, _TEXT_SHARE = 12.0, 0.15
 """The height of a line of a level's description, and the most that it takes of the level's room."""
 
+_LEAST_PICTURE = 30.0
+"""The room that a description leaves to the picture."""
+
 _HEADING, _FOOT = 44.0, 18.0
 """The heights of the heading below the title, and of the foot."""
 
@@ -240,7 +243,7 @@ def _body(part: _Part, style: PageStyle, room: _Area) -> Iterator[Shape]:
             beside = blocks[first : first + columns]
             head = max(block.head for block in beside)
             for block in beside:
-                block.head = head
+                block.align(head)
         # Levels with equally many pictures have them in equally many columns.
         inner = {size: _inner_columns(blocks, size) for size in {block.size for block in blocks}}
         goodness = round(sum(block.scale(inner[block.size]) for block in blocks), 2)
@@ -283,14 +286,21 @@ class _Block:
         self.size = len(entry.pictures)
         self._title = _two_lines(entry.title, width - self._DISC - 6, _NAME)
         self._answers = wrapped(entry.answer, _SLACK * width, _FIELD) if entry.answer else []
-        self._text = _lines_of(entry.text, _SLACK * width, round(_TEXT_SHARE * height / _TEXT_LINE))
         self._top = max(self._DISC, self._LEADING * _NAME * len(self._title)) + 6
-        self.head = self._top + _TEXT_LINE * len(self._text) + 4 * bool(self._text)
         self._below = 4 + self._LEADING * _FIELD * len(self._answers) + 16
+        # Where answers are long and many levels are on a page, there is no room for it.
+        left = height - self._top - self._below - _LEAST_PICTURE
+        most = int(min(round(_TEXT_SHARE * height / _TEXT_LINE), max(0.0, left / _TEXT_LINE)))
+        self._text = _lines_of(entry.text, _SLACK * width, most)
+        self.head = self._top + _TEXT_LINE * len(self._text) + 4 * bool(self._text)
         pictures = [picture for picture, _ in entry.pictures]
         self._widest = max(picture.width for picture in pictures)
         self._highest = max(picture.height for picture in pictures)
         self._caption = self._CAPTION if len(pictures) > 1 else 0.0
+
+    def align(self, head: float) -> None:
+        """Begin its pictures where those beside it begin, if that leaves room for them."""
+        self.head = max(self.head, min(head, self.height - self._below - _LEAST_PICTURE))
 
     def scale(self, columns: int) -> float:
         """Return how large its pictures are in a number of columns."""
