@@ -328,7 +328,7 @@ def make(
     draw_levels: bool = True,
     room_for: Levels | None = None,
     max_episode_steps: int | None = None,
-    max_bytes: int = MAX_BYTES,
+    max_bytes: float = MAX_BYTES,
     **options: Unpack[ObservationOptions],
 ) -> tuple[LevelEnvironment, EnvParams]:
     """Return levels as an environment of gymnax, and as its parameters.
@@ -380,7 +380,8 @@ def make(
         action_set,
         bool(draw_levels),
         max_episode_steps,
-        checked_count("max_bytes", max_bytes),
+        # 1e6 is what people write.
+        checked_count("max_bytes", int(max_bytes) if isinstance(max_bytes, float) else max_bytes),
     )
     params, room = loader.make(given, others)
     name = given.name if isinstance(given, Suite) else given[0].name if len(given) == 1 else None

@@ -33,6 +33,7 @@ from babyrobot_levels.scoring.sent import Item, portable_error, received, sent
 from babyrobot_levels.suites.suite import Levels
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.files import read_bytes
+from babyrobot_levels.text.words import keywords_told
 
 LevelPolicy = str | os.PathLike[str] | Callable[[Level], Any]
 """A policy for each of many levels; see `evaluate_many`."""
@@ -102,6 +103,7 @@ class LevelMetrics:
         return {**row, **plain(dict(found or {})), "error": error}
 
 
+@keywords_told
 def solve_many(
     levels: Levels,
     *,
@@ -147,6 +149,7 @@ def solve_many(
     )
 
 
+@keywords_told
 def evaluate_many(
     levels: Levels,
     policy: LevelPolicy,

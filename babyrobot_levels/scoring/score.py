@@ -29,6 +29,7 @@ from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.scoring.agents import Chooser, Player, Table, read_agent
 from babyrobot_levels.scoring.results import LevelScore, Played, Scores, extremes
 from babyrobot_levels.suites.suite import Suite, named_levels
+from babyrobot_levels.text.words import keywords_told
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,7 @@ class _Problem:
     discount: float
 
 
+@keywords_told
 def score(
     agent: Any,
     levels: Any,
@@ -128,7 +130,7 @@ def score(
     ]
     scores = Scores(rows, played)
     if scores.notice is not None:
-        warnings.warn(scores.notice, stacklevel=2)
+        warnings.warn(scores.notice, stacklevel=3)
     return scores
 
 

@@ -208,11 +208,13 @@ def unexpected(function: str, name: str, known: Collection[str]) -> str:
 def keywords_told(function: Callable[P, T]) -> Callable[P, T]:
     """Let a function that is called by a keyword of others tell its own."""
     known = inspect.signature(function).parameters
+    textbooks = " ".join(_KEYWORDS[each] for each in _KEYWORDS if each in known).split()
+    takes_more = any(each.kind is each.VAR_KEYWORD for each in known.values())
 
     @wraps(function)
     def checked(*args: P.args, **given: P.kwargs) -> T:
         for name in given:
-            if name not in known:
+            if name not in known and (name in textbooks or not takes_more):
                 raise TypeError(unexpected(function.__name__, name, known))
         return function(*args, **given)
 

@@ -185,7 +185,7 @@ def test_the_bound_of_memory_is_that_of_what_is_made(observation: Any) -> None:
     levels = ["bat-cave", "ice-vault", "maze"]
     _, params = brl_jax.make(levels, observation=observation, actions="turns")
     size = params.nbytes
-    brl_jax.make(levels, observation=observation, actions="turns", max_bytes=size)
+    brl_jax.make(levels, observation=observation, actions="turns", max_bytes=float(size))
     with pytest.raises(ValueError, match="more than max_bytes"):
         brl_jax.make(levels, observation=observation, actions="turns", max_bytes=size - 64)
 

@@ -153,13 +153,14 @@ def test_the_interval_of_a_summary() -> None:
 
 
 def test_few_episodes_are_warned_of() -> None:
-    with pytest.warns(UserWarning, match="99 episodes in each level tell little"):
+    with pytest.warns(UserWarning, match="99 episodes in each level tell little") as caught:
         scores = brl.score(Turner(), "maze", actions="moves", episodes=99)
     assert scores.notice is not None
     assert brl.score("random", "maze").notice is None
     assert brl.score(Turner(), "maze", actions="moves", episodes=100).notice is None
     with pytest.raises(ValueError, match="episodes must be at least 1, not 0"):
         brl.score(Turner(), "maze", actions="moves", episodes=0)
+    assert caught[0].filename == __file__
 
 
 def test_parts_of_suites_share_the_space_of_the_suite() -> None:
