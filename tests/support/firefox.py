@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -82,17 +83,22 @@ def firefox(folder: Path, scheme: Literal["light", "dark"] = "light") -> Iterato
     lines = [f'user_pref("{name}", {json.dumps(value)});' for name, value in preferences.items()]
     (folder / "user.js").write_text("\n".join(lines), encoding="utf-8")
     call = [program, "--headless", "--no-remote", "--profile", str(folder)]
-    log = folder / "log.txt"
+    log, environment = folder / "log.txt", {**os.environ, "HOME": str(folder)}
     with log.open("w") as output:
         process = subprocess.Popen(
-            [*call, "--remote-debugging-port=0"], stdout=output, stderr=output
+            [*call, "--remote-debugging-port=0"], env=environment, stdout=output, stderr=output
         )
         try:
-            with connect(f"{_address(process, log)}/session", max_size=None) as connection:
+            address = f"{_address(process, log)}/session"
+            with connect(address, max_size=None, ping_interval=None, proxy=None) as connection:
                 yield Firefox(connection)
         finally:
             process.terminate()
-            process.wait(30)
+            try:
+                process.wait(30)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
 
 
 def _address(process: subprocess.Popen[bytes], log: Path) -> str:
