@@ -17,7 +17,7 @@ from typing import IO, Any, cast
 import pytest
 from support.sessions import environment
 
-from babyrobot_levels.cli import app, parallel, play
+from babyrobot_levels.cli import app, keyboard, parallel
 from babyrobot_levels.parallel import processes
 from babyrobot_levels.render import terminal
 from babyrobot_levels.render.terminal import Terminal
@@ -181,14 +181,14 @@ def test_a_terminal_without_a_descriptor_gets_no_escapes(monkeypatch: pytest.Mon
 
 def test_keys_have_the_same_names_as_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
     console = Console("w\xe0H\x00P\xe0M\xe0K\x00;ä")
-    with on_windows(play, console, monkeypatch).keyboard() as next_key:
+    with on_windows(keyboard, console, monkeypatch).keyboard() as next_key:
         found = [next_key(0.0) for _ in range(7)]
         assert found == ["w", "up", "down", "right", "left", "\x00;", "ä"]
         assert next_key(0.02) is None
 
 
 def test_an_interrupt_is_one_there_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = on_windows(play, Console("\x03"), monkeypatch)
+    module = on_windows(keyboard, Console("\x03"), monkeypatch)
     with module.keyboard() as next_key, pytest.raises(KeyboardInterrupt):
         next_key(0.0)
 

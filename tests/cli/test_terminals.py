@@ -222,7 +222,7 @@ def test_an_interrupt_of_several_processes_ends_quietly(tmp_path: Path, millisec
 def test_the_list_fits_and_breaks_no_words(tmp_path: Path, columns: int) -> None:
     sent, _ = in_terminal(tmp_path, "list", columns=columns)
     whole = run_here(["list"], environment(tmp_path)).out
-    heading, *rows = plain(sent).splitlines()[:-1]
+    heading, *rows = plain(sent).partition("suites:")[0].splitlines()
     assert set(heading.split()) <= {"NAME", "SIZE", "TITLE", "TAGS"}
     assert len(rows) == len(whole.splitlines()) - 1
     for row, line in zip(rows, whole.splitlines()[1:], strict=True):
@@ -371,7 +371,7 @@ def test_arrows_of_a_large_level_are_seen_in_a_part_of_it(tmp_path: Path) -> Non
     (tmp_path / "long.yaml").write_text(text, encoding="utf-8")
     sent, _ = in_terminal(tmp_path, "preview", "long.yaml", "--policy")
     assert "▀" not in sent
-    assert plain(sent).splitlines()[-1] == "cells [0, 0] to [18, 2] of 24 x 3"
+    assert "cells [0, 0] to [18, 2] of 24 x 3" in plain(sent).splitlines()
     assert "S→" in plain(sent)
 
 
