@@ -226,11 +226,12 @@ def overlay_shapes(
     texts: list[Shape] = []
     # On a heat map, the level's own are written in the inks of their tiles.
     if overlay.has_colors if level.display.coordinates else overlay.coordinates:
-        texts += coordinate_texts(level, layout, slots, heat.colors_of)
+        texts += coordinate_texts(level, layout, slots, heat.colors_of, crossed=overlay.never)
     texts += note_shapes(level, overlay.notes, layout)
     texts += panel_texts(level, overlay, layout)
     return OverlayShapes(
-        (*heat.shapes, *never_shapes(level, overlay, layout)),
+        # Rims of walls lie on the hatching.
+        (*never_shapes(level, overlay, layout), *heat.shapes),
         tuple(arrow_shapes(arrow_lengths(overlay, slots, layout), slots, layout, colors.arrows)),
         tuple(number_labels(level, heat)),
         tuple(texts),

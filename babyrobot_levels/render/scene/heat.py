@@ -26,6 +26,7 @@ from babyrobot_levels.render.colors import (
     WHITE,
     contrast,
     is_gray,
+    mixed,
     plate_for,
     rgba,
     rim_on,
@@ -302,9 +303,12 @@ class Heat:
         return tuple(self.beside(cell, side) for side in sides)
 
     def _at_edge(self, cell: Cell, side: str) -> str:
-        """Return the colour at an edge of a cell: that of its frame, if there is one."""
+        """Return the colour at an edge of a cell: that of its hatching or frame, if it has one."""
         own, (dx, dy) = self._grounds.own, DELTAS[_MOVES[side]]
         color = own.get(cell)
+        if cell in self.overlay.never:
+            ink = rim_on([self.level.resolved_theme.colors.base])
+            return mixed(ink, self._grounds[cell], _HATCH_OPACITY)
         is_framed = color != own.get((cell[0] + dx, cell[1] + dy))
         return color if color is not None and is_framed else self.beside(cell, side)
 
@@ -316,6 +320,9 @@ class Heat:
     def shapes(self) -> Iterator[Shape]:
         """The tiles and triangles, what sets the level off from them, and the legend."""
         if not self.overlay.has_colors:
+            if self.overlay.never:
+                # Those of the ground lie below the hatching.
+                yield from casing_shapes(self.level, self.layout, self._at_edge)
             return
         yield from _tiles(self.tiles, self.layout)
         yield from self._triangles()

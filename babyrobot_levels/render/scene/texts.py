@@ -98,6 +98,7 @@ def coordinate_texts(
     colors_of: Callable[[Cell], Sequence[str]] | None = None,
     *,
     on_plates: bool = False,
+    crossed: Iterable[Cell] = (),
 ) -> Iterator[Shape]:
     """Yield the coordinates of each free cell, at its left, where nothing crosses them.
 
@@ -109,9 +110,10 @@ def coordinate_texts(
             default, that of its ground.
         on_plates: whether all of them are on plates of that colour, and not only those that
             something crosses.
+        crossed: further cells in which something does.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
-    busy, grounds = busy_cells(level, layout, slots), CellGrounds(level)
+    busy, grounds = busy_cells(level, layout, slots).union(crossed), CellGrounds(level)
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
