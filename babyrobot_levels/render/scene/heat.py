@@ -421,7 +421,9 @@ def _legend(width: float, top: float, scale: Scale, form: Form, ink: str) -> Ite
 def never_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
     """Yield the hatching of cells in which no robot can be, and the caption that tells it."""
     colors = level.resolved_theme.colors
-    cells = [layout.corner(*cell) for cell in sorted(overlay.never)]
+    # A drawn exit is a tile on the ground, and would not stand out from lines around it.
+    tiles = level.exits if level.exit_one_of is not None else ()
+    cells = [layout.corner(*cell) for cell in sorted(overlay.never.difference(tiles))]
     if cells:
         step = CELL / max(2, round(_HATCHES / layout.times))
         yield _hatched(cells, CELL, step, colors.base)
