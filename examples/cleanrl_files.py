@@ -2,8 +2,7 @@
 
     python examples/cleanrl_files.py path/to/cleanrl/ppo.py --total-timesteps 200000
 
-The options after the file are those of the file. It runs CleanRL's ppo.py and dqn.py, which need
-PyTorch, tensorboard and tyro.
+The options after it are the file's. CleanRL's ppo.py and dqn.py need torch, tensorboard and tyro.
 """
 
 from __future__ import annotations

@@ -194,3 +194,19 @@ def test_translucent_lines_that_are_apart_are_painted_as_if_they_were_together(
     )
     assert (apart == together).all()
     assert apart.any() == (width > 0)
+
+
+@pytest.mark.parametrize("anchor", ["start", "middle", "end"])
+def test_a_minus_sign_is_a_bar_that_the_font_lacks(anchor: Any) -> None:
+    def ink(text: str) -> np.ndarray[Any, Any]:
+        shapes = Rect(0, 0, 40, 40, "white"), Text(20, 28, text, 16, "black", anchor)
+        dark: np.ndarray[Any, Any] = painted(*shapes).min(axis=2) < 128
+        return dark
+
+    signed = ink("\N{MINUS SIGN}1")
+    columns = np.flatnonzero(signed.any(axis=0))
+    # First the bar, one run of pixels in each of its columns, then the figure, which is higher.
+    heights = signed.sum(axis=0)[columns]
+    assert heights[:4].max() <= 3 < heights[4:].max()
+    assert (signed.any(axis=1) & signed[:, columns[0] + 1]).sum() <= 3
+    assert ink("1").any(axis=0).sum() < columns.size

@@ -73,7 +73,7 @@ def random_gesture(rng: Random, session: Session) -> dict[str, Any]:
     )
     fields: dict[str, Any] = {"fields": looks | traits} if brush == "area" else {}
     wall: dict[str, Any] = {"at": [x, y], "side": side, "length": rng.choice([1, 1, 1, 2, 3])}
-    wall |= {"to": rng.choice(["next", "next", "none", "wall", "glass", "door"])}
+    wall |= {"to": rng.choice(["none", "none", "wall", "wall", "glass", "door"])}
     wall |= rng.choice([{}, {"pass": 0.2}, {"pass": 0}, {"pass": 1}])
     painted: dict[str, Any] = {
         "cells": [cell() for _ in range(rng.choice([1, 1, 2, 3]))],
