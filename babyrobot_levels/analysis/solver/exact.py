@@ -47,7 +47,7 @@ class _Rows:
     """A core with whole numbers: a step from state s pays `reward / (chance * unit)`.
 
     Attributes:
-        core: the core.
+        model: the states and actions.
         probability: `[n, actions, outcomes]`, in units of `1 / chance`.
         reward: the expected reward, `[n, actions]`, in units of `1 / (chance * unit)`.
         chance: the denominator of probabilities.
@@ -83,7 +83,7 @@ def solve_exactly(space: StateSpace, found: Solution, core: Core) -> ExactSoluti
     states, stop = core.model.states, whole.reward.shape[1]
     changed = (policy != core.policy) & (policy != stop)
     whole_policy[states[changed]] = policy[changed]
-    all_values = np.where(whole.states >= 0, found.values.ravel()[whole.states], 0.0).astype(object)
+    all_values = found.values.ravel()[whole.states].astype(object)
     all_ahead = found.action_values.reshape(space.mdp.num_states, -1)[whole.states].astype(object)
     all_values[core.inside] = values
     finite = rows.model.allowed[:, :stop]
@@ -92,7 +92,6 @@ def solve_exactly(space: StateSpace, found: Solution, core: Core) -> ExactSoluti
     greedy[states] = finite & (ahead[:, :stop] == values[:, None])
     steps, success = _episode(space, whole.under(whole_policy[whole.states]), found)
     shape = space.mdp.shape
-    floats = found.values.ravel()[states]
     return ExactSolution(
         values=_spread(space, whole, all_values),
         action_values=_spread(space, whole, all_ahead),
@@ -103,12 +102,15 @@ def solve_exactly(space: StateSpace, found: Solution, core: Core) -> ExactSoluti
         actions=found.actions,
         greedy=greedy.reshape(*shape, -1),
         policy=whole_policy.reshape(shape),
-        error=float(
-            max((abs(a - Fraction(b)) for a, b in zip(values, floats, strict=True)), default=0)
-        ),
+        error=_largest_error(values, found.values.ravel()[states]),
         iterations=rounds,
         level=found.level,
     )
+
+
+def _largest_error(values: Numbers, floats: Floats) -> float:
+    pairs = zip(values, floats.tolist(), strict=True)
+    return float(max((abs(one - Fraction(other)) for one, other in pairs), default=0))
 
 
 # -- what the floats of the tables stand for ---------------------------------------------------
@@ -138,7 +140,7 @@ def exactly(number: float) -> Fraction:
 
 def _denominators(level: GridWorld) -> tuple[int, int]:
     """Return a denominator of all probabilities of a level, and one of all rewards."""
-    numbers = _decimals(level.model_dump(exclude_none=False))
+    numbers = _decimals(level.model_dump())
     unit = lcm(*(number.denominator for number in numbers))
     wanderers = sum(mover.within is not None for mover in level.movers)
     ways = lcm(*range(1, NUM_ACTIONS + 1)) ** wanderers
@@ -152,14 +154,16 @@ def _whole(numbers: Floats, denominator: int) -> Numbers:
     Raises:
         NotExactError: rounding may have changed what they stand for.
     """
-    largest = float(np.abs(numbers).max(initial=0.0))
-    if largest * denominator * ROUNDING > 0.25:
+    error = float(np.abs(numbers).max(initial=0.0)) * denominator * ROUNDING
+    if error > 0.25:
         raise NotExactError(
             "the numbers of the level have too many digits for exact values; "
             "give probabilities and rewards with fewer decimals"
         )
     scaled = numbers * float(denominator)
-    return np.rint(scaled).astype(np.int64).astype(object)
+    found = np.rint(scaled)
+    assert (np.abs(found - scaled) <= error).all(), "the tables hold other numbers"
+    return found.astype(np.int64).astype(object)
 
 
 def _rows_of(space: StateSpace, core: Core) -> _Rows:
@@ -290,7 +294,8 @@ def _at_start(space: StateSpace, model: Model, values: Numbers) -> Fraction | fl
     if infinite:
         return max(infinite)
     weights = [Fraction(float(chance)).limit_denominator(10**6) for chance in chances[begin]]
-    assert sum(weights) == 1
+    if sum(weights) != 1:
+        raise NotExactError("the level has too many starts for exact values")
     return sum((a * b for a, b in zip(weights, values[begin], strict=True)), Fraction(0))
 
 

@@ -82,10 +82,11 @@ def occupancy(
     level = world_of(level)
     discount, space = check_discount(discount, level.discount), space_of(level, actions)
     model, mdp = space.model(), space.mdp
-    chain = model.mixed(weights_of(policy, space)[model.states])
+    weights = weights_of(policy, space)
+    chain = model.mixed(weights[model.states])
     begin, table = mdp.start[model.states], np.zeros(mdp.num_states)
     table[model.states] = _visits(chain, begin, discount)
-    _add_ends(table, space, policy, discount)
+    _add_ends(table, space, weights, discount)
     table[space.without_value] = np.nan
     states = table.reshape(mdp.shape)
     cells = np.nansum(states.reshape(-1, *mdp.shape[-2:]), axis=0)
@@ -111,10 +112,9 @@ def _reached(chain: Model, begin: Floats) -> Flags:
     return reached
 
 
-def _add_ends(table: Floats, space: StateSpace, policy: Policy, discount: float) -> None:
+def _add_ends(table: Floats, space: StateSpace, weights: Floats, discount: float) -> None:
     """Add the ends of episodes to the visits of states."""
     mdp, first = space.mdp, space.first_action
-    weights = weights_of(policy, space)
     states = np.flatnonzero((table > 0) & np.isfinite(table) & ~mdp.is_terminal)
     chances = weights[states][:, :, None] * mdp.probability[states, first:]
     ends = chances * mdp.terminal[states, first:] * table[states, None, None] * discount
