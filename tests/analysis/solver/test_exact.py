@@ -58,6 +58,10 @@ def test_numbers_are_the_decimals_of_the_file() -> None:
     found = solve(level, exact=True)
     # A skid has nowhere else to go: it costs a step. The step onto the exit costs nothing.
     assert found.expected_return == Fraction(-3, 10) * Fraction(1, 9)
+    # A third of a skid is no decimal.
+    thirds = {"version": 1, "size": [3, 3], "skid": {"probability": 0.4, "to": "others"}}
+    exit_chance = solve(thirds, exact=True).action_values[2, 1, 2]
+    assert exit_chance.denominator % 3 == 0
     # 0.3 has the digits of a decimal, the other one all that a float has.
     assert (exact.exactly(0.3), exact.exactly(1 / 3)) == (Fraction(3, 10), Fraction(1, 3))
     assert exact.exactly(0.6666666666666667) == exact.exactly(2 / 3) == Fraction(2, 3)
