@@ -109,3 +109,10 @@ def test_pictures_show_them() -> None:
         level.to_svg(visits="worst")
     assert "<img" in best._repr_mimebundle_()["text/html"]
     assert repr(best) == "<Occupancy steps=23.8333 discount=1>"
+
+
+@pytest.mark.parametrize("discount", [0.5, 0.9, 1.0])
+def test_whoever_begins_goes_on_or_ends(discount: float) -> None:
+    found = occupancy("frozen-lake", "random", discount)
+    over = brl.load("frozen-lake").compile().is_terminal.reshape(4, 4)
+    assert found.visits[over].sum() + (1 - discount) * found.steps == pytest.approx(1.0)
