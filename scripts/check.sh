@@ -106,7 +106,9 @@ lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
         hypothesis ipykernel moviepy nbclient nbformat opencv-python-headless pygame-ce pytest pytest-xdist
-    exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
+    # What this Numba compiled must not lie where the newer one looks: it names a file before it has written it.
+    NUMBA_CACHE_DIR="$PWD/.venv-lowest/numba" \
+        exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
     sed -n '3,12s/^# //p' scripts/check.sh >&2
