@@ -118,16 +118,16 @@ esac
 make_venv .venv
 .venv/bin/pip install "${options[@]}" --editable ".[test]"
 [ "${1:-fast}" = fast ] || bash scripts/browser.sh .venv/bin/python
+# Types are checked in what all that follows leaves of two cores.
+said="$(mktemp)"
+.venv/bin/mypy >"$said" 2>&1 &
+types=$! status=0
+trap 'kill "$types" 2>/dev/null || true; rm -f "$said"' EXIT
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .
 .venv/bin/lint-imports
 .venv/bin/babyrobot validate levels
-# Types are checked while the tests run, in what they leave of two cores.
-said="$(mktemp)"
-.venv/bin/mypy >"$said" 2>&1 &
-types=$! status=0
 .venv/bin/python -m pytest "${tests[@]}" "${workers[@]}" || status=$?
 wait "$types" || status=$?
 cat "$said"
-rm "$said"
 exit "$status"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +21,9 @@ TESTS = Path(__file__).parent
 # For matrices as small as those of tests, threads that wait for each other take longer than one
 # that works, most of all where tests run side by side. NumPy reads this when it is loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# jsonschema would compile 38 grammars with it, for formats that no schema here has: seconds.
+sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]
 
 SLOW = {
     "cli/test_edit.py",
@@ -61,7 +65,7 @@ NO_NETWORK = "--host-resolver-rules=MAP rebound.test 127.0.0.1, MAP * ~NOTFOUND,
 # `--hypothesis-profile thorough` chooses the second. A loaded machine is no reason to fail, and
 # examples stay the same, but for constants of the modules that happen to be loaded, which are
 # tried too; `exploring` tries others each time: a law has to hold for more than has been tried.
-settings.register_profile("fast", max_examples=20, deadline=None, derandomize=True)
+settings.register_profile("fast", max_examples=12, deadline=None, derandomize=True)
 settings.register_profile("thorough", max_examples=100, deadline=None, derandomize=True)
 settings.register_profile("exploring", max_examples=200, deadline=None)
 settings.load_profile("fast")
@@ -74,17 +78,24 @@ def pytest_configure() -> None:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Leave out folders whose libraries may be missing, as these are imported with the tests."""
-    left_out = "not libraries" in config.getoption("markexpr")
-    is_one = collection_path.parent == TESTS and collection_path.name in LIBRARIES
-    return True if left_out and is_one else None
+    """Import nothing of which no test is asked for: libraries may be missing, and it takes time."""
+    asked = config.getoption("markexpr")
+    left_out = {*(LIBRARIES if "not libraries" in asked else ()),
+                *(SLOW if "not slow" in asked else ())}  # fmt: skip
+    return collection_path.relative_to(TESTS).as_posix() in left_out or None
+
+
+def places_of(path: Path) -> set[str]:
+    """Return a file and the folders in which it is."""
+    return {each.as_posix() for each in (path, *path.parents)}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what is slow, what needs libraries, and what may fail once, by its place."""
+    paths = {item.path for item in items}
+    within = {path: places_of(path.relative_to(TESTS)) for path in paths}
     for item in items:
-        place = item.path.relative_to(TESTS)
-        places = {each.as_posix() for each in (place, *place.parents)}
+        places = within[item.path]
         if SLOW & places or item.get_closest_marker("sweep"):
             item.add_marker(pytest.mark.slow)
         if LIBRARIES & places:

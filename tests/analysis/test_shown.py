@@ -178,6 +178,7 @@ def written(folder: Path, count: int, title: str = "A level") -> None:
         (folder / f"mine-{number:02}.yaml").write_text(text, "utf-8")
 
 
+@pytest.mark.slow
 def test_a_list_of_levels_is_a_table_with_at_most_fifty_pictures(here: Path) -> None:
     (here / "levels").mkdir()
     written(here / "levels", 60, HOSTILE)

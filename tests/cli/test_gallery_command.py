@@ -74,6 +74,7 @@ def test_ctrl_c_leaves_what_was_there(jobs: str, number: int) -> None:
     assert sorted(path.name for path in Path().iterdir()) == ["many.yaml", "site"]
 
 
+@pytest.mark.slow
 def test_the_copies_in_a_gallery_below_are_no_levels_of_the_folder() -> None:
     write_files(Path("course"), {"pack.yaml": pack_text("course"), "levels/a.yaml": GOOD})
     for _ in range(2):

@@ -246,6 +246,7 @@ def test_other_peoples_files_stay() -> None:
     assert Path("out", "mine.yaml").read_text("utf-8") == "version: 1\n"
 
 
+@pytest.mark.slow
 def test_resuming_ends_with_the_same_files() -> None:
     order = ["generate", *CONDITIONS]
     babyrobot(*order, "--count", "20", "-o", "whole")

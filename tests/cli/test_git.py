@@ -85,6 +85,7 @@ def test_files_that_come_and_go(repository: Repository) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_file_that_was_renamed(repository: Repository) -> None:
     repository.git("mv", "levels/maze.yaml", "levels/other.yaml")
     repository.write("levels/other.yaml", LEVEL + "start: [1, 0]\n")
@@ -138,6 +139,7 @@ def test_a_file_that_comes_without_being_a_level_is_shown_as_text() -> None:
     assert told.endswith("@@ -1 +0,0 @@\n-sice: 3\n\n")
 
 
+@pytest.mark.slow
 def test_a_conflict(repository: Repository) -> None:
     repository.git("checkout", "--quiet", "-b", "other")
     repository.write("levels/maze.yaml", LEVEL + "start: [1, 0]\n")

@@ -205,6 +205,7 @@ def test_more_puddles_than_a_file_can_hold(count: str) -> None:
     assert list(Path().iterdir()) == []
 
 
+@pytest.mark.slow
 def test_streams_that_cannot_say_everything() -> None:
     Path("levels").mkdir()
     text = 'version: 1\ntitle: "迷路 🤖"\ntags: [far]\n'

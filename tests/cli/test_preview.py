@@ -127,6 +127,7 @@ def test_a_random_walk_is_the_environments() -> None:
     assert made("frozen-lake", "--policy", "random", "--seed", "2", "walk.gif") == expected
 
 
+@pytest.mark.slow
 def test_the_seed_is_0_if_none_is_given() -> None:
     first, again = made("frozen-lake", "a.gif"), made("frozen-lake", "--seed", "0", "b.gif")
     assert first == again != made("frozen-lake", "--seed", "1", "c.gif")
@@ -144,6 +145,7 @@ def test_a_film_shows_values_and_coordinates() -> None:
     assert (plain != coordinates).any()
 
 
+@pytest.mark.slow
 def test_an_episode_without_an_end_is_cut() -> None:
     result = preview(written(ENDLESS), "--policy", "random", "--cell", "8", "-o", "walk.gif")
     assert result.status == 0
@@ -303,6 +305,7 @@ def test_rules_stand_below_drawings_and_pictures() -> None:
     assert picture.startswith(CHESTS.to_svg(rules=True, values=True).removesuffix("</svg>\n"))
 
 
+@pytest.mark.slow
 def test_films_with_rules_keep_the_score_in_the_panel() -> None:
     film, plain = (made("final-maze", *words, "one.gif") for words in (["--rules"], []))
     with Image.open(io.BytesIO(film)) as one, Image.open(io.BytesIO(plain)) as other:

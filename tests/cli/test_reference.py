@@ -97,8 +97,21 @@ def test_every_option_and_argument_is_in_it_and_explained() -> None:
         assert " ".join(first.split()) in section(name)
 
 
+SLOW = (
+    "babyrobot compare four-rooms.yaml",
+    "babyrobot gallery final-maze",
+    "babyrobot gallery levels --key",
+    "babyrobot gallery levels -o site",
+    "babyrobot gallery small-mazes",
+    "babyrobot generate",
+    "babyrobot sheet classics",
+    "babyrobot solve classics",
+)
+"""How the examples begin that search or draw for long; of each command there are others."""
+
+
 def slow_or_not(line: str) -> Any:
-    is_slow = line.startswith(("babyrobot generate", "babyrobot gallery small-mazes"))
+    is_slow = line.startswith(SLOW) or "-o walk.gif" in line
     return pytest.param(line, marks=[pytest.mark.slow] if is_slow else [])
 
 

@@ -125,6 +125,7 @@ def test_a_new_level_is_what_was_ordered(template: str, size: tuple[int, int], c
     assert not np.isnan(level.compile().probability).any()
 
 
+@pytest.mark.slow
 def test_new_mazes_can_be_walked_to_their_ends() -> None:
     """The exit stands at a dead end near the corner: there is nothing behind it."""
     orders = [*product(ALGORITHMS, range(3))]

@@ -12,7 +12,14 @@ def session(name: str) -> str:
     return (FOLDER / f"{name}.txt").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", SESSIONS)
+LONG = ("gallery", "generate", "list", "preview", "sheet")
+"""Sessions that search for levels, read all of them, or draw many pictures, for seconds each."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in SESSIONS],
+)
 def test_what_the_commands_print(name: str) -> None:
     assert played(session(name)) == session(name)
 

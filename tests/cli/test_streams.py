@@ -44,6 +44,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_pipes_get_utf8_whatever_the_system_speaks(tmp_path: Path) -> None:
     (tmp_path / "odd.yaml").write_text(LEVEL, encoding="utf-8")
     done = subprocess.run(

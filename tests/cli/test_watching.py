@@ -83,6 +83,7 @@ def test_every_save_is_answered(watch: Watch, tmp_path: Path) -> None:
     assert watch.printed == told
 
 
+@pytest.mark.slow
 def test_a_picture_is_drawn_again_whenever_its_level_is_saved(tmp_path: Path) -> None:
     (tmp_path / "levels").mkdir()
     path = tmp_path / "levels" / "a.yaml"

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
+from support.combinations import swept
 from support.conversions import SAMPLES, level_of_world, world_of
 from support.worlds import World, level_of, worlds
 
@@ -94,7 +95,7 @@ def test_every_field_of_the_mdp_is_exported_beside_another() -> None:
     assert {*CHANGES} == {*names} - {"map", "legend"}
 
 
-@each_format
+@pytest.mark.parametrize("name", swept(["frozen-lake", "minigrid", "tiled"], WRITTEN))
 def test_what_is_lost_is_told_whatever_else_is(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = {"version": 1, "size": [4, 3], "start": [0, 0], "exit": [3, 2]}
     write = FORMATS[name].write

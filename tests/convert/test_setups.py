@@ -38,6 +38,7 @@ def fields(setup: Setup) -> dict[str, Any]:
 # -- recorded worlds of the package ----------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_recorded_setups_are_the_recorded_levels() -> None:
     assert len(RECORD) == 200
     for number, record in enumerate(RECORD):

@@ -96,6 +96,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> Any:
     return generalisation
 
 
+@pytest.mark.slow
 def test_runs_that_have_a_result_are_left_out(
     few: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

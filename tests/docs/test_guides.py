@@ -184,6 +184,7 @@ def test_the_characters_of_things_are_those_of_the_table() -> None:
     assert f"| exit whose needs are not met | `{LOCKED}` | `{LOCKED}` |" in text
 
 
+@pytest.mark.slow
 def test_the_picture_of_a_sheet_is_what_is_drawn() -> None:
     # `python scripts/renew.py docs/images/sheet.png` draws it anew.
     stored, drawn = (

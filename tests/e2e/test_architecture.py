@@ -27,6 +27,7 @@ MAX_LINES = 600
 HEAVY = {"numba", "numpy", "scipy", "gymnasium", "ipycanvas", "IPython", "PIL", "rich"}
 
 
+@pytest.mark.slow
 def test_nothing_is_imported_in_a_circle() -> None:
     # import-linter compares siblings: it does not see a module that imports its own folder.
     assert STRUCTURE.circles == []

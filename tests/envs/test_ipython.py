@@ -25,6 +25,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_bare_and_wrapped_environments_show_what_they_see_and_others_what_they_did(
     folder: Path,
 ) -> None:

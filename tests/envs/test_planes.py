@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from support.each import for_each
@@ -230,7 +230,6 @@ def test_vectors_end_with_things_and_the_heading() -> None:
     assert vector[-7:].tolist() == [1, 0, 0, 0, 0, 1, 0]
 
 
-@settings(max_examples=15, deadline=None)
 @given(level=levels(), seed=st.integers(0, 9))
 def test_vectors_are_what_planes_and_tables_say_about_the_robot(level: Level, seed: int) -> None:
     env = LevelEnv(level, observation=("planes", "vector"), actions="moves")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import re
+import sys
 from pathlib import Path
 
 import gymnasium
@@ -50,27 +52,22 @@ print("gymnasium" in sys.modules, "PIL" in sys.modules, "ipycanvas" in sys.modul
     assert run(code, tmp_path) == "False False False\nTrue False False\n"
 
 
-def test_the_adapter_of_stable_baselines_says_how_to_install_it(tmp_path: Path) -> None:
-    code = """
-import sys
-sys.modules["stable_baselines3"] = None
-try:
-    import babyrobot_levels.envs.sb3
-except ImportError as error:
-    print(error)
-"""
-    assert "install the extra `sb3`: pip install" in run(code, tmp_path)
+def test_the_adapter_of_stable_baselines_says_how_to_install_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "stable_baselines3", None)
+    monkeypatch.delitem(sys.modules, "babyrobot_levels.envs.sb3", raising=False)
+    with pytest.raises(ImportError, match="install the extra `sb3`: pip install"):
+        importlib.import_module("babyrobot_levels.envs.sb3")
 
 
 # -- the order of imports --------------------------------------------------------------------
 
 
-IMPORTS = (
-    "import babyrobot_levels, gymnasium",
+IMPORTS = ("import babyrobot_levels, gymnasium",)
+FURTHER_IMPORTS = (
     "import gymnasium, babyrobot_levels",
     "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium.envs')",
-)
-FURTHER_IMPORTS = (
     "import babyrobot_levels; from gymnasium.envs.registration import registry",
     "import babyrobot_levels.envs.single",
     "import babyrobot_levels.envs.registration",
@@ -91,6 +88,7 @@ def test_the_ids_are_known_after(imports: str, tmp_path: Path) -> None:
     assert known == sorted([*OWN_IDS, *(f"babyrobot/{n}-v0" for n in GALLERY)])
 
 
+@pytest.mark.slow
 def test_installing_again_and_reloading_change_nothing(tmp_path: Path) -> None:
     code = """
 import importlib, sys
@@ -114,6 +112,7 @@ print(len(sys.meta_path) - before)
     assert run(code, tmp_path) == "-1\n"
 
 
+@pytest.mark.slow
 def test_gymnasiums_module_looks_as_if_nobody_had_been_there(tmp_path: Path) -> None:
     code = """
 import gymnasium.envs as e
@@ -142,6 +141,7 @@ def test_an_error_while_gymnasium_is_imported_is_told(fault: str, tmp_path: Path
     assert "torn" in done.stderr.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_gymnasium_can_be_imported_after_an_attempt_that_failed(tmp_path: Path) -> None:
     code = """
 import sys
@@ -171,6 +171,7 @@ print(brl.load("default").compile().num_states)
 # -- the ids ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_each_level_of_the_gallery_has_its_id() -> None:
     for name in GALLERY:
         level = level_named(name)

@@ -264,6 +264,7 @@ def test_habits_and_misspellings_are_told_what_to_do(
 # -- frames of suites ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_all_frames_of_a_suite_have_one_size() -> None:
     env: Any = gymnasium.make(SUITE_ID, suite="locked-mazes", render_mode="rgb_array")
     shape, sizes = env.render().shape, set()

@@ -87,6 +87,7 @@ def test_gymnasiums_checker_is_content() -> None:
     check_env(make().unwrapped)
 
 
+@pytest.mark.slow
 def test_every_level_is_drawn_and_told() -> None:
     env, suite = make(split="test"), load_suite(FIELDS).split("test")
     _, info = env.reset(seed=1)

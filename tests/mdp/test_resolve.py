@@ -79,6 +79,7 @@ def test_the_game_and_the_picture_stay_the_same(world: World) -> None:
     assert resolved.resolve() is resolved
 
 
+@pytest.mark.slow
 @given(drawings(5), st.integers(0, 9))
 def test_a_drawing_shows_the_maze(drawing: Any, seed: int) -> None:
     level = level_of(

@@ -100,6 +100,7 @@ def test_closing_cancels_what_has_not_been_done() -> None:
     assert items.taken < 1000
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_costs_no_results_but_its_own() -> None:
     outcomes = told(list(Processes(2).map(partial(tasks.deadly, (150, 151)), range(300))))
     message = "the process that worked on it ended twice"

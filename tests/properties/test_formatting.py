@@ -135,7 +135,14 @@ def test_the_gallery_is_canonical(path: Path) -> None:
     assert formatted(text) == text
 
 
-@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=[pytest.mark.slow] if path.stem == "things" else [])
+        for path in GOOD
+    ],
+    ids=lambda path: path.stem,
+)
 def test_good_files(path: Path) -> None:
     text = path.read_bytes().decode("utf-8-sig")
     result = formatted(text)

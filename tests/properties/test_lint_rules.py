@@ -302,6 +302,7 @@ def test_rewards_alone_show_that_the_policy_terminates(world: World, discount: f
     assert endless_loop(mdp, reach_of(level, mdp), best) == []
 
 
+@pytest.mark.slow
 @untimed
 @given(worlds(4), st.integers(1, 40), st.sampled_from([0.25, 0.5, 0.9]))
 def test_the_probability_to_exit_in_time_is_exact(world: World, limit: int, share: float) -> None:

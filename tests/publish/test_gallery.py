@@ -108,6 +108,7 @@ def test_small_pictures_leave_out_the_panels(site: Path) -> None:
             assert image.width / image.height == pytest.approx(width / height, rel=0.02)
 
 
+@pytest.mark.slow
 def test_it_does_not_depend_on_the_number_of_processes(tmp_path: Path) -> None:
     made = [brl.gallery([SMALL, level()], tmp_path / str(jobs), jobs=jobs) for jobs in (1, 2)]
     assert contents(made[0].folder) == contents(made[1].folder)
@@ -169,6 +170,7 @@ ODD: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.slow
 def test_any_level_has_a_page_and_pictures(tmp_path: Path) -> None:
     odd = [level(name=name, max_steps=9, **fields) for name, fields in ODD.items()]
     made = brl.gallery(odd, tmp_path / "site")

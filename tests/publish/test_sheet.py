@@ -152,6 +152,7 @@ def test_rules_of_one_level_need_no_number() -> None:
     assert "(level" not in text
 
 
+@pytest.mark.slow
 def test_descriptions_are_told_and_cut_where_they_are_long() -> None:
     assert "Cross the ice without falling" in texts(brl.sheet("frozen-lake"))[0]
     level = {"version": 1, "size": [3, 3], "description": "Once upon a time.\n" + "word " * 999}

@@ -132,6 +132,7 @@ ANSWERS = (
 """What a picture shows, and whether it shows coordinates as well."""
 
 
+@pytest.mark.slow
 @first_and_others(OVERLAID, 1, MORE_OVERLAID)
 def test_answers_stand_out(name: str, theme: str) -> None:
     shown = resolved(name).replace(theme=theme)

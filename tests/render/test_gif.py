@@ -162,6 +162,7 @@ def test_what_would_be_too_much_is_refused() -> None:
         to_gif(level(size=[100, 100]), [Step(0, 2, 1, -1.0)] * 10, scale=1.0)
 
 
+@pytest.mark.slow
 def test_the_robot_is_seen_in_a_large_level() -> None:
     maze = Level.from_fields({"version": 1, "size": [64, 64]})
     walk = [Step(0, Action.EAST, 1, -1.0), Step(1, Action.EAST, 2, -1.0)]

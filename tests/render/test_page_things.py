@@ -47,7 +47,12 @@ def thing(data: Any, name: str) -> Any:
 
 
 @pytest.mark.parametrize(
-    "level", [VAULT, *map(load, ("shell-game", "final-maze", "windy-gridworld"))], ids=str
+    "level",
+    [
+        pytest.param(VAULT, marks=pytest.mark.slow),
+        *map(load, ("shell-game", "final-maze", "windy-gridworld")),
+    ],
+    ids=str,
 )
 def test_the_tables_are_the_compiled_ones(level: Level) -> None:
     mdp, data = level.compile(), json.loads(json.dumps(page_data(level)))

@@ -95,6 +95,7 @@ def test_a_path_of_many_lines_is_written_as_steps_to_the_same_places() -> None:
     assert places == [pytest.approx(at, abs=0.006) for _, at in commands if at]
 
 
+@pytest.mark.slow
 def test_painting_svg_loads_neither_numpy_nor_pillow() -> None:
     code = (
         "import sys\n"

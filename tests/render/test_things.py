@@ -85,6 +85,7 @@ def test_the_same_name_means_the_same_shapes_inside_the_box() -> None:
     assert len(seen) > 30
 
 
+@pytest.mark.slow
 def test_shapes_lie_in_the_boxes_of_their_pieces() -> None:
     layout = layout_of(VAULT)
     size = round(layout.width), round(layout.height)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support import policies
+from support.combinations import combined
 
 import babyrobot_levels as brl
 from babyrobot_levels.parallel import InProcess
@@ -49,11 +50,10 @@ def value(index: int, level: brl.Level, found: brl.Evaluation) -> brl.LevelValue
     )
 
 
-@BOTH
-@pytest.mark.parametrize(
-    "options",
-    [{}, {"within": 30, "discount": 0.9}, {"within": "max_steps", "actions": "turns"}],
-    ids=str,
+@combined(
+    1,
+    executor=[InProcess(), Processes(2)],
+    options=[{}, {"within": 30, "discount": 0.9}, {"within": "max_steps", "actions": "turns"}],
 )
 def test_levels_of_a_suite_are_solved(executor: Executor, options: dict[str, Any]) -> None:
     suite = brl.load_suite("small-mazes").split("test")[5:25:2]
@@ -104,10 +104,7 @@ def test_a_suite_without_a_name_is_called_as_its_file(here: Path) -> None:
     assert [row.name for row in brl.solve_many("mine.yaml")] == names
 
 
-@BOTH
-@pytest.mark.parametrize(
-    "policy", ["random", "uniform", policies.optimal], ids=["random", "uniform", "function"]
-)
+@combined(1, executor=[InProcess(), Processes(2)], policy=["random", "uniform", policies.optimal])
 def test_a_policy_is_evaluated(executor: Executor, policy: Any) -> None:
     suite = brl.load_suite("small-mazes")[:8]
     rows = list(brl.evaluate_many(suite, policy, within=50, executor=executor))

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.combinations import combined
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.scoring import results
 
 
-@pytest.mark.parametrize("episodes", [5, 30])
-@pytest.mark.parametrize("chance", [0.011, 0.2, 0.74])
+@combined(1, chance=[0.011, 0.2, 0.74], episodes=[5, 30])
 def test_the_interval_holds_the_mean(episodes: int, chance: float) -> None:
     random = np.random.default_rng(1)
     held = 0

@@ -137,6 +137,7 @@ def test_few_episodes_do_not_hide_what_is_rare() -> None:
     assert all(each[0].high - each[0].low < 0.25 for each in found)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:of an agent with memory")
 def test_the_interval_of_a_summary() -> None:
     names = ["frozen-lake", "final-maze", "maze", "first-key"]

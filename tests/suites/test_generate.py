@@ -48,6 +48,7 @@ def test_levels_that_were_made_before_an_interruption_are_kept() -> None:
     assert repr(resumed).startswith("12 levels\n  out/few-00000.yaml\n")
 
 
+@pytest.mark.slow
 def test_conditions_are_the_fields_of_a_suite() -> None:
     conditions: dict[str, Any] = {"size": (6, 4), "keys": 1, "path_length": {"min": 8}, "seed": 3}
     made = brl.generate(None, "here", count=4, **conditions)

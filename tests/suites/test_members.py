@@ -85,6 +85,7 @@ def test_all_levels_have_the_limit_of_the_suite(course: Path) -> None:
     assert (without.max_steps, without[0].max_steps) == (None, None)
 
 
+@pytest.mark.slow
 def test_it_is_what_its_data_say(course: Path) -> None:
     suite = load_suite(course)
     for same in (
@@ -238,6 +239,7 @@ def test_what_is_listed_must_be_valid(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_what_is_listed_is_bounded(tmp_path: Path) -> None:
     path = tmp_path / "suite.yaml"
     many = {"suite": listed(*["maze"] * 5001)}

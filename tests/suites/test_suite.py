@@ -165,6 +165,7 @@ def test_every_level_is_in_one_split(count: int) -> None:
 # -- conditions ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_conditions_hold_and_starve_aloud() -> None:
     fields = {**FIELDS, "size": [6, 6], "splits": {}, "exit": "corner"}
     del fields["max_steps"]

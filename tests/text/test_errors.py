@@ -27,6 +27,7 @@ for cell in cells:
 """
 
 
+@pytest.mark.slow
 def test_in_a_notebook_an_error_shows_the_call_and_the_diagnostics(tmp_path: Path) -> None:
     shown = re.sub("\x1b\\[[0-9;]*m", "", run(CODE, tmp_path))
     assert "level = brl.loads('sise: 3')" in shown

@@ -118,6 +118,7 @@ def test_policy_iteration_ends_at_the_optimum_in_few_rounds(name: str) -> None:
         np.testing.assert_allclose(after.values, evaluate(name, before.policy).values, atol=1e-8)
 
 
+@pytest.mark.slow
 @given(worlds(3), st.sampled_from(["all", "moves"]))
 def test_with_a_discount_policy_iteration_is_right_everywhere(world: World, actions: str) -> None:
     level = level_of(world)

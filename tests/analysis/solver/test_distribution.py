@@ -76,6 +76,7 @@ def test_the_frozen_lake_is_crossed_or_not() -> None:
     assert found.standard_deviation == pytest.approx((chance * (1 - chance)) ** 0.5)
 
 
+@pytest.mark.slow
 def test_where_returns_are_too_many_episodes_are_simulated(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from gymnasium import error
 from gymnasium.vector import AutoresetMode
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.fleets import ENGINES, MODES, levels, same, walked
 from support.playing import level_named
@@ -24,7 +24,6 @@ from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
 
 
-@settings(max_examples=20, deadline=None)
 @given(
     played=st.lists(levels(), min_size=1, max_size=4),
     mode=st.sampled_from(MODES),
@@ -106,7 +105,6 @@ def test_all_can_act_by_chance_and_begin_anew_in_the_same_step() -> None:
         assert 0.3 < (begun == [1, 1]).all(axis=1).mean() < 0.5
 
 
-@settings(max_examples=15, deadline=None)
 @given(
     played=st.lists(levels(), min_size=1, max_size=3),
     actions=st.sampled_from(["all", "moves"]),
@@ -123,7 +121,6 @@ def test_both_engines_roll_out_the_same(
     assert same(roll("numpy"), roll("compiled"))
 
 
-@settings(max_examples=30, deadline=None)
 @given(level=levels(), first_action=st.sampled_from([0, 1]))
 def test_the_tables_are_those_of_the_level(level: Level, first_action: int) -> None:
     mdp = level.compile()

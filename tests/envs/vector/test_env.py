@@ -582,6 +582,7 @@ def test_nothing_that_is_returned_is_shared_between_steps(engine: str, observati
         assert not any(np.shares_memory(one, other) for other in first[number + 1 :])
 
 
+@pytest.mark.slow
 def test_processes_do_as_one_process_does() -> None:
     # The prefix imports the package in a process of its own.
     env_id = "babyrobot_levels:babyrobot/frozen-lake-v0"

@@ -189,7 +189,6 @@ def test_there_are_always_words_for_a_step() -> None:
         assert drawn == np.random.default_rng(seed).random(len(drawn)).tolist()
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     seed=st.integers(0, 2**64),
     counts=st.lists(st.just(None) | st.integers(1, 9) | st.integers(1, 2**31), max_size=300),

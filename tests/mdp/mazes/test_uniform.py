@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 
 import pytest
-from scipy.stats import chi2  # type: ignore[import-untyped]
 from support.mazes import Board, empty, grow
 
 from babyrobot_levels.mdp.mazes import ALGORITHMS
@@ -21,6 +20,9 @@ def deviation(board: Board, mazes: int, algorithm: str) -> float:
     assert len(found) <= mazes
     square = sum((count - EACH) ** 2 / EACH for count in found.values())
     square += EACH * (mazes - len(found))
+    # It is imported when it is needed: that takes a second.
+    from scipy.stats import chi2  # type: ignore[import-untyped]
+
     return float(chi2.sf(square, mazes - 1))
 
 

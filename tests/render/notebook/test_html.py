@@ -59,6 +59,7 @@ def test_a_picture_that_is_wider_than_cells_is_as_wide_as_its_cell() -> None:
     }
 
 
+@pytest.mark.slow
 def test_the_picture_of_a_large_level_fits_on_a_screen() -> None:
     bundle = shown(brl.Level(version=1, size=(10, 100)))
     svg = ET.fromstring(bundle["image/svg+xml"])
