@@ -61,7 +61,7 @@ sweep)
     ;;
 libraries)
     make_libraries
-    beside_pages .venv-libraries editor,exact,fast,minari,minigrid,rllib,sb3,tianshou,torchrl with_libraries "not sweep"
+    beside_pages .venv-libraries editor,exact,fast,minari,minigrid,rllib,sb3,tianshou,torchrl,umb with_libraries "not sweep"
     exit
     ;;
 jax)

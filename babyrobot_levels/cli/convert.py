@@ -33,6 +33,7 @@ from babyrobot_levels.cli.inputs import (
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
+from babyrobot_levels.convert import formats
 from babyrobot_levels.convert.formats import FORMATS, guess
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import schema_for
@@ -49,12 +50,10 @@ MAX_REPORTED = 40
 PICTURES = ("png", "svg")
 """The formats of pictures that levels are exported to."""
 
-WRITTEN = (*(name for name, each in FORMATS.items() if each.is_written), *PICTURES)
+WRITTEN = (*formats.WRITTEN, *PICTURES)
 """The formats that levels are exported to."""
 
-_SUFFIXES = {suffix: name for name, each in FORMATS.items() for suffix in each.written_suffixes} | {
-    f".{name}": name for name in PICTURES
-}
+_SUFFIXES = {**formats.SUFFIXES, **{f".{name}": name for name in PICTURES}}
 
 if TYPE_CHECKING:
     WorldFormat: TypeAlias = str
@@ -271,7 +270,7 @@ def export_level(
     strict: StrictOption = False,
     force: ForceOption = False,
 ) -> None:
-    """Convert a level to the format of another program, or to a picture.
+    """Convert a level to the format of another program or of a model checker, or to a picture.
 
     What the format cannot express is reported on standard error, by the names of the fields.
 
@@ -282,6 +281,8 @@ def export_level(
       babyrobot export glass-wall -o glass-wall.tmj
 
       babyrobot export random-maze --maze-seed 7 --to sokoban
+
+      babyrobot export final-maze -o final-maze.prism
     """
     chosen = to or _by_suffix(output)
     loaded = with_seed(load_level(level), maze_seed)
@@ -291,17 +292,18 @@ def export_level(
         with working("drawing") as report:
             made = picture(loaded, chosen, {}, report)
     else:
-        from babyrobot_levels.convert.formats import export
-
-        conversion = export(loaded, chosen)
+        try:
+            conversion = formats.converted(loaded, chosen)
+        except ImportError as error:
+            fail(*str(error).split(": ", 1))
         report_losses(conversion.warnings, strict=strict)
-        made, beside = conversion.text, conversion.beside
+        made, beside = conversion.content, conversion.beside
     for name, data in beside.items():
         if output is not None:
             save(output.parent / name, data, force=force)
         else:
             note(f"note: {name}, the picture of the tiles, is only written with -o FILE")
-    put(made, output, force=None if chosen in PICTURES else force)
+    put(made, output, chosen.upper(), force=None if chosen in PICTURES else force)
 
 
 def _by_suffix(output: Path | None) -> str:

@@ -107,9 +107,10 @@ class Conversion:
     """The result of a conversion.
 
     Attributes:
-        text: the world in its new form.
+        text: the world in its new form; empty if that is no text.
         warnings: what is not kept, in the order in which it was found.
         beside: files that belong to the text, by name.
+        data: the world in its new form, if that is no text.
     """
 
     __module__ = "babyrobot_levels"
@@ -117,6 +118,12 @@ class Conversion:
     text: str
     warnings: tuple[Lost, ...] = ()
     beside: Mapping[str, bytes] = field(default_factory=dict)
+    data: bytes | None = None
+
+    @property
+    def content(self) -> str | bytes:
+        """The world in its new form, as a file holds it."""
+        return self.text if self.data is None else self.data
 
 
 def _never(*_: Any) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any
@@ -100,6 +100,32 @@ FORMATS = {
     ),
 }
 """The formats by name. Of several that hold the same data, a later one is the more particular."""
+
+
+def _prism(level: Level) -> Conversion:
+    # Imported here as the tables need NumPy, which other formats do without.
+    from babyrobot_levels.convert.prism import write_prism
+
+    return write_prism(level)
+
+
+def _umb(level: Level) -> Conversion:
+    from babyrobot_levels.convert.umb import write_umb
+
+    return write_umb(level)
+
+
+MODELS: Mapping[str, Callable[[Level], Conversion]] = {"prism": _prism, "umb": _umb}
+"""What writes levels for model checkers, by the format, which is the suffix of the file as well."""
+
+SUFFIXES = {
+    **{suffix: name for name, each in FORMATS.items() for suffix in each.written_suffixes},
+    **{f".{name}": name for name in MODELS},
+}
+"""The formats of files that levels are written to, by their suffixes."""
+
+WRITTEN = (*(name for name, each in FORMATS.items() if each.is_written), *MODELS)
+"""The formats that levels are written in."""
 
 
 def guess(source: SourceFile) -> list[str]:
@@ -222,9 +248,9 @@ def export(
 ) -> Conversion:
     """Return a level in the format of another program, as `babyrobot export` writes it.
 
-    The warnings list everything that the format cannot hold. The result is read again and its
-    tables are compared with those of the level, in which what warnings name is as in the result: a
-    difference is a warning too.
+    The warnings list everything that the format cannot hold. The result is read again (but that of
+    model checkers) and its tables are compared with those of the level, in which what warnings name
+    is as in the result: a difference is a warning too.
 
     Args:
         level: a name, a path, a share code, a mapping, or a level.
@@ -237,6 +263,7 @@ def export(
         LevelNotFoundError: nothing has that name.
         LevelError: the level is not valid, or its maze has no seed yet (`seed: random`).
         ValueError: there is no such format.
+        ImportError: the format needs an extra that is not installed.
         FileExistsError: there is a file, and `force` is not given.
     """
     found = load(level) if maze_seed is None else load(level).with_maze_seed(maze_seed)
@@ -244,26 +271,23 @@ def export(
     if path is not None:
         for beside, data in conversion.beside.items():
             write_new(Path(path).parent / beside, data, force=force)
-        write_new(Path(path), conversion.text, force=force)
+        write_new(Path(path), conversion.content, force=force)
     return conversion
 
 
 def _by_suffix(path: str | os.PathLike[str] | None) -> str:
     suffix = "" if path is None else Path(path).suffix.lower()
-    found = [name for name, each in FORMATS.items() if suffix in each.written_suffixes]
-    if not found:
-        raise ValueError("give the format: one of " + ", ".join(_written()))
-    return found[0]
-
-
-def _written() -> list[str]:
-    return [name for name, each in FORMATS.items() if each.is_written]
+    if suffix not in SUFFIXES:
+        raise ValueError("give the format: one of " + ", ".join(WRITTEN))
+    return SUFFIXES[suffix]
 
 
 def converted(level: Level, name: str) -> Conversion:
     """Return a level in a format by its name; see `export`."""
-    if name not in _written():
-        raise ValueError(f"there is no format {name!r}; use one of {', '.join(_written())}")
+    if name not in WRITTEN:
+        raise ValueError(f"there is no format {name!r}; use one of {', '.join(WRITTEN)}")
+    if name in MODELS:
+        return MODELS[name](level)
     conversion = FORMATS[name].write(level)
     unsaid = _unsaid(level, conversion, name)
     if unsaid is None:

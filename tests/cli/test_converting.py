@@ -249,3 +249,21 @@ def test_pictures_are_those_of_preview() -> None:
     assert babyrobot("export", "default", "--to", "png", "-o", "a.png").status == 0
     assert babyrobot("preview", "default", "-o", "b.png").status == 0
     assert Path("a.png").read_bytes() == Path("b.png").read_bytes()
+
+
+def test_models_are_named_by_their_suffixes_and_need_their_package(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = babyrobot("export", "first-key", "-o", "key.prism")
+    assert "max_steps: a PRISM module cannot hold it" in result.err
+    assert "mdp\n" in Path("key.prism").read_text("utf-8")
+    assert babyrobot("export", "first-key", "-o", "key.umb").status == 0
+    assert babyrobot("export", "first-key", "-o", "key.umb").status == 2
+    assert babyrobot("export", "first-key", "-o", "new.umb", "--strict").status == 1
+    monkeypatch.setitem(sys.modules, "umbi.umb.umb_to_tar", None)
+    result = babyrobot("export", "first-key", "--to", "umb", "-o", "new.umb")
+    assert result.status == 2
+    assert (
+        "error: this format needs umbi\n  help: install the extra `umb`: pip install" in result.err
+    )
+    assert not Path("new.umb").exists()

@@ -138,7 +138,7 @@ def exactly(number: float) -> Fraction:
     return simple if is_rounded else said
 
 
-def _denominators(level: GridWorld) -> tuple[int, int]:
+def denominators(level: GridWorld) -> tuple[int, int]:
     """Return a denominator of all probabilities of a level, and one of all rewards."""
     numbers = _decimals(level.model_dump())
     unit = lcm(*(number.denominator for number in numbers))
@@ -169,7 +169,7 @@ def _whole(numbers: Floats, denominator: int) -> Numbers:
 def _rows_of(space: StateSpace, core: Core) -> _Rows:
     """Return the core with whole numbers."""
     model, mdp = core.model, space.mdp
-    chance, unit = _denominators(space.level)
+    chance, unit = denominators(space.level)
     probability = _whole(model.probability, chance)
     rewards = _whole(mdp.reward[model.states, space.first_action :], unit)
     reward = np.zeros(model.reward.shape, object)
@@ -272,7 +272,7 @@ def _episode(
     """Return the expected steps to the end, inf if there may be none, and how likely an exit is."""
     ends: Flags = attractor(chain, chain.end, chain.allowed)[0]
     part = chain.restrict(ends)
-    chance, _ = _denominators(space.level)
+    chance, _ = denominators(space.level)
     probability = _whole(part.probability[:, 0], chance)
     success = _whole(part.success[:, 0], chance)
     columns = [[chance] * part.size, success.tolist()]

@@ -1,0 +1,155 @@
+"""Levels in the unified Markov binary format (arXiv 2606.17811): `babyrobot export --to umb`."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import tarfile
+from typing import Any
+
+import numpy as np
+
+from babyrobot_levels.convert.conversion import Conversion
+from babyrobot_levels.convert.processes import Process, losses, process_of
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.tables import Floats, Ints
+from babyrobot_levels.text.errors import DISTRIBUTION, how_to_install
+
+
+def write_umb(level: Level) -> Conversion:
+    """Return a level as an archive of the format.
+
+    Raises:
+        ImportError: the package umbi is not installed.
+    """
+    try:
+        from umbi.umb.umb_to_tar import UmbEncoder
+    except ImportError as error:
+        raise ImportError(f"this format needs umbi: {how_to_install('umb')}") from error
+
+    class Encoder(UmbEncoder):  # type: ignore[misc]
+        """Writes arrays as they are: umbi packs one number after another."""
+
+        def add_vector(self, name: str, kind: Any, vector: Any, optional: bool = False) -> None:
+            if isinstance(vector, np.ndarray):
+                letter = "f" if vector.dtype.kind == "f" else "u"
+                self.add_file(name, vector.astype(f"<{letter}{kind.size_bytes}").tobytes())
+            else:
+                super().add_vector(name, kind, vector, optional)
+
+        def add_bitvector(self, name: str, vector: Any, optional: bool = False) -> None:
+            words = np.zeros(-(-len(vector) // 64) * 64, bool)
+            words[: len(vector)] = vector
+            self.add_file(name, np.packbits(words, bitorder="little").tobytes())
+
+    process = process_of(level)
+    encoder = Encoder()
+    encoder.encode(_explicit(level, process), insert_umbi_metadata=False)
+    return Conversion("", losses(level, process, "a UMB file"), data=_archive(encoder))
+
+
+def _archive(files: dict[str, bytes]) -> bytes:
+    """Return files as a compressed archive, the same whenever it is written."""
+    written = io.BytesIO()
+    with tarfile.open(fileobj=written, mode="w") as archive:
+        for name, data in files.items():
+            entry = tarfile.TarInfo(name)
+            entry.size = len(data)
+            archive.addfile(entry, io.BytesIO(data))
+    return gzip.compress(written.getvalue(), 6, mtime=0)
+
+
+def _explicit(level: Level, process: Process) -> Any:
+    """Return the process as umbi takes it."""
+    from umbi.binary import SizedType
+    from umbi.datatypes import NumericPrimitiveType, PrimitiveType
+    from umbi.umb import ExplicitUmb
+    from umbi.umb.index import (
+        AnnotationDescription,
+        FileData,
+        ModelData,
+        TransitionSystem,
+        UmbIndex,
+    )
+    from umbi.version import __format_revision__, __format_version__
+
+    double = SizedType.for_type(NumericPrimitiveType.DOUBLE)
+    # Where nothing is to be chosen, there is one choice, of an action without a name.
+    names = [*process.actions, ""]
+    choices = np.ones(process.size + 1, np.int64)
+    choices[process.acting] = len(process.actions)
+    first = np.cumsum(choices) - choices
+    action, reward = np.full(first[-1], len(names) - 1), np.zeros(first[-1])
+    own = first[process.acting][:, None] + np.arange(len(process.actions))
+    action[own] = np.arange(len(process.actions))
+    tables = process.mdp.probability[process.acting], process.mdp.reward[process.acting]
+    reward[own] = np.einsum("sao,sao->sa", *tables)
+    choice, target, probability = _branches(process, first)
+    labels = {name: {"states": has} for name, has in process.labels.items()}
+    rewards = {"reward": {"choices": reward}, "cost": {"choices": -reward}}
+    index = UmbIndex(
+        format_version=__format_version__,
+        format_revision=__format_revision__,
+        file_data=FileData(tool=DISTRIBUTION),
+        model_data=ModelData(
+            name=level.title or level.name,
+            description=level.description,
+            authors=[level.author] if level.author else None,
+            comment="\n".join(filter(None, (level.license, level.source))) or None,
+        ),
+        transition_system=TransitionSystem(
+            num_players=1,
+            num_states=process.size,
+            num_initial_states=1,
+            num_choices=len(action),
+            num_choice_actions=len(names),
+            num_branches=len(target),
+            branch_probability_type=double,
+        ),
+        annotations={
+            "aps": {
+                name: AnnotationDescription(
+                    applies_to=["states"], type=SizedType.for_type(PrimitiveType.BOOL)
+                )
+                for name in labels
+            },
+            "rewards": {
+                name: AnnotationDescription(applies_to=["choices"], type=double) for name in rewards
+            },
+        },
+    )
+    return ExplicitUmb(
+        index=index,
+        state_is_initial=np.arange(process.size) == process.initial,
+        state_to_choices=first,
+        choice_to_branches=np.append(0, np.cumsum(np.bincount(choice))),
+        branch_to_target=target,
+        branch_to_probability=probability,
+        choice_to_choice_action=action,
+        choice_action_to_string=names,
+        annotations={"aps": labels, "rewards": rewards},
+    )
+
+
+def _branches(process: Process, first: Ints) -> tuple[Ints, Ints, Floats]:
+    """Return the choice, the target and the probability of each branch, ordered by these.
+
+    Args:
+        process: the process.
+        first: the number of the first choice of each state.
+    """
+    chances = process.mdp.probability[process.acting]
+    happens = chances > 0
+    own = first[process.acting][:, None, None] + np.arange(len(process.actions))[:, None]
+    starts = [*process.starts]
+    resting = np.ones(process.size, bool)
+    resting[process.acting] = False
+    resting[process.initial] &= not starts
+    over = np.flatnonzero(resting)
+    draw = np.full(len(starts), first[process.initial])
+    choice = np.concatenate([np.broadcast_to(own, chances.shape)[happens], first[over], draw])
+    target = np.concatenate([process.next_state[happens], over, starts]).astype(np.int64)
+    weight = np.concatenate([chances[happens], np.ones(over.size), [*process.starts.values()]])
+    pairs, which = np.unique(choice * process.size + target, return_inverse=True)
+    summed: Floats = np.bincount(which, weight).astype(np.float64)
+    return *np.divmod(pairs, process.size), summed
