@@ -106,15 +106,20 @@ class Graph:
             (weights, targets, np.append(begin, np.int32(targets.size))), shape=(size + 1, size + 1)
         )
         order, before = breadth_first_order(graph, size)
-        # Each node knows the one before it: jumps of double length count the path in few rounds.
-        before[size] = size
-        count = np.zeros(size + 1, np.intp)
-        count[order[1:]] = 1
-        while (before[order] != size).any():
-            count[order] += count[before[order]]
-            before[order] = before[before[order]]
+        # Nodes come in the order of their distances. Those of the next distance begin with the
+        # first that was found from one of this distance.
+        place = np.empty(size + 1, np.int32)
+        place[order] = np.arange(order.size, dtype=np.int32)
+        ahead = np.bincount(place[before[order[1:]]], minlength=order.size)
+        behind = (1 + np.cumsum(ahead) - ahead).tolist()
+        begins, at = [], 1
+        while at < order.size:
+            begins.append(at)
+            at = behind[at]
+        count = np.zeros(order.size, np.int32)
+        count[begins] = 1
         found = np.full(size, -1, np.int32)
-        found[order[1:]] = count[order[1:]] - 1
+        found[order[1:]] = np.cumsum(count)[1:] - 1
         return found
 
 
