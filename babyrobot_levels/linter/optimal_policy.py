@@ -54,13 +54,14 @@ def surely_terminates(mdp: Mdp, discount: float) -> bool:
     """
     happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
     ends = mdp.terminal & happens
-    going_on, ending = mdp.reward[happens & ~ends], mdp.reward[ends]
-    if not going_on.size:
+    going_on = happens & ~ends
+    if not going_on.any():
         return True
-    lowest, highest = going_on.min(), going_on.max()
+    lowest = mdp.reward.min(where=going_on, initial=np.inf)
+    highest = mdp.reward.max(where=going_on, initial=-np.inf)
     if highest < 0 and discount == 1:
         return True
-    return bool(lowest == highest <= 0 and ending.min(initial=0.0) >= highest)
+    return bool(lowest == highest <= 0 and mdp.reward.min(where=ends, initial=0.0) >= highest)
 
 
 def endless_loop(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
@@ -96,7 +97,7 @@ def endless_loop(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     return []
 
 
-def surely_within_limit(level: Level, to_exit: list[int]) -> bool:
+def surely_within_limit(level: Level, to_exit: Sequence[int]) -> bool:
     """Return whether costs alone show that the optimal policy succeeds in half of the episodes.
 
     If every step has a cost, the optimal policy takes no more steps than a deterministic path
@@ -110,30 +111,29 @@ def surely_within_limit(level: Level, to_exit: list[int]) -> bool:
     mdp, limit = level.compile(), level.max_steps or 0
     happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
     ends = mdp.terminal & happens
-    lowest_cost = -mdp.reward[happens & ~ends].max(initial=-np.inf)
+    lowest_cost = -mdp.reward.max(where=happens & ~ends, initial=-np.inf)
     if level.has_things:
         return False
     if level.discount < 1 or lowest_cost <= 0 or mdp.is_terminal.sum() > len(level.exits):
         return False
-    highest = float(mdp.reward[ends].max(initial=-np.inf))
+    highest = float(mdp.reward.max(where=ends, initial=-np.inf))
     sure = happens.sum(axis=2) == 1
     # Cells that some action leaves deterministically, and terminal cells.
     firm = (sure[:, 1:].any(axis=1) | mdp.is_terminal).tolist()
-    is_sure = sure.tolist()
-    following, rewards = mdp.next_state[:, :, 0].tolist(), mdp.reward[:, :, 0].tolist()
     for state in mdp.start.nonzero()[0].tolist():
         value = 0.0
         while to_exit[state] > 0:
+            is_sure, following = sure[state].tolist(), mdp.next_state[state, :, 0].tolist()
             nearer = (
                 action
-                for action, other in enumerate(following[state])
-                if is_sure[state][action] and firm[other] and 0 <= to_exit[other] < to_exit[state]
+                for action, other in enumerate(following)
+                if is_sure[action] and firm[other] and 0 <= to_exit[other] < to_exit[state]
             )
             action = next(nearer, None)
             if action is None:
                 return False
-            value += rewards[state][action]
-            state = following[state][action]
+            value += float(mdp.reward[state, action, 0])
+            state = following[action]
         if 2 * (1 + (highest - value) / lowest_cost) > limit + 1:
             return False
     return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -16,7 +17,7 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.graph import Graph, Successors
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.mdp.tables import ALL, Mdp, parts_of
 from babyrobot_levels.text.words import did_you_mean, listed
 
 MAX_LISTED = 10
@@ -133,10 +134,10 @@ class Reach:
             ends the episode in a state in which others go on is not part of it.
     """
 
-    steps: list[int]
+    steps: array[int]
     on: bytes
-    to_exit: list[int]
-    to_end: list[int]
+    to_exit: array[int]
+    to_end: array[int]
     graph: Graph
 
     @property
@@ -148,10 +149,9 @@ class Reach:
         """Tell whether an episode can come to a state."""
         return self.steps[state] >= 0
 
-    def from_some(self, states: Iterable[int]) -> list[int]:
+    def from_some(self, states: Iterable[int]) -> array[int]:
         """Return for each state the fewest steps in which it can be reached from some others."""
-        found: list[int] = self.graph.distances(states).tolist()
-        return found
+        return _counts(self.graph.distances(states))
 
 
 def occurring(mdp: Mdp) -> NDArray[np.bool_]:
@@ -174,23 +174,22 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
     free = ~level.grid().blocked.ravel()
     ends = np.flatnonzero(mdp.is_terminal.reshape(-1, mdp.cells) & free)
     hits = np.flatnonzero(ends_by_hit(mdp).any(axis=(1, 2))) if level.movers else exits[:0]
-    to_exit = backwards.distances(exits).tolist()
-    to_end = to_exit
+    to_exit = to_end = backwards.distances(exits)
     if hits.size:
         # One more node, to which every hit that ends an episode leads.
         source = np.append(graph.source, hits.astype(np.int32))
         target = np.append(graph.target, np.full(hits.size, mdp.num_states, np.int32))
         more = Graph(mdp.num_states + 1, target, source)
-        to_end = more.distances(np.append(ends, mdp.num_states)).tolist()[:-1]
+        to_end = more.distances(np.append(ends, mdp.num_states))[:-1]
     elif not np.array_equal(ends, exits):
-        to_end = backwards.distances(ends).tolist()
-    return Reach(
-        steps.tolist(),
-        ((steps >= 0) & ~mdp.is_terminal).tobytes(),
-        to_exit,
-        to_end,
-        graph,
-    )
+        to_end = backwards.distances(ends)
+    on = (steps >= 0) & ~mdp.is_terminal
+    return Reach(_counts(steps), on.tobytes(), _counts(to_exit), _counts(to_end), graph)
+
+
+def _counts(numbers: NDArray[np.int32]) -> array[int]:
+    """Return numbers of steps as Python's integers, in little room."""
+    return array("i", numbers.tobytes())
 
 
 def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
@@ -214,27 +213,37 @@ def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
     return np.repeat(cells[which.ravel()], mdp.headings, axis=0).ravel()
 
 
-def ends_by_hit(mdp: Mdp) -> NDArray[np.bool_]:
+def ends_by_hit(mdp: Mdp, part: slice = ALL) -> NDArray[np.bool_]:
     """Return which outcomes end the episode in a state in which others go on.
 
-    They are hits, `[states, actions, outcomes]`.
+    They are hits, `[states, actions, outcomes]`, of some of the states.
     """
-    happens = mdp.terminal & (mdp.probability > 0)
-    return happens & ~mdp.is_terminal[mdp.next_state]
+    happens = mdp.terminal[part] & (mdp.probability[part] > 0)
+    return happens & ~mdp.is_terminal[mdp.next_state[part]]
 
 
 def transitions(mdp: Mdp) -> Graph:
     """Return the graph of all transitions from one state to another, each pair once."""
-    states = np.arange(mdp.num_states, dtype=np.int32)[:, None]
-    happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
+    # Bytes grow where they are: arrays put together would be there twice.
+    sources, targets = bytearray(), bytearray()
+    for part in parts_of(mdp.num_states):
+        source, target = _moves(mdp, part)
+        sources += source.tobytes()
+        targets += target.tobytes()
+    return Graph(mdp.num_states, np.frombuffer(sources, np.int32), np.frombuffer(targets, np.int32))
+
+
+def _moves(mdp: Mdp, part: slice) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Return the pairs of a graph that begin in some states."""
+    states = np.arange(part.start, part.stop, dtype=np.int32)[:, None]
+    happens = (mdp.probability[part] > 0) & ~mdp.is_terminal[part, None, None]
     if mdp.configurations.shape[1]:
-        happens &= ~ends_by_hit(mdp)
-    targets = np.where(happens, mdp.next_state, states[:, :, None]).reshape(mdp.num_states, -1)
+        happens &= ~ends_by_hit(mdp, part)
+    targets = np.where(happens, mdp.next_state[part], states[:, :, None]).reshape(len(states), -1)
     targets.sort(axis=1)
     moves = targets != states
     moves[:, 1:] &= targets[:, 1:] != targets[:, :-1]
-    source = np.repeat(states.ravel(), moves.sum(axis=1))
-    return Graph(mdp.num_states, source, targets[moves])
+    return np.repeat(states.ravel(), moves.sum(axis=1)), targets[moves]
 
 
 def situation(level: GridWorld, number: int) -> dict[str, Any]:

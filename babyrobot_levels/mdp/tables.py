@@ -248,10 +248,16 @@ def _turning(mdp: Mdp, heading: str) -> Mdp:
     ).freeze()
 
 
-DIGEST_VERSION = 1
-PART = 1 << 15
-"""How many states are hashed at a time."""
+PART = 1 << 13
+"""How many states are read or made at a time."""
 
+
+def parts_of(states: int) -> Iterator[slice]:
+    """Yield the states in parts: what is made of all their outcomes at a time needs much room."""
+    return (slice(at, min(at + PART, states)) for at in range(0, states, PART))
+
+
+DIGEST_VERSION = 1
 _HEADER = f"babyrobot-levels game {DIGEST_VERSION}\n".encode("ascii")
 
 
@@ -284,7 +290,7 @@ def _parts(level: LevelFields, grid: Grid, mdp: Mdp) -> Iterator[bytes | NDArray
     yield np.array([probability for _, _, probability in glass], "<f8")
     yield mdp.start.astype("<f8")
     yield mdp.is_terminal.astype("u1")
-    parts = [slice(at, at + PART) for at in range(0, mdp.num_states, PART)]
+    parts = [*parts_of(mdp.num_states)]
     for part in parts:
         yield (mdp.probability[part] > 0).sum(axis=2).astype("<u4")
     for table, kind in (

@@ -47,8 +47,8 @@ def test_a_drawn_exit_is_one_in_its_own_configurations() -> None:
 def test_steps_to_the_exit_lead_by_what_it_needs() -> None:
     level = brl.load(LOCKED)
     reach = reach_of(level, level.compile())
-    assert reach.steps == [-1, 0, 1, 2, 1, 2, 3, 4]
-    assert reach.to_exit == [-1, 4, 5, 6, 3, 2, 1, 0]
+    assert list(reach.steps) == [-1, 0, 1, 2, 1, 2, 3, 4]
+    assert list(reach.to_exit) == [-1, 4, 5, 6, 3, 2, 1, 0]
     assert [bool(on) for on in reach.on] == [False, *[True] * 6, False]
 
 

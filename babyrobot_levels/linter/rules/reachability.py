@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from babyrobot_levels.library.level import Level
@@ -255,7 +255,7 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
         )
 
 
-def _trap_among_things(context: LintContext, steps: list[int], traps: list[int]) -> Finding:
+def _trap_among_things(context: LintContext, steps: Sequence[int], traps: list[int]) -> Finding:
     """Return the finding for the trap that is reached first, with the configuration in words."""
     first = min(traps, key=lambda state: (steps[state], state))
     occupied = [state for state, on in enumerate(context.reach.on) if on]

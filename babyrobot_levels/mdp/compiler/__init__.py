@@ -16,7 +16,6 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     Room,
     ended,
     merged,
-    parts_of,
     plain_branches,
     stochastic_branches,
     stochastic_rows,
@@ -29,7 +28,7 @@ from babyrobot_levels.mdp.compiler.terrain import (
 )
 from babyrobot_levels.mdp.configurations import MAX_WIDE_STATES, most_outcomes, too_large
 from babyrobot_levels.mdp.grid import Grid, build_grid
-from babyrobot_levels.mdp.tables import REFUSED, Mdp
+from babyrobot_levels.mdp.tables import REFUSED, Mdp, parts_of
 
 __all__ = ["compile_mdp"]
 

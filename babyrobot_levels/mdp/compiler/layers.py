@@ -22,8 +22,8 @@ from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
     Pay,
+    differs,
     ended,
-    parts_of,
     plain_branches,
     stochastic_branches,
     stochastic_rows,
@@ -37,14 +37,15 @@ from babyrobot_levels.mdp.compiler.terrain import (
     build_warps,
 )
 from babyrobot_levels.mdp.configurations import MAX_STATES, Things, Values
+from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
-from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.mdp.tables import Flags, Floats, Ints, parts_of
 
 LARGE = 50_000
 """From so many cells on, it is worth while to look first whether the level is too large."""
 
-MANY, BATCH = 64, 1 << 12
-"""From so many pairs on, steps among movers are taken together; so many at a time."""
+MANY, MORE, BATCH = 64, 512, 1 << 12
+"""From so many pairs on, among movers and without, steps are taken together; so many at a time."""
 
 Ways = tuple[Ints, Ints, Floats]
 """Steps of movers; see `Crowd.steps`."""
@@ -229,23 +230,18 @@ class Layers:
         values = self.things.taken_at_start(next(self.things.draws()), (x, y))
         layer = self.layer(values[: self.things.static])
         grid = grid_with_doors(self.level, self.grid, layer.closed)
-        landing = build_moves(self.level, grid).landing.T.astype(np.intc)
-        warped = {warp.at[1] * grid.width + warp.at[0] for warp in self.level.warps}
-        sure, over = (terrain.skid < 1).tobytes(), layer.over
-        stack = [y * grid.width + x]
-        seen = bytearray(self.size)
-        changes: set[int] = set()
-        while stack:
-            for target in landing[stack.pop()].tolist():
-                if seen[target] or target in warped:
-                    continue
-                seen[target] = 1
-                if target in layer.arrivals:
-                    changes.add(target)
-                    if len(changes) + 1 > self._most:
-                        raise TooManyStates
-                elif sure[target] and not over[target]:
-                    stack.append(target)
+        landing = build_moves(self.level, grid).landing.T
+        start, changing = y * grid.width + x, [*layer.arrivals]
+        goes_on = (terrain.skid < 1) & (np.frombuffer(layer.over, np.uint8) == 0)
+        goes_on[changing] = False
+        goes_on[start] = True
+        warped = np.zeros(self.size, bool)
+        warped[[warp.at[1] * grid.width + warp.at[0] for warp in self.level.warps]] = True
+        leads = goes_on[:, None] & ~warped[landing]
+        source = np.repeat(np.arange(self.size, dtype=np.int32), leads.sum(axis=1))
+        steps = Graph(self.size, source, landing[leads]).distances([start])
+        if (steps[changing] > 0).sum() + 1 > self._most:
+            raise TooManyStates
 
     # -- layers ----------------------------------------------------------------------------
 
@@ -352,8 +348,11 @@ class Layers:
         ground = self.ground(layer)
         follow, begin = ground.follow, ground.begin
         found, over, arrivals, stack = layer.found, layer.over, layer.arrivals, layer.waiting
-        touched = {}
+        touched: dict[int, Layer] = {}
         while stack:
+            if len(stack) >= MORE:
+                touched |= self._walk_together(layer, stack)
+                continue
             cell = stack.pop()
             for target in follow[begin[cell] : begin[cell + 1]]:
                 if target in arrivals:
@@ -377,9 +376,7 @@ class Layers:
         touched: dict[int, Layer] = {}
         while stack:
             if len(stack) >= MANY:
-                pairs = np.array(stack[-BATCH:])
-                del stack[-BATCH:]
-                touched |= self._walk_together(layer, pairs)
+                touched |= self._walk_together(layer, stack)
                 continue
             joint, cell = divmod(stack.pop(), size)
             for number, target in enumerate((cell, *follow[begin[cell] : begin[cell + 1]])):
@@ -405,8 +402,10 @@ class Layers:
                         self._note(other, after, target, REACHED)
         return [*touched.values()]
 
-    def _walk_together(self, layer: Layer, pairs: Ints) -> dict[int, Layer]:
-        """Take a step from many pairs of a layer; return other layers that it leads to."""
+    def _walk_together(self, layer: Layer, stack: list[int]) -> dict[int, Layer]:
+        """Take a step from the last pairs of a layer; return other layers that it leads to."""
+        pairs = np.array(stack[-BATCH:])
+        del stack[-BATCH:]
         ground, (first, following, _) = self.ground(layer), self.ways(layer)
         joint, cell = np.divmod(pairs, self.size)
         begin = np.frombuffer(ground.begin, np.intc)
@@ -440,7 +439,7 @@ class Layers:
             raise TooManyStates
         pair, ends = joint * self.size + cell, hit | np.frombuffer(layer.over, bool)[cell]
         new = pair[~ends]
-        new = np.unique(new[found[new] != ON])
+        new = distinct(new[found[new] != ON])
         found[new] = ON
         ended = pair[ends]
         found[ended[found[ended] == 0]] = REACHED
@@ -463,6 +462,12 @@ def hits(cells: Ints, before: Ints, here: Ints, after: Ints, there: Ints) -> Fla
         was, now = cells[before, mover], cells[after, mover]
         hit |= (now == there) | ((now == here) & (was == there) & (here != there))
     return hit
+
+
+def distinct(numbers: Ints) -> Ints:
+    """Return the numbers in rising order, each once: `np.unique` takes ten times as long."""
+    ordered = np.sort(numbers)
+    return ordered[differs(ordered)]
 
 
 def expanded(first: Ints, last: Ints) -> tuple[Ints, Ints]:
@@ -496,8 +501,8 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
     moves, warps = build_moves(level, grid), build_warps(level, grid)
     arrivals = Arrivals(level.rewards, terrain, warps)
     starts = np.array([y * width + x for x, y in level.starts])
-    columns: list[tuple[NDArray[Any], ...]] = []
-    follow = array("i")
+    kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, float)
+    columns = [bytearray() for _ in kinds]
     for part in parts_of(count):
         stochastic = stochastic_rows(moves, terrain, warps, part)
         branches = plain_branches(moves, terrain, warps, part).select(~stochastic.ravel())
@@ -508,29 +513,27 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
         cell = branches.row // NUM_ACTIONS
         arrives = arrivals.is_sent(branches) | (next_cell != cell)
         ways = arrives & ~terrain.over[cell]
-        leads, where = np.divmod(np.unique(cell[ways] * count + next_cell[ways]), count)
-        follow.frombytes(where.astype(np.intc).tobytes())
+        leads, where = np.divmod(distinct(cell[ways] * count + next_cell[ways]), count)
         pay = arrivals.pay(branches, next_cell)
-        columns.append(
-            (
-                np.bincount(leads - part.start, minlength=part.stop - part.start),
-                np.bincount(
-                    branches.row - part.start * NUM_ACTIONS,
-                    minlength=(part.stop - part.start) * NUM_ACTIONS,
-                ),
-                branches.probability,
-                next_cell.astype(np.int32),
-                arrives,
-                pay.reward,
-                pay.rank,
-                arrivals.added(branches),
-            )
+        values: tuple[NDArray[Any], ...] = (
+            where,
+            np.bincount(leads - part.start, minlength=part.stop - part.start),
+            np.bincount(
+                branches.row - part.start * NUM_ACTIONS,
+                minlength=(part.stop - part.start) * NUM_ACTIONS,
+            ),
+            branches.probability,
+            next_cell,
+            arrives,
+            pay.reward,
+            pay.rank,
+            arrivals.added(branches),
         )
-    # One column after the other: two copies of all of them would need much.
-    turned = [*map(list, zip(*columns, strict=True))][::-1]
-    columns.clear()
-    led, length, probability, next_cells, arrive, reward, rank, added = (
-        np.concatenate(turned.pop()) for _ in range(len(turned))
+        # Bytes grow where they are: arrays put together would be there twice.
+        for column, kind, more in zip(columns, kinds, values, strict=True):
+            column += more.astype(kind).tobytes()
+    follow, led, length, probability, next_cells, arrive, reward, rank, added = (
+        np.frombuffer(column, kind) for column, kind in zip(columns, kinds, strict=True)
     )
     return Ground(
         grid=grid,
@@ -543,7 +546,7 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
         arrives=arrive,
         pay=Pay(reward, rank),
         added=added,
-        follow=follow,
+        follow=array("i", follow.tobytes()),
         begin=array("i", _begins(led).tobytes()),
     )
 

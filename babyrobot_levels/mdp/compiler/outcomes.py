@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -20,9 +20,6 @@ from babyrobot_levels.mdp.compiler.terrain import (
     Warps,
 )
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
-
-PART = 1 << 15
-"""How many states are expanded at a time."""
 
 RANKS = {name: np.int8(rank) for rank, name in enumerate(PRECEDENCE)}
 """The rewards by their precedence: of those that apply, the one with the least rank is paid."""
@@ -156,11 +153,6 @@ class Branches:
 
     def _arrays(self) -> tuple[NDArray, ...]:  # type: ignore[type-arg]
         return self.row, self.probability, self.landing, self.happened
-
-
-def parts_of(states: int) -> Iterator[slice]:
-    """Yield the states in parts: what many branches come to needs much room at a time."""
-    return (slice(at, min(at + PART, states)) for at in range(0, states, PART))
 
 
 def plain_branches(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -> Branches:
@@ -310,29 +302,35 @@ class Room:
         return self._tables
 
 
+def differs(values: NDArray[Any]) -> Flags:
+    """Return whether each value is another than the one before it."""
+    flags = np.ones(values.size, bool)
+    np.not_equal(values[1:], values[:-1], out=flags[1:])
+    return flags
+
+
 def merged(
     row: Ints, probability: Floats, next_state: Ints, reward: Floats, terminal: Flags
 ) -> Outcomes:
     """Return the outcomes sorted, those that are alike as one."""
-    order = np.lexsort((terminal, reward, next_state, row))
+    # Branches come in runs of rising rows: to sort one key is fast. The others are needed only
+    # where rewards or ends tell apart what leads to one state.
+    target = row * (int(next_state.max(initial=0)) + 1) + next_state
+    order = np.argsort(target, kind="stable")
+    is_new = differs(target[order])
+    by_more = differs(reward[order]) | differs(terminal[order])
+    if (by_more & ~is_new).any():
+        order = np.lexsort((terminal, reward, target))
+        is_new = differs(target[order]) | differs(reward[order]) | differs(terminal[order])
     row, next_state, reward, terminal = (
         row[order],
         next_state[order],
         reward[order],
         terminal[order],
     )
-    is_new = np.ones(row.size, bool)
-    is_new[1:] = (
-        (row[1:] != row[:-1])
-        | (next_state[1:] != next_state[:-1])
-        | (reward[1:] != reward[:-1])
-        | (terminal[1:] != terminal[:-1])
-    )
     first = is_new.nonzero()[0]
     total = np.add.reduceat(probability[order], first)
     row = row[first]
-    begins = np.ones(row.size, bool)
-    begins[1:] = row[1:] != row[:-1]
-    begin = begins.nonzero()[0]
+    begin = differs(row).nonzero()[0]
     slot = np.arange(row.size) - np.repeat(begin, np.diff(np.append(begin, row.size)))
     return Outcomes(row, slot, total, next_state[first], reward[first], terminal[first])

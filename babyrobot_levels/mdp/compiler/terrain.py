@@ -250,10 +250,10 @@ class Warps:
         leave_reward: the reward of those moves, nan where the warps give none.
     """
 
-    arrive: NDArray[np.int64]
+    arrive: NDArray[np.int32]
     arrive_reward: NDArray[np.float64]
     leaves: NDArray[np.bool_]
-    leave_to: NDArray[np.int64]
+    leave_to: NDArray[np.int32]
     leave_reward: NDArray[np.float64]
 
     @cached_property
@@ -266,12 +266,12 @@ def build_warps(level: LevelFields, grid: Grid) -> Warps:
     """Follow every warp to its end: one that leads onto another goes on from there."""
     count = grid.width * grid.height
     enter = {_state(warp.at, grid): warp for warp in level.warps if warp.when == "enter"}
-    arrive = np.arange(count + 1)
+    arrive = np.arange(count + 1, dtype=np.int32)
     arrive_reward = np.full(count + 1, np.nan)
     for state in enter:
         arrive[state], arrive_reward[state] = _follow(state, enter, level, grid)
     leaves = np.zeros(count, bool)
-    leave_to = np.arange(count)
+    leave_to = np.arange(count, dtype=np.int32)
     leave_reward = np.full(count, np.nan)
     for warp in level.warps:
         if warp.when == "leave":
@@ -310,15 +310,17 @@ def obstructions(
     moves: Moves, terrain: Terrain, warps: Warps
 ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
     """Return what hinders each action, and where it leads without chance."""
-    states = np.arange(terrain.over.size)
+    states = np.arange(terrain.over.size, dtype=np.int32)
     obstruction = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
     target = np.empty((states.size, NUM_ACTIONS), np.int32)
     target[:, Action.STAY] = states
-    glass = moves.glass > 0
     moves_on = ~warps.leaves & ~terrain.over
-    obstruction[:, 1:][(moves_on & moves.refused).T] = REFUSED
-    obstruction[:, 1:][(moves_on & glass).T] = GLASS
-    goals = warps.arrive[np.where(glass, moves.through, moves.landing)]
-    target[:, 1:] = np.where(warps.leaves, warps.leave_to, goals).T
+    # One way after the other: copies of all of them would need much room.
+    for way in range(NUM_MOVES):
+        action, glass = way + 1, moves.glass[way] > 0
+        obstruction[moves_on & moves.refused[way], action] = REFUSED
+        obstruction[moves_on & glass, action] = GLASS
+        goals = warps.arrive[np.where(glass, moves.through[way], moves.landing[way])]
+        target[:, action] = np.where(warps.leaves, warps.leave_to, goals)
     target[terrain.over] = states[terrain.over, None]
     return obstruction, target

@@ -39,7 +39,7 @@ from babyrobot_levels.mdp.configurations import (
     too_large,
 )
 from babyrobot_levels.mdp.grid import Grid, check_placement
-from babyrobot_levels.mdp.tables import FREE, REFUSED, Flags, Floats, Ints, Mdp
+from babyrobot_levels.mdp.tables import FREE, REFUSED, Flags, Floats, Ints, Mdp, parts_of
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 
@@ -138,18 +138,20 @@ class _Compiler:
             hindered, targets = obstructions(ground.moves, ground.terrain, ground.warps)
             for layer in members:
                 joints, cells = self._on(layer)
-                states = self.number[layer.number, joints] * self.size + cells
-                over[states] = False
-                obstruction[states] = hindered[cells]
-                target = targets[cells]
-                there = (states - cells)[:, None] + target
-                intended[states] = np.where(target == self.size, count, there)
-            for part in self._outcomes(ground, members):
-                if part.width > MAX_OUTCOMES:
+                for part in parts_of(cells.size):
+                    cell = cells[part]
+                    states = self.number[layer.number, joints[part]] * self.size + cell
+                    over[states] = False
+                    obstruction[states] = hindered[cell]
+                    target = targets[cell]
+                    there = (states - cell)[:, None] + target
+                    intended[states] = np.where(target == self.size, count, there)
+            for outcomes in self._outcomes(ground, members):
+                if outcomes.width > MAX_OUTCOMES:
                     raise _too_many_outcomes(self.level)
-                if part.width * count > MAX_WIDE_STATES:
-                    raise too_large(self.level, count, part.width)
-                room.put(part)
+                if outcomes.width * count > MAX_WIDE_STATES:
+                    raise too_large(self.level, count, outcomes.width)
+                room.put(outcomes)
         action_mask = (obstruction != REFUSED).astype(np.int8)
         action_mask[over, 1:] = 0
         tables = room.tables()
@@ -159,8 +161,8 @@ class _Compiler:
         tables["terminal"][ended, :, 0] = True
         start = np.zeros(count)
         starts = self.layers.starts
-        for number, joint, cell in starts:
-            start[self.number[number, joint] * self.size + cell] += 1.0 / len(starts)
+        for number, joint, at in starts:
+            start[self.number[number, joint] * self.size + at] += 1.0 / len(starts)
         return Mdp(
             width=self.layers.grid.width,
             height=self.layers.grid.height,
@@ -185,7 +187,8 @@ class _Compiler:
     def _on(self, layer: Layer) -> tuple[Ints, Ints]:
         """Return joint state and cell of the pairs from which an episode goes on."""
         on = np.frombuffer(layer.found, np.uint8) == ON
-        return np.divmod(on.nonzero()[0], self.size)
+        joint, cell = np.divmod(on.nonzero()[0], self.size)
+        return joint.astype(np.int32), cell.astype(np.int32)
 
     def _outcomes(self, ground: Ground, members: list[Layer]) -> Iterator[Outcomes]:
         """Yield the outcomes in layers that have the same ground and exits, in parts."""
@@ -200,9 +203,10 @@ class _Compiler:
                 reward = layer.arrivals[at].reward
                 taken[index, at] = np.nan if reward is None else reward
             joints, cells = self._on(layer)
-            pairs.append((np.full(cells.size, index), joints, cells))
+            pairs.append((np.full(cells.size, index, np.int32), joints, cells))
         numbers = np.array([layer.number for layer in members])
         place, joint, cell = (np.concatenate(column) for column in zip(*pairs, strict=True))
+        pairs.clear()
         if not cell.size:
             return
         sizes = np.diff(ground.first[::NUM_ACTIONS])[cell]
