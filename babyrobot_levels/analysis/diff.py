@@ -27,6 +27,7 @@ from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Ints
+from babyrobot_levels.render.words.phrases import with_limit
 
 LIMIT = 10
 """How many changes of each kind are listed by default."""
@@ -101,10 +102,15 @@ class Difference(Shown):
                 for name, changes in zip(names, counts, strict=True)
                 if changes.total
             ),
-            ("Best return", " → ".join(map(number, self.best_return))),
-            ("Random return", " → ".join(map(number, self.random_return))),
+            (self.named("Best return"), " → ".join(map(number, self.best_return))),
+            (self.named("Random return"), " → ".join(map(number, self.random_return))),
         ]
         return "".join(_both(self)) + facts(rows)
+
+    def named(self, returns: str) -> str:
+        """Return what returns are called: those without a limit, if a level has one."""
+        limits = [level.max_steps for level in self.levels or ()]
+        return with_limit(returns, None, next(filter(None, limits), None))
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""

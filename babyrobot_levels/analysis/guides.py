@@ -46,6 +46,10 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
     return overlay_given(level, given)
 
 
+class EndlessVisitsError(ValueError):
+    """Visits that cannot be drawn, as there are infinitely many."""
+
+
 def _visits_of(level: GridWorld, policy: str | bool) -> Any:
     """Return how often a policy that is given by name visits the cells."""
     from babyrobot_levels.analysis.solver.occupancy import occupancy
@@ -55,7 +59,7 @@ def _visits_of(level: GridWorld, policy: str | bool) -> Any:
         raise ValueError(f"visits given by name are those of 'best' or 'random', not {policy!r}")
     found = occupancy(level, policy if policy == RANDOM else solve(level))
     if not math.isfinite(found.visits.max()):
-        raise ValueError("an episode may go on for ever, so that visits have no picture")
+        raise EndlessVisitsError("an episode may go on for ever, so that visits have no picture")
     return found
 
 

@@ -278,7 +278,7 @@ def _return_lines(difference: Difference) -> Iterator[str]:
         ("optimal return", difference.best_return),
         ("random return", difference.random_return),
     ):
-        yield f"{bold(name + ':')} {_return(before)} -> {_return(after)}"
+        yield f"{bold(difference.named(name) + ':')} {_return(before)} -> {_return(after)}"
 
 
 def _return(value: float | None) -> str:

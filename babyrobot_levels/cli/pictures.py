@@ -85,10 +85,13 @@ def check_policy(chosen: PictureFormat, policy: str | None) -> None:
 @contextmanager
 def _refusing(help_text: str) -> Iterator[None]:
     """End the command if a picture cannot be made."""
+    from babyrobot_levels.analysis.guides import EndlessVisitsError
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
         yield
+    except EndlessVisitsError as error:
+        fail(str(error), "leave out --visits, or give the level an end")
     except UndefinedReturnError as error:
         _end_unsolved(error)
     except ValueError as error:

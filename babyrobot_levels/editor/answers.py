@@ -239,6 +239,8 @@ def solved(level: Level) -> Optimum:
     except ArithmeticError as error:
         return Optimum(level, None, str(error))
     guide, reason = solution_guide(level, solution), endless(solution)
+    if reason and level.max_steps is not None:
+        reason = f"without the limit of steps, {reason}"
     if math.isnan(guide.expected_return):
         reason = f"what is earned within {level.max_steps:,} steps takes too long to compute"
     return Optimum(level, guide, reason, solution)

@@ -335,9 +335,9 @@ def shown_values(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]
     if best is not None:
         yield name, best
     if facts.best_steps is not None:
-        yield "Steps of the optimal policy", rounded(facts.best_steps)
+        yield with_limit("Steps of the optimal policy", None, limit), rounded(facts.best_steps)
     if facts.random_return is not None:
-        yield "Return of random actions", rounded(facts.random_return)
+        yield with_limit("Return of random actions", None, limit), rounded(facts.random_return)
 
 
 def solved_values(level: Level, facts: Facts, guide: Guide) -> dict[str, Any]:

@@ -42,10 +42,10 @@ ORDERS = {
     "-size": "Largest first",
     "difficulty": "Easiest first",
     "-difficulty": "Hardest first",
-    "steps": "Fewest optimal steps first",
-    "-steps": "Most optimal steps first",
-    "-return": "Highest optimal return first",
-    "return": "Lowest optimal return first",
+    "steps": "Fewest steps without a limit",
+    "-steps": "Most steps without a limit",
+    "-return": "Highest optimum without a limit",
+    "return": "Lowest optimum without a limit",
 }
 """The orders that can be chosen instead of the gallery's own, and their names."""
 

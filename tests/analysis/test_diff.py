@@ -167,6 +167,9 @@ def test_returns() -> None:
         brl.evaluate(level_of(PLAIN), "random").expected_return
     )
     assert changed(exit="none").best_return == (-2.0, -np.inf)
+    # Returns are those without a limit, which is said where there is one.
+    assert difference.named("Best return") == "Best return"
+    assert changed(max_steps=9).named("Best return") == "Best return without a limit"
 
 
 def test_a_return_without_a_value_is_none() -> None:

@@ -409,3 +409,9 @@ def test_values_of_wide_levels_are_left_to_pictures() -> None:
     assert (done.status, done.out) == (0, load(name).draw())
     assert "16 columns" in done.err
     assert f"{MINUS}15" in texts(babyrobot("preview", name, "--values", "--format", "svg").out)
+
+
+def test_visits_without_end_are_refused_with_what_helps() -> None:
+    done = babyrobot("preview", written(HEAD + "exit: none\n"), "--visits", "-o", "visits.svg")
+    assert done.status == 2
+    assert "visits have no picture\n  help: leave out --visits" in done.err

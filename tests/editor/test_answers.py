@@ -52,6 +52,15 @@ def test_the_best_average_is_that_within_the_time_limit() -> None:
     assert (answers["best"], answers["best_name"]) == (-2.0, "Best average within 2 steps")
 
 
+def test_why_it_is_infinite_is_said_of_what_is_without_the_limit() -> None:
+    endless = "version: 1\nsize: [2, 1]\nexit: none\nrewards: {step: -1}\nmax_steps: 90000000\n"
+    session = Session(endless)
+    answers = send(session, "answers")["state"]["answers"]
+    assert answers["best_text"] == "\N{MINUS SIGN}90000000"
+    assert answers["best_name"] == "Best average within 90,000,000 steps"
+    assert answers["reason"].startswith("without the limit of steps, an episode may go on for ever")
+
+
 def test_a_best_average_that_takes_too_long_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("babyrobot_levels.analysis.solver.horizon.QUICK_WORK", 0)
     answers = send(Session(CORRIDOR + "max_steps: 2\n"), "state")["state"]["answers"]

@@ -7,9 +7,11 @@ import json
 import socket
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from threading import Thread
+from pathlib import Path
+from threading import Event, Thread
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -18,9 +20,11 @@ from playwright.sync_api import Browser, Page, expect
 from support.editors import OpenEditor, is_shown, served
 from support.jupyter import until
 
+from babyrobot_levels.editor import answers
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.server import MAX_BODY
-from babyrobot_levels.editor.session import Session
+from babyrobot_levels.editor.session import EditedFile, Session
+from babyrobot_levels.library.level import Level
 
 TEXT = "version: 1\nsize: [3, 2]\nstart: [0, 0]\nexit: [2, 1]\n"
 JSON = {"Content-Type": "application/json"}
@@ -80,6 +84,48 @@ def client(served_client: Client) -> Iterator[Client]:
     yield served_client
     assert served_client.post(b'{"id": 1, "do": "state"}').status == 200
     assert json.loads(served_client.content)["state"]["text"] == TEXT
+
+
+def test_saving_does_not_wait_for_the_optimum(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(answers, "BUDGET", 0.0)
+    begun, go_on = Event(), Event()
+    usual = answers.solved
+
+    def slow(level: Level) -> answers.Optimum:
+        begun.set()
+        assert go_on.wait(20)
+        return usual(level)
+
+    monkeypatch.setattr(answers, "solved", slow)
+    file = EditedFile(tmp_path / "level.yaml")
+    with served(Session(TEXT, file=file)) as address, ThreadPoolExecutor(3) as threads:
+
+        def send(**message: Any) -> dict[str, Any]:
+            own = Client(address)
+            own.post(json.dumps({"id": 1, **message}).encode())
+            reply: dict[str, Any] = json.loads(own.content)
+            return reply
+
+        questions: dict[str, dict[str, Any]] = {
+            "answers": {},
+            "policy": {"actions": [0] * 6},
+            "copy": {"form": "link"},
+        }
+        waiting = [
+            threads.submit(send, do=do, revision=1, **more) for do, more in questions.items()
+        ]
+        assert begun.wait(20)
+        try:
+            reply = send(do="text", text=TEXT + "max_steps: 90000000\n", revision=1)
+            assert reply["state"]["answers"]["status"] == "pending"
+            assert send(do="save", revision=2)["state"]["is_saved"]
+            assert (tmp_path / "level.yaml").read_text("utf-8").endswith("90000000\n")
+            assert send(do="undo", revision=2)["step"] == "text"
+            assert not any(each.done() for each in waiting[:2])
+        finally:
+            go_on.set()
 
 
 # -- programs of this machine ----------------------------------------------------------------

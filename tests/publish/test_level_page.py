@@ -134,6 +134,8 @@ def test_the_optimum_within_the_time_limit_is_told_where_it_differs() -> None:
         facts["Optimal return within 100 steps"],
         facts["Optimal return without a limit"],
     ) == ("0.74", "0.82")
+    assert facts["Steps of the optimal policy without a limit"] == "48.71"
+    assert facts["Return of random actions without a limit"] == "0.011"
     assert not [name for name in facts_on(page_of(load("final-maze"))) if "within" in name]
 
 
