@@ -7,12 +7,23 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.language import kinds
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import PuddleTypes
-from babyrobot_levels.mdp.graph import Successors, distances
+from babyrobot_levels.mdp.graph import (
+    MANY,
+    Graph,
+    Rows,
+    Successors,
+    counts,
+    differs,
+    distances,
+)
 from babyrobot_levels.mdp.grid import ALL_SIDES, BIT
 from babyrobot_levels.mdp.gridworld import world_of
 
@@ -20,7 +31,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
     from babyrobot_levels.mdp.grid import Grid
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.mdp.tables import Mdp
+    from babyrobot_levels.mdp.tables import Ints, Mdp
 
 SHAPE = ("cells", "dead_ends", "corridors", "junctions", "loops")
 PATHS = ("reachable", "path_length", "turns")
@@ -30,8 +41,12 @@ UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps")
 
 RETURNS = (*UNLIMITED, "wet_share", "difficulty")
 
-Pose = tuple[int, tuple[int, int] | None]
-"""A state, and the direction (dx, dy) of the last step that led to another cell."""
+Layer = dict[tuple[int, int], tuple[int, int]]
+"""By pose: the fewest turns on a way there, and the place of the pose before it. A pose is a state
+and the direction of the last step that led to another cell: `dx + 2 * width * dy`, 0 for none."""
+
+MANY_POSES = 64
+"""From so many on, poses of a large level take their steps together."""
 
 
 def metrics(level: Any) -> Metrics:
@@ -127,8 +142,11 @@ class Metrics(Shown):
         components of the grid.
         """
         grid = self.level.grid()
-        free = [cell for cell, blocked in enumerate(grid.blocked_cells) if not blocked]
         sides = sum(number * self._cells_with(number) for number in range(1, 5))
+        if len(grid.open_bits) >= MANY:
+            # Blocked cells are components of their own.
+            return sides // 2 - len(grid.open_bits) + steps_through(grid).components()
+        free = [cell for cell, blocked in enumerate(grid.blocked_cells) if not blocked]
         return sides // 2 - len(free) + connected_components(neighbours(grid), free)
 
     def _cells_with(self, number: int) -> int:
@@ -140,9 +158,8 @@ class Metrics(Shown):
     @cached_property
     def reachable(self) -> float:
         """The share of the cells that the robot can reach, starts included."""
-        cells = self.level.size[0] * self.level.size[1]
-        reached = {state % cells for state, steps in enumerate(self._steps.reached) if steps >= 0}
-        return len(reached) / self.cells
+        reached = np.array(self._steps.reached).reshape(-1, self._cells) >= 0
+        return int(reached.any(axis=0).sum()) / self.cells
 
     @cached_property
     def path_length(self) -> int | None:
@@ -388,12 +405,19 @@ def possible_steps(level: GridWorld) -> PossibleSteps:
         reach = reach_of(level, level.compile())
         return PossibleSteps(reach.successors, reach.steps, reach.to_exit)
     grid, width = level.grid(), level.size[0]
+    starts, exits = ([y * width + x for x, y in cells] for cells in (level.starts, level.exits))
+    if len(grid.open_bits) >= MANY:
+        ways, going_on = steps_through(grid, glass=True), np.ones(len(grid.open_bits), bool)
+        going_on[exits] = False
+        on = going_on[ways.source]
+        graph = Graph(ways.size, ways.source[on], ways.target[on])
+        reached, left = graph.distances(starts), ways.distances(exits)
+        return PossibleSteps(graph.successors, counts(reached), counts(left))
     successors = neighbours(grid)
     for cell, side in sorted(grid.glass):
         other = grid.neighbour(cell, side)
         assert other is not None, "there is no glass in the outer wall"
         successors[cell].append(other)
-    starts, exits = ([y * width + x for x, y in cells] for cells in (level.starts, level.exits))
     to_exit = distances(exits, successors)
     for cell in exits:
         successors[cell] = []
@@ -422,6 +446,33 @@ def neighbours(grid: Grid) -> list[list[int]]:
     return [[cell + step for step in steps[bits]] for cell, bits in enumerate(grid.open_bits)]
 
 
+def steps_through(grid: Grid, *, glass: bool = False) -> Graph:
+    """Return the same as a graph, of a large grid; with `glass`, also where glass lets through."""
+    source, side = grid.open.reshape(-1, len(SIDES)).nonzero()
+    target = source + np.array([-grid.width, 1, grid.width, -1])[side]
+    if glass and grid.glass:
+        panes = [(cell, grid.neighbour(cell, side)) for cell, side in sorted(grid.glass)]
+        source, target = np.concatenate([[source, target], np.array(panes, np.intp).T], axis=1)
+        order = np.argsort(source, kind="stable")
+        source, target = source[order], target[order]
+    return Graph(len(grid.open_bits), source.astype(np.int32), target.astype(np.int32))
+
+
+class Poses(NamedTuple):
+    """A layer of many poses, as arrays."""
+
+    states: Ints
+    headings: Ints
+    turns: Ints
+    before: Ints
+
+    def few(self) -> Layer:
+        """Return the same layer."""
+        state, heading, turns, before = (values.tolist() for values in self)
+        poses = zip(state, heading, strict=True)
+        return dict(zip(poses, zip(turns, before, strict=True), strict=True))
+
+
 def straightest_path(
     steps: PossibleSteps, start: int, size: tuple[int, int]
 ) -> tuple[list[int], int]:
@@ -430,35 +481,66 @@ def straightest_path(
     Of all shortest paths it is one with the fewest turns. A turn is a step in another direction
     (dx, dy) than the step before it; waiting for movers is not one.
     """
+    layer: Layer | Poses = {(start, 0): (0, 0)}
+    # By steps: the states, and of which place in the list before each comes.
+    trail: list[tuple[Any, Any]] = [([start], [0])]
+    for left in range(steps.to_exit[start] - 1, -1, -1):
+        if isinstance(steps.successors, Rows) and len(trail[-1][0]) >= MANY_POSES:
+            layer = _step_of_many(steps, layer, left, size)
+            trail.append((layer.states, layer.before))
+        else:
+            layer = _step_of_few(steps, layer, left, size)
+            trail.append(([state for state, _ in layer], [at for _, at in layer.values()]))
+    turns = [count for count, _ in (layer if isinstance(layer, dict) else layer.few()).values()]
+    place, states = turns.index(min(turns)), []
+    for found, before in reversed(trail):
+        states.append(int(found[place]))
+        place = before[place]
+    return states[::-1], min(turns)
+
+
+def _step_of_few(
+    steps: PossibleSteps, layer: Layer | Poses, left: int, size: tuple[int, int]
+) -> Layer:
+    """Return the poses after a step, from which `left` steps lead to an exit."""
     width, cells = size[0], size[0] * size[1]
     successors, to_exit = steps.successors, steps.to_exit
-    # By pose: the turns so far, and the pose before.
-    layers: list[dict[Pose, tuple[int, Pose]]] = [{(start, None): (0, (start, None))}]
-    for left in range(to_exit[start] - 1, -1, -1):
-        found: dict[Pose, tuple[int, Pose]] = {}
-        for pose, (turns, _) in layers[-1].items():
-            state, heading = pose
-            cell = state % cells
-            x, y = cell % width, cell // width
-            for other in successors[state]:
-                if to_exit[other] == left:
-                    there = other % cells
-                    direction = heading
-                    if there != cell:
-                        direction = (there % width - x, there // width - y)
-                    count = turns + (heading is not None and direction != heading)
-                    key = other, direction
-                    known = found.get(key)
-                    if known is None or count < known[0]:
-                        found[key] = (count, pose)
-        layers.append(found)
-    pose = min(layers[-1], key=lambda last: layers[-1][last][0])
-    turns = layers[-1][pose][0]
-    states = []
-    for layer in reversed(layers):
-        states.append(pose[0])
-        pose = layer[pose][1]
-    return states[::-1], turns
+    few = layer if isinstance(layer, dict) else layer.few()
+    found: Layer = {}
+    for place, ((state, heading), (turns, _)) in enumerate(few.items()):
+        cell = state % cells
+        for other in successors[state]:
+            if to_exit[other] == left:
+                there = other % cells
+                direction = there - cell + (there // width - cell // width) * width or heading
+                count = turns + (heading != 0 and direction != heading)
+                known = found.get((other, direction))
+                if known is None or count < known[0]:
+                    found[other, direction] = (count, place)
+    return found
+
+
+def _step_of_many(
+    steps: PossibleSteps, layer: Layer | Poses, left: int, size: tuple[int, int]
+) -> Poses:
+    """Return the same in the same order, computed together."""
+    assert isinstance(steps.successors, Rows), "small graphs have few poses"
+    width, cells = size[0], size[0] * size[1]
+    if isinstance(layer, dict):
+        layer = Poses(*np.array([(*pose, *known) for pose, known in layer.items()]).T)
+    before, other = steps.successors.of(layer.states)
+    # An array of Python's or NumPy's: not copied.
+    nearer = np.asarray(steps.to_exit)[other] == left
+    before, other = before[nearer], other[nearer].astype(np.int64)
+    cell, there, heading = layer.states[before] % cells, other % cells, layer.headings[before]
+    direction = there - cell + (there // width - cell // width) * width
+    direction = np.where(direction == 0, heading, direction)
+    turns = layer.turns[before] + ((heading != 0) & (direction != heading))
+    key = other * (4 * cells) + direction
+    order = np.lexsort((turns, key))
+    first = differs(key[order]).nonzero()[0]
+    best = order[first][np.argsort(np.minimum.reduceat(order, first))]
+    return Poses(other[best], direction[best], turns[best], before[best])
 
 
 def connected_components(successors: Successors, cells: Iterable[int]) -> int:

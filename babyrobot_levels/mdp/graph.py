@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from array import array
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
@@ -40,6 +41,28 @@ def distances(sources: Iterable[int], successors: Successors) -> list[int]:
     return found
 
 
+def differs(values: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return whether each value is another than the one before it."""
+    flags = np.ones(values.size, bool)
+    np.not_equal(values[1:], values[:-1], out=flags[1:])
+    return flags
+
+
+def expanded(
+    first: NDArray[np.signedinteger], last: NDArray[np.signedinteger]
+) -> tuple[NDArray[np.signedinteger], NDArray[np.signedinteger]]:
+    """Return all numbers of some ranges, and before them, of which range each is."""
+    count = last - first
+    which = np.repeat(np.arange(count.size), count)
+    begin = np.cumsum(count) - count
+    return which, np.arange(which.size) + (first - begin)[which]
+
+
+def counts(distances: NDArray[np.int32]) -> array[int]:
+    """Return distances as Python's integers, in little room."""
+    return array("i", distances.tobytes())
+
+
 class Graph:
     """A directed graph of numbered nodes.
 
@@ -55,7 +78,7 @@ class Graph:
         self.size, self.source, self.target = size, source, target
 
     @cached_property
-    def _rows(self) -> tuple[NDArray[np.signedinteger], NDArray[np.int32]]:
+    def rows(self) -> tuple[NDArray[np.signedinteger], NDArray[np.int32]]:
         """The targets of all nodes, one node after the other, and where those of each begin."""
         begin = np.zeros(self.size + 1, np.int32)
         np.cumsum(np.bincount(self.source, minlength=self.size), out=begin[1:])
@@ -72,12 +95,21 @@ class Graph:
     @cached_property
     def successors(self) -> Successors:
         """For each node, the nodes to which an edge leads; of many nodes, made when asked for."""
-        ordered, begin = self._rows
-        bounds = begin.tolist()
+        ordered, begin = self.rows
         if self.size >= MANY:
-            return _Rows(ordered, bounds)
+            return Rows(ordered, begin)
         targets = ordered.tolist()
-        return [targets[first:last] for first, last in pairwise(bounds)]
+        return [targets[first:last] for first, last in pairwise(begin.tolist())]
+
+    def components(self) -> int:
+        """Return how many connected components there are, where each edge leads both ways."""
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
+
+        targets, begin = self.rows
+        weights = np.broadcast_to(1.0, targets.size)
+        edges = csr_array((weights, targets, begin), shape=(self.size, self.size))
+        return int(connected_components(edges, directed=False, return_labels=False))
 
     def reversed(self) -> Graph:
         """Return the graph with all edges reversed."""
@@ -92,13 +124,13 @@ class Graph:
             nodes = sources.tolist() if isinstance(sources, np.ndarray) else sources
             return np.array(distances(nodes, self.successors), np.int32)
         from scipy.sparse import csr_array
-        from scipy.sparse.csgraph import breadth_first_order  # type: ignore[import-untyped]
+        from scipy.sparse.csgraph import breadth_first_order
 
         # One more node, from which an edge leads to each source.
         size, roots = self.size, sources
         if not isinstance(roots, np.ndarray):
             roots = np.unique(np.fromiter(roots, np.intp))
-        targets, begin = self._rows
+        targets, begin = self.rows
         targets = np.concatenate([targets, roots.astype(np.int32)], dtype=np.int32)
         # SciPy wants a weight for each edge, of this type: one number serves all of them.
         weights = np.broadcast_to(1.0, targets.size)
@@ -123,14 +155,19 @@ class Graph:
         return found
 
 
-class _Rows(Sequence[Sequence[int]]):
+class Rows(Sequence[Sequence[int]]):
     """A list of lists that is kept as two: of all their values, and of where each begins."""
 
-    def __init__(self, values: NDArray[np.signedinteger], bounds: list[int]):
-        self.values, self.bounds = values, bounds
+    def __init__(self, values: NDArray[np.signedinteger], begin: NDArray[np.int32]):
+        self.values, self.begin, self.bounds = values, begin, begin.tolist()
 
     def __len__(self) -> int:
         return len(self.bounds) - 1
 
     def __getitem__(self, row: Any) -> Any:
         return self.values[self.bounds[row] : self.bounds[row + 1]].tolist()
+
+    def of(self, rows: NDArray[np.signedinteger]) -> tuple[NDArray[np.signedinteger], ...]:
+        """Return the values of some rows, and before them, of which of these rows each is."""
+        which, place = expanded(self.begin[rows], self.begin[rows + 1])
+        return which, self.values[place]

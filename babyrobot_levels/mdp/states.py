@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.configurations import Things
-from babyrobot_levels.mdp.graph import Graph, Successors
+from babyrobot_levels.mdp.graph import Graph, Successors, counts
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import ALL, Mdp, parts_of
 from babyrobot_levels.text.words import did_you_mean, listed
@@ -151,7 +151,7 @@ class Reach:
 
     def from_some(self, states: Iterable[int]) -> array[int]:
         """Return for each state the fewest steps in which it can be reached from some others."""
-        return _counts(self.graph.distances(states))
+        return counts(self.graph.distances(states))
 
 
 def occurring(mdp: Mdp) -> NDArray[np.bool_]:
@@ -184,12 +184,7 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
     elif not np.array_equal(ends, exits):
         to_end = backwards.distances(ends)
     on = (steps >= 0) & ~mdp.is_terminal
-    return Reach(_counts(steps), on.tobytes(), _counts(to_exit), _counts(to_end), graph)
-
-
-def _counts(numbers: NDArray[np.int32]) -> array[int]:
-    """Return numbers of steps as Python's integers, in little room."""
-    return array("i", numbers.tobytes())
+    return Reach(counts(steps), on.tobytes(), counts(to_exit), counts(to_end), graph)
 
 
 def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:

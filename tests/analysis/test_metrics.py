@@ -6,6 +6,7 @@ import itertools
 import math
 from collections import deque
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 from hypothesis import given
@@ -13,8 +14,10 @@ from hypothesis import strategies as st
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis import metrics
 from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp import graph
 
 NAMES = (*SHAPE, *PATHS, *RETURNS)
 
@@ -117,6 +120,20 @@ def test_any_level_is_counted_right(world: World, only_walls: bool) -> None:
     for field in ("warps", "wind", "areas", "skid", "puddle_types") if only_walls else ():
         world.pop(field, None)
     check_shape_and_paths(level_of(world))
+
+
+@given(world=worlds(5), only_walls=st.booleans(), poses=st.integers(1, 4))
+def test_large_levels_are_counted_alike(world: World, only_walls: bool, poses: int) -> None:
+    for field in ("warps", "wind", "areas", "skid", "puddle_types") if only_walls else ():
+        world.pop(field, None)
+    level = level_of(world)
+    small, large = (brl.metrics(level.replace()) for _ in range(2))
+    expected = small.to_dict(solve=False), small.path
+    with (
+        patch.object(graph, "MANY", 0),
+        patch.multiple(metrics, MANY=0, MANY_POSES=poses),
+    ):
+        assert (large.to_dict(solve=False), large.path) == expected
 
 
 # -- by hand ---------------------------------------------------------------------------------

@@ -22,7 +22,6 @@ from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
     Pay,
-    differs,
     ended,
     plain_branches,
     stochastic_branches,
@@ -37,7 +36,7 @@ from babyrobot_levels.mdp.compiler.terrain import (
     build_warps,
 )
 from babyrobot_levels.mdp.configurations import MAX_STATES, Things, Values
-from babyrobot_levels.mdp.graph import Graph
+from babyrobot_levels.mdp.graph import Graph, differs, expanded
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, parts_of
 
@@ -468,14 +467,6 @@ def distinct(numbers: Ints) -> Ints:
     """Return the numbers in rising order, each once: `np.unique` takes ten times as long."""
     ordered = np.sort(numbers)
     return ordered[differs(ordered)]
-
-
-def expanded(first: Ints, last: Ints) -> tuple[Ints, Ints]:
-    """Return all numbers of some ranges, and before them, of which range each is."""
-    count = last - first
-    which = np.repeat(np.arange(count.size), count)
-    begin = np.cumsum(count) - count
-    return which, np.arange(which.size) + (first - begin)[which]
 
 
 def _swaps(before: list[int], after: list[int], cell: int, target: int) -> bool:

@@ -19,6 +19,7 @@ from babyrobot_levels.mdp.compiler.terrain import (
     Terrain,
     Warps,
 )
+from babyrobot_levels.mdp.graph import differs
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
 RANKS = {name: np.int8(rank) for rank, name in enumerate(PRECEDENCE)}
@@ -300,13 +301,6 @@ class Room:
             narrow = np.ascontiguousarray(table[:, : self._used])
             self._tables[name] = narrow.reshape(*self._shape[:2], self._used)
         return self._tables
-
-
-def differs(values: NDArray[Any]) -> Flags:
-    """Return whether each value is another than the one before it."""
-    flags = np.ones(values.size, bool)
-    np.not_equal(values[1:], values[:-1], out=flags[1:])
-    return flags
 
 
 def merged(

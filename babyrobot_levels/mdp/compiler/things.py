@@ -23,7 +23,6 @@ from babyrobot_levels.mdp.compiler.layers import (
     Layers,
     TooManyStates,
     Ways,
-    expanded,
     hits,
 )
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
@@ -38,6 +37,7 @@ from babyrobot_levels.mdp.configurations import (
     most_outcomes,
     too_large,
 )
+from babyrobot_levels.mdp.graph import expanded
 from babyrobot_levels.mdp.grid import Grid, check_placement
 from babyrobot_levels.mdp.tables import FREE, REFUSED, Flags, Floats, Ints, Mdp, parts_of
 from babyrobot_levels.text.diagnostics import Issue, Key
