@@ -23,9 +23,10 @@ from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.configurations import most_states
 from babyrobot_levels.mdp.states import initial_configuration, reach_of
 from babyrobot_levels.mdp.tables import Floats
-from babyrobot_levels.render.page import Guide, page_data, without_panels
+from babyrobot_levels.render.page import MAX_STATES, Guide, page_data, without_panels
 from babyrobot_levels.render.page_format import TooLargeError, rounded
 from babyrobot_levels.render.words.phrases import with_limit
 
@@ -105,6 +106,7 @@ class Answers:
         before: the solution that was known last of the levels before; None for none.
         reach: which of its states an episode can be in; None where that is not computed.
         unreachable: its cells `[x, y]` in which no episode can ever be.
+        waits: whether it may have so many states that it is not even compiled yet.
     """
 
     def __init__(self) -> None:
@@ -113,6 +115,7 @@ class Answers:
         self.before: Optimum | None = None
         self.reach: Reach | None = None
         self.unreachable: list[list[int]] = []
+        self.waits = False
         self._page: dict[str, Any] | None = None
         self._time_of_state = _USUAL_TIME
         self._is_first = True
@@ -124,26 +127,41 @@ class Answers:
         self.optimum = self._page = None
         self.level = level.with_maze_seed(0) if level.has_random_maze else level
         self.reach, self.unreachable = None, []
+        self.waits = False
         if level.has_random_maze:
             reason = "each episode has another maze, so there is no single optimal policy"
             self.optimum = Optimum(self.level, None, reason)
             return
-        try:
-            without_panels(level)
-        except TooLargeError as error:
-            self.optimum = Optimum(level, None, str(error))
+        self.waits = level.has_things and most_states(level) > MAX_STATES
+        if self.waits:
             return
-        self.reach = reach_of(level, level.compile())
-        self.unreachable = unreachable(level, self.reach)
+        self._look(level)
+        if self.optimum is not None:
+            return
         time = level.compile().num_states * self._time_of_state + _time_within_limit(level)
         if time <= BUDGET:
             self.optimum = self._solved(level)
+
+    def _look(self, level: Level) -> None:
+        """Find where episodes of a level can be, unless another one takes its place."""
+        reach, too_large = None, None
+        try:
+            without_panels(level)
+            reach = reach_of(level, level.compile())
+        except TooLargeError as error:
+            too_large = Optimum(level, None, str(error))
+        missed = [] if reach is None else unreachable(level, reach)
+        if level is self.level:
+            self.reach, self.unreachable, self.optimum = reach, missed, too_large
+            self.waits = False
 
     def catch_up(self) -> None:
         """Solve the level at hand, however long that takes, unless another one takes its place."""
         with self._solving:
             level = self.level
-            if level is None or self.optimum is not None:
+            if level is not None and self.waits:
+                self._look(level)
+            if level is None or level is not self.level or self.optimum is not None:
                 return
             optimum = self._solved(level)
             if level is self.level:
@@ -165,8 +183,10 @@ class Answers:
         """Return what a page knows about the level at hand; None before the first one.
 
         Raises:
-            TooLargeError: the level is too large for a page.
+            TooLargeError: the level is too large for a page, or may be.
         """
+        if self.waits:
+            raise TooLargeError("this level may have very many states, and is drawn when you pause")
         if self.optimum is not None:
             return self.optimum.page
         if self._page is None and self.level is not None:

@@ -180,8 +180,8 @@ class Linter:
         # The last rule checks which suppressions the others used.
         last = self._rules[-1].code
         late = self._late | {last} if self._late else self._late
-        waiting = [rule for rule in self._rules if rule.code in late]
-        ready = [rule for rule in self._rules if rule.code not in late]
+        waiting = [rule for rule in self._rules if answers.waits or rule.code in late]
+        ready = [rule for rule in self._rules if rule not in waiting]
         found = findings_in(context, ready, max_cells=MAX_CELLS)
         # What the first run takes is also what it loads.
         if not self._is_first:

@@ -130,6 +130,38 @@ def test_a_level_that_takes_longer_is_solved_when_asked_for(
     assert (told["before"], told["changed"]) == (-3.0, [[0, 0], [1, 0], [2, 0]])
 
 
+def test_a_level_that_may_be_large_is_compiled_when_nothing_else_is_to_be_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "MAX_STATES", 4)
+    session = Session(CORRIDOR + "switches: [{name: lever, at: [1, 0]}]\n")
+    assert send(session, "save")["error"] == "this level has no file; download it instead"
+    state = send(session, "state")["state"]
+    assert (state["level"], state["answers"]["status"]) == (None, "pending")
+    assert "is drawn when you pause" in state["too_large"]
+    assert state["findings_pending"]
+    assert session.level is not None
+    assert "_mdp" not in vars(session.level)
+    state = send(session, "answers")["state"]
+    assert (state["answers"]["best"], state["too_large"]) == (-3.0, None)
+    assert state["level"]["width"] == 5
+    assert not state["findings_pending"]
+
+
+def test_a_level_that_is_too_large_for_a_page_is_found_so_when_it_is_compiled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "MAX_STATES", 80)
+    monkeypatch.setattr("babyrobot_levels.render.page.MAX_STATES", 80)
+    mover = "movers: [{within: {at: [0, 0], size: [3, 3]}}]\n"
+    session = Session(f"version: 1\nsize: [3, 3]\n{mover}")
+    assert "may have very many states" in send(session, "state")["state"]["too_large"]
+    state = send(session, "answers")["state"]
+    assert "of 81 states is too large for a page" in state["too_large"]
+    assert (state["answers"]["status"], state["findings_pending"]) == ("none", False)
+    assert state["answers"]["reason"] == state["too_large"]
+
+
 def test_a_gesture_does_not_wait_for_episodes_of_many_steps() -> None:
     usual, long = (Session(f"{CORRIDOR}max_steps: {limit}\n") for limit in (500, 50_000))
     assert send(usual, "state")["state"]["answers"]["status"] == "done"
