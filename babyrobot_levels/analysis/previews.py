@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.pictures import FORMATS, SUFFIXES
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
+from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TooLargeError
 from babyrobot_levels.mdp.gridworld import LevelLike, world_of
 
 if TYPE_CHECKING:
@@ -120,6 +121,9 @@ class Facts(Shown, dict[str, Any]):
 
     __module__ = "babyrobot_levels"
 
+    left_out = ""
+    """Why there are neither digest nor metrics, if the tables are too large."""
+
     def lines(self) -> dict[str, str]:
         """Return the facts as texts, those of the metrics among them, without the drawing.
 
@@ -132,6 +136,8 @@ class Facts(Shown, dict[str, Any]):
         }
         for name, value in (self["metrics"] or {}).items():
             texts[name] = self._why_none(name) if value is None else text_of(value)
+        if self.left_out:
+            texts["digest"] = texts["metrics"] = self.left_out
         if self["metrics"] and "difficulty" not in self["metrics"]:
             texts["difficulty"] = f"not computed above {MAX_SOLVED:,} states, nor are returns"
         return texts
@@ -166,7 +172,8 @@ def show(level: LevelLike) -> Facts:
     """Return the facts about a level, as `babyrobot show` does.
 
     The metrics are those of `brl.metrics`. The ones that need the level to be solved are left out
-    above 5,000 states. Many levels are measured by `brl.metrics_many`.
+    above 5,000 states; digest and metrics above 1,048,576 states times outcomes of an action.
+    Many levels are measured by `brl.metrics_many`.
 
     Args:
         level: a name, a path, a share code, a mapping, or a level.
@@ -208,6 +215,12 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
     """Add what the tables of a level say."""
     from babyrobot_levels.analysis.solver.policies import space_of
 
+    try:
+        level.compile_within(MAX_READ_STATES)
+    except TooLargeError as error:
+        found.left_out = f"not computed: {error.size}; together at most {MAX_READ_STATES:,} are"
+        found["drawing"] = level.draw()
+        return found
     mdp = level.compile()
     happens = mdp.probability > 0
     found["states"] = int((~level.grid().blocked).sum())

@@ -74,7 +74,8 @@ def show(
     """Show the facts about a level: texts, numbers, digest, metrics and drawing; or a suite.
 
     The metrics are those of `brl.metrics` in Python. The ones that need the level to be solved are
-    left out above 5,000 cells; with things that have a state, above 5,000 states.
+    left out above 5,000 cells; with things that have a state, above 5,000 states. Digest and
+    metrics are left out above 1,048,576 states times outcomes of an action; --cite has the digest.
 
     Several levels, folders and packs give a row with the metrics of each level; so do the levels
     of a suite with --split, --output or --format csv. Rows do not depend on --jobs. The exit

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import cell_mark, cells_text, count_drawn
+from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TooLargeError
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
 from babyrobot_levels.text.diagnostics import Location, Route
 from babyrobot_levels.text.document import Comment, Document, comments
@@ -168,6 +169,15 @@ class LintContext:
     def mdp(self) -> Mdp:
         """The exact tables."""
         return self.level.compile()
+
+    @cached_property
+    def too_large(self) -> str | None:
+        """How large the tables are, if they are too large for rules to read; None if not."""
+        try:
+            self.level.compile_within(MAX_READ_STATES)
+        except TooLargeError as error:
+            return error.size
+        return None
 
     @cached_property
     def reach(self) -> Reach:

@@ -39,6 +39,8 @@ class Needs(Enum):
     """The level and its text."""
     TABLES = auto()
     """The compiled tables, which a level with random mazes does not have."""
+    SIZE = auto()
+    """The size of the tables, even if they are too large for rules to read."""
 
 
 def cells_text(cells: Sequence[tuple[int, int]]) -> str:

@@ -115,7 +115,9 @@ def findings_in(
     has_tables = is_small and not context.level.has_random_maze
     found = []
     for rule in rules:
-        if rule.check is None or (rule.needs is Needs.TABLES and not has_tables):
+        if rule.check is None or (rule.needs is not Needs.LEVEL and not has_tables):
+            continue
+        if rule.needs is Needs.TABLES and context.too_large:
             continue
         diagnostics = [diagnostic_of(rule, finding, context) for finding in rule.check(context)]
         found += [each for each in diagnostics if not is_suppressed(rule, each, context)]

@@ -314,6 +314,9 @@ MAX_OUTCOMES = 64
 MAX_WIDE_STATES = 5_000_000
 """The most states times the outcomes of the longest row: the tables keep that room."""
 
+MAX_READ_STATES = 1 << 20
+"""The most states times outcomes that `lint` and `show` read: beyond, they would take long."""
+
 WAYS = 5
 """The most cells to which a mover in a rectangle may go in a step."""
 
@@ -352,18 +355,28 @@ def most_outcomes(level: LevelFields) -> int:
     return shares * prod([WAYS] * wanderers)
 
 
-def too_large(level: LevelFields, states: int, width: int) -> UnplayableError:
+class TooLargeError(UnplayableError):
+    """The tables of a level need too much room; `size` says how large they are."""
+
+    size: str
+
+
+def too_large(
+    level: LevelFields, states: int, width: int, most: int = MAX_WIDE_STATES
+) -> TooLargeError:
     """Return the error of tables that need too much room."""
     message = (
         f"the tables are too large: {states:,} states, and {width} outcomes of an action; "
-        f"together at most {MAX_WIDE_STATES:,} are allowed"
+        f"together at most {most:,} are allowed"
     )
-    if not level.has_things:
-        help_text = "use fewer starts, let warps lead to a cell, or use a smaller level"
-        return UnplayableError([Issue("BR404", Key(("start",)), message, help_text)])
-    help_text = "use fewer things that walk or skid at random, or a smaller level"
-    field = "movers" if level.movers else field_of(level, "items")
-    return UnplayableError([Issue("BR404", Key((field,)), message, help_text)])
+    field, help_text = "start", "use fewer starts, let warps lead to a cell, or use a smaller level"
+    if level.has_things:
+        field = "movers" if level.movers else field_of(level, "items")
+        help_text = "use fewer things that walk or skid at random, or a smaller level"
+    error = TooLargeError([Issue("BR404", Key((field,)), message, help_text)])
+    # Rows that were not made yet may have more.
+    error.size = f"{states:,} states, and {width} outcomes of an action or more"
+    return error
 
 
 def field_of(level: LevelFields, field: str) -> str:

@@ -77,6 +77,21 @@ class GridWorld(LevelSpec):
         """
         return self._mdp
 
+    def compile_within(self, most: int) -> None:
+        """Make the tables, unless they are too large.
+
+        Raises:
+            TooLargeError: they have more than `most` states times outcomes of the longest row.
+        """
+        from babyrobot_levels.mdp.compiler import compile_mdp
+        from babyrobot_levels.mdp.configurations import too_large
+
+        if "_mdp" not in vars(self):
+            vars(self)["_mdp"] = compile_mdp(self, self.grid(), most)
+        states, _, width = self._mdp.probability.shape
+        if states * width > most:
+            raise too_large(self, states, width, most)
+
     def things(self) -> Things:
         """Return the things whose state changes during an episode, and what their values mean."""
         return self._things

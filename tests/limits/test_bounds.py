@@ -13,10 +13,13 @@ from support.work import traced_memory
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.level import loads
+from babyrobot_levels.linter.rules import select
+from babyrobot_levels.linter.runner import is_note, lint_source
 from babyrobot_levels.mdp import tables
 from babyrobot_levels.mdp.compiler import layers, outcomes, things
-from babyrobot_levels.mdp.configurations import most_outcomes, surely_fits
+from babyrobot_levels.mdp.configurations import TooLargeError, most_outcomes, surely_fits
 from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.text.source import SourceFile
 
 WANDERER = {"movers": [{"within": {"at": [0, 0], "size": [31, 31]}}]}
 DOOR = {"doors": [{"at": [0, 0], "side": "E", "length": 1024}]}
@@ -100,3 +103,42 @@ def test_compiling_needs_little_more_than_the_tables(
     with traced_memory() as work:
         mdp = level.compile()
     assert work.memory < times * sum(array.nbytes for array in arrays(mdp).values())
+
+
+def test_tables_are_made_within_a_bound_and_no_larger() -> None:
+    for number in range(60):
+        level = brl.load(random_level(Random(number)))
+        states, _, width = brl.load(level.to_dict()).compile().probability.shape
+        with pytest.raises(TooLargeError, match="the tables are too large"):
+            level.compile_within(states * width - 1)
+        level.compile_within(5 * states * width)
+        level.compile_within(states * width)
+        assert level.compile().probability.shape == (states, 5, width)
+        with pytest.raises(TooLargeError, match=f"{states:,} states, and {width} outcomes"):
+            level.compile_within(states * width - 1)
+
+
+@pytest.mark.parametrize(
+    ("side", "fields", "field"),
+    [
+        (1024, {"skid": {"probability": 0.5, "to": "others"}}, "size"),
+        (24, {"movers": [{"within": {"at": [0, 0], "size": [24, 24]}}]}, "movers"),
+    ],
+)
+def test_lint_and_show_say_what_they_leave_out(
+    side: int, fields: dict[str, Any], field: str
+) -> None:
+    data = {"version": 1, "size": [side, side], **fields}
+    text = json.dumps(data)
+    report = lint_source(SourceFile("x.yaml", text), select(["BR5"]))
+    assert report.level is not None
+    assert "_mdp" not in vars(report.level)
+    (found,) = report.diagnostics
+    assert found.code == "BR539"
+    assert is_note(found)
+    assert text[: found.column - 1].endswith(f'"{field}": ')
+    assert "together at most 1,048,576 are checked" in found.message
+    facts = brl.show(data)
+    assert facts["digest"] is facts["metrics"] is None
+    assert facts["drawing"] == brl.load(data).draw()
+    assert "together at most 1,048,576 are" in facts.lines()["digest"]

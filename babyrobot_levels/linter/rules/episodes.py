@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from babyrobot_levels.linter.context import LintContext
-from babyrobot_levels.linter.finding import Finding, cells_text
+from babyrobot_levels.linter.finding import Finding, Needs, cells_text
 from babyrobot_levels.linter.rule import rule
-from babyrobot_levels.text.diagnostics import Key
+from babyrobot_levels.mdp.configurations import MAX_READ_STATES
+from babyrobot_levels.text.diagnostics import Key, Severity
 
 
 @rule("BR511")
@@ -215,4 +216,50 @@ def non_terminating(context: LintContext) -> Iterator[Finding]:
             Key(("map",) if level.map is not None else ("exit",)),
             "episodes never end: there is no exit and no `max_steps`",
             "limit the number of steps, for example `max_steps: 100`",
+        )
+
+
+@rule("BR539", needs=Needs.SIZE)
+def tables_too_large(context: LintContext) -> Iterator[Finding]:
+    """Tables that are too large for the rules of play.
+
+    ## What it does
+
+    Tells that rules which read the tables do not check the level: it has more than 1,048,576
+    states times outcomes of an action. It is a note, reported at `info`.
+
+    ## Why is this bad?
+
+    The level may have defects that nobody finds: an exit that cannot be reached, or walls without
+    effect. Above that size, to look for them takes long, and much memory.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [24, 24]
+    movers:
+      - within: {at: [0, 0], size: [24, 24]}
+    hit: {reward: -20}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    size: [24, 24]
+    movers:
+      - within: {at: [12, 0], size: [6, 12]}
+    hit: {reward: -20}
+    ```
+    """
+    level = context.level
+    if context.too_large:
+        field = "movers" if level.movers else "size" if level.map is None else "map"
+        yield Finding(
+            (field,),
+            f"the tables are too large for rules of play: {context.too_large}; together at most "
+            f"{MAX_READ_STATES:,} are checked",
+            "use a smaller level, or less that goes astray or walks at random, to have it checked",
+            severity=Severity.INFO,
         )

@@ -33,27 +33,33 @@ from babyrobot_levels.mdp.tables import REFUSED, Mdp, parts_of
 __all__ = ["compile_mdp"]
 
 
-def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
+def compile_mdp(level: LevelFields, grid: Grid | None = None, most: int = MAX_WIDE_STATES) -> Mdp:
     """Compile a level into its exact tables.
 
+    Args:
+        level: the level.
+        grid: its grid, if it is known.
+        most: the most states times outcomes of the longest row.
+
     Raises:
+        TooLargeError: there are more than `most`.
         LevelError: the level's maze has no seed yet (`seed: random`); or, with things, the level
             has more states, or a row more outcomes, than the language allows.
     """
     grid = grid or build_grid(level)
     if not level.has_things:
-        return compile_cells(level, grid)
+        return compile_cells(level, grid, most)
     # Most levels have none.
     from babyrobot_levels.mdp.compiler.things import compile_things
 
-    return compile_things(level, grid)
+    return compile_things(level, grid, most)
 
 
-def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
+def compile_cells(level: LevelFields, grid: Grid, most: int = MAX_WIDE_STATES) -> Mdp:
     """Compile a level without things, whose states are the cells, into its exact tables.
 
     Raises:
-        UnplayableError: there are more than `MAX_WIDE_STATES` states times outcomes.
+        TooLargeError: there are more than `most` states times outcomes.
     """
     terrain = build_terrain(level, grid)
     moves = build_moves(level, grid)
@@ -62,7 +68,7 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
     starts = np.array([y * grid.width + x for x, y in level.starts])
 
     count = terrain.over.size
-    room = Room(count, max(1, min(most_outcomes(level), MAX_WIDE_STATES // count)))
+    room = Room(count, max(1, min(most_outcomes(level), most // count)))
     for part in parts_of(count):
         plain = plain_branches(moves, terrain, warps, part)
         next_state = arrivals.next_states(plain)
@@ -84,8 +90,8 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
             branches, next_state = ended(branches, arrivals, starts)
             # Before equal ones are merged: rewards decide nothing.
             width = int(np.bincount(branches.row - plain.row[0]).max())
-            if width * count > MAX_WIDE_STATES:
-                raise too_large(level, count, width)
+            if width * count > most:
+                raise too_large(level, count, width, most)
             reward = arrivals.rewards_of(branches, next_state)
             outcomes = merged(
                 branches.row, branches.probability, next_state, reward, terrain.over[next_state]

@@ -47,10 +47,11 @@ PART = 1 << 17
 """How many branches, about, are expanded at a time."""
 
 
-def compile_things(level: LevelFields, grid: Grid) -> Mdp:
+def compile_things(level: LevelFields, grid: Grid, most: int = MAX_WIDE_STATES) -> Mdp:
     """Compile a level with things.
 
     Raises:
+        TooLargeError: there are more than `most` states times outcomes.
         UnplayableError: doors or paths are cut by walls; there are more than `MAX_STATES` states,
             or a row has more than `MAX_OUTCOMES` outcomes.
     """
@@ -62,7 +63,7 @@ def compile_things(level: LevelFields, grid: Grid) -> Mdp:
         raise _too_many_states(level, things) from None
     except TooManyWays as error:
         raise _too_many_outcomes(level, error.ways) from None
-    return _Compiler(level, layers).tables()
+    return _Compiler(level, layers).tables(most)
 
 
 def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
@@ -127,13 +128,13 @@ class _Compiler:
         self.number[layer[order], joint[order]] = np.arange(order.size)
         self.is_open = np.array([layer.is_open for layer in layers.layers])
 
-    def tables(self) -> Mdp:
+    def tables(self, most: int) -> Mdp:
         """Return the tables."""
         count = len(self.configurations) * self.size
         over = np.ones(count, bool)
         intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], NUM_ACTIONS, axis=1)
         obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
-        room = Room(count, max(1, min(most_outcomes(self.level), MAX_WIDE_STATES // count)))
+        room = Room(count, max(1, min(most_outcomes(self.level), most // count)))
         for ground, members in self._groups():
             hindered, targets = obstructions(ground.moves, ground.terrain, ground.warps)
             for layer in members:
@@ -149,8 +150,8 @@ class _Compiler:
             for outcomes in self._outcomes(ground, members):
                 if outcomes.width > MAX_OUTCOMES:
                     raise _too_many_outcomes(self.level)
-                if outcomes.width * count > MAX_WIDE_STATES:
-                    raise too_large(self.level, count, outcomes.width)
+                if outcomes.width * count > most:
+                    raise too_large(self.level, count, outcomes.width, most)
                 room.put(outcomes)
         action_mask = (obstruction != REFUSED).astype(np.int8)
         action_mask[over, 1:] = 0
