@@ -6,6 +6,7 @@
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
+#        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says
 #        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
 #        bash scripts/check.sh javascript  the style and types of JavaScript, and its tests that need no browser
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
@@ -76,6 +77,13 @@ ray)
     pages .venv-ray ray
     exec .venv-ray/bin/python -m pytest -m libraries "${again[@]}" tests/on_ray
     ;;
+storm)
+    make_venv .venv-storm
+    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,umb]" hatchling hypothesis pytest stormpy==2.0.0
+    PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
+    beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm
+    exit
+    ;;
 site)
     make_venv .venv-site
     .venv-site/bin/pip install "${options[@]}" --editable ".[site,site-test]"
@@ -111,7 +119,7 @@ lowest)
         exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,12s/^# //p' scripts/check.sh >&2
+    sed -n '3,13s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

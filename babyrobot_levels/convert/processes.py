@@ -24,6 +24,9 @@ _CARRIED = frozenset(
 )
 """The fields that are kept, or of which `losses` has more to say."""
 
+_ALWAYS = ("exit", "end", "hit", "puddle", "small_puddle", "large_puddle")
+"""Labels that every level has, so that a property can be asked of all."""
+
 
 @dataclass(frozen=True, eq=False)
 class Process:
@@ -69,12 +72,11 @@ def process_of(level: Level) -> Process:
     starts = np.flatnonzero(mdp.start)
     drawn = starts.size > 1
     size = mdp.num_states + bool(hits.any()) + drawn
-    labels = {name: np.zeros(size, bool) for name in ("exit", "end")}
+    labels = {name: np.zeros(size, bool) for name in _ALWAYS}
     labels["exit"][: mdp.num_states] = exit_states(level, mdp) & mdp.is_terminal
     labels["end"][: mdp.num_states] = mdp.is_terminal
     if hits.any():
-        labels["end"][mdp.num_states] = True
-        labels["hit"] = np.arange(size) == mdp.num_states
+        labels["end"][mdp.num_states] = labels["hit"][mdp.num_states] = True
     for name, cells in _places(level, mdp):
         labels.setdefault(name, np.zeros(size, bool))[: mdp.num_states] |= cells
     return Process(

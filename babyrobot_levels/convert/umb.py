@@ -28,7 +28,10 @@ def write_umb(level: Level) -> Conversion:
         raise ImportError(f"this format needs umbi: {how_to_install('umb')}") from error
 
     class Encoder(UmbEncoder):  # type: ignore[misc]
-        """Writes arrays as they are: umbi packs one number after another."""
+        """Writes arrays as they are: umbi packs one number after another. Checks no index twice."""
+
+        def add_index_file(self, umb: Any) -> None:
+            self.add_json("index.json", umb.index.to_json())
 
         def add_vector(self, name: str, kind: Any, vector: Any, optional: bool = False) -> None:
             if isinstance(vector, np.ndarray):
@@ -61,65 +64,26 @@ def _archive(files: dict[str, bytes]) -> bytes:
 
 def _explicit(level: Level, process: Process) -> Any:
     """Return the process as umbi takes it."""
-    from umbi.binary import SizedType
-    from umbi.datatypes import NumericPrimitiveType, PrimitiveType
     from umbi.umb import ExplicitUmb
-    from umbi.umb.index import (
-        AnnotationDescription,
-        FileData,
-        ModelData,
-        TransitionSystem,
-        UmbIndex,
-    )
-    from umbi.version import __format_revision__, __format_version__
+    from umbi.umb.index import UmbIndex
 
-    double = SizedType.for_type(NumericPrimitiveType.DOUBLE)
     # Where nothing is to be chosen, there is one choice, of an action without a name.
-    names = [*process.actions, ""]
+    names, acting, count = [*process.actions, ""], process.acting, len(process.actions)
     choices = np.ones(process.size + 1, np.int64)
-    choices[process.acting] = len(process.actions)
+    choices[acting] = count
     first = np.cumsum(choices) - choices
-    action, reward = np.full(first[-1], len(names) - 1), np.zeros(first[-1])
-    own = first[process.acting][:, None] + np.arange(len(process.actions))
-    action[own] = np.arange(len(process.actions))
-    tables = process.mdp.probability[process.acting], process.mdp.reward[process.acting]
+    own = first[acting][:, None] + np.arange(count)
+    action, reward = np.full(first[-1], count), np.zeros(first[-1])
+    action[own] = np.arange(count)
+    tables = process.mdp.probability[acting], process.mdp.reward[acting]
     reward[own] = np.einsum("sao,sao->sa", *tables)
     choice, target, probability = _branches(process, first)
-    labels = {name: {"states": has} for name, has in process.labels.items()}
-    rewards = {"reward": {"choices": reward}, "cost": {"choices": -reward}}
-    index = UmbIndex(
-        format_version=__format_version__,
-        format_revision=__format_revision__,
-        file_data=FileData(tool=DISTRIBUTION),
-        model_data=ModelData(
-            name=level.title or level.name,
-            description=level.description,
-            authors=[level.author] if level.author else None,
-            comment="\n".join(filter(None, (level.license, level.source))) or None,
-        ),
-        transition_system=TransitionSystem(
-            num_players=1,
-            num_states=process.size,
-            num_initial_states=1,
-            num_choices=len(action),
-            num_choice_actions=len(names),
-            num_branches=len(target),
-            branch_probability_type=double,
-        ),
-        annotations={
-            "aps": {
-                name: AnnotationDescription(
-                    applies_to=["states"], type=SizedType.for_type(PrimitiveType.BOOL)
-                )
-                for name in labels
-            },
-            "rewards": {
-                name: AnnotationDescription(applies_to=["choices"], type=double) for name in rewards
-            },
-        },
-    )
+    annotations: dict[str, dict[str, Any]] = {
+        "aps": {name: {"states": has} for name, has in process.labels.items()},
+        "rewards": {"reward": {"choices": reward}, "cost": {"choices": -reward}},
+    }
     return ExplicitUmb(
-        index=index,
+        index=UmbIndex.from_json(_index(level, process, annotations, len(action), len(target))),
         state_is_initial=np.arange(process.size) == process.initial,
         state_to_choices=first,
         choice_to_branches=np.append(0, np.cumsum(np.bincount(choice))),
@@ -127,8 +91,42 @@ def _explicit(level: Level, process: Process) -> Any:
         branch_to_probability=probability,
         choice_to_choice_action=action,
         choice_action_to_string=names,
-        annotations={"aps": labels, "rewards": rewards},
+        annotations=annotations,
     )
+
+
+def _index(
+    level: Level, process: Process, annotations: Any, choices: int, branches: int
+) -> dict[str, Any]:
+    """Return what is in the archive: the level, its size, labels and rewards."""
+    from umbi.version import __format_revision__, __format_version__
+
+    double, flag = {"type": "double", "size": 64}, {"type": "bool", "size": 1}
+    about = {
+        "name": level.title or level.name,
+        "description": level.description,
+        "authors": [level.author] if level.author else None,
+        "comment": "\n".join(filter(None, (level.license, level.source))),
+    }
+    return {
+        "format-version": __format_version__,
+        "format-revision": __format_revision__,
+        "file-data": {"tool": DISTRIBUTION},
+        "model-data": {key: value for key, value in about.items() if value},
+        "transition-system": {
+            **{"time": "discrete", "#players": 1, "#initial-states": 1, "#observations": 0},
+            **{"#states": process.size, "#choices": choices, "#branches": branches},
+            **{"#choice-actions": len(process.actions) + 1, "#branch-actions": 0},
+            "branch-probability-type": double,
+        },
+        "annotations": {
+            group: {
+                name: {"applies-to": [*values], "type": flag if group == "aps" else double}
+                for name, values in each.items()
+            }
+            for group, each in annotations.items()
+        },
+    }
 
 
 def _branches(process: Process, first: Ints) -> tuple[Ints, Ints, Floats]:

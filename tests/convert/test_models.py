@@ -170,9 +170,10 @@ def test_lines_of_a_description_stay_comments() -> None:
 
 
 def test_labels_tell_puddles_areas_and_what_is_held_or_on() -> None:
-    assert {"puddle", "small_puddle", "large_puddle"} <= process_of(
-        brl.load("final-maze")
-    ).labels.keys()
+    wet = process_of(brl.load("final-maze")).labels
+    assert np.flatnonzero(wet["puddle"]).tolist() == [2, 13, 18, 19, 31]
+    assert np.flatnonzero(wet["large_puddle"]).tolist() == [13, 19]
+    assert not process_of(brl.load("walls")).labels["puddle"].any()
     level = brl.load("first-key")
     held = process_of(level).labels["key_held"][: level.compile().num_states]
     rows = held.reshape(level.compile().shape)

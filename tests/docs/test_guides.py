@@ -22,7 +22,7 @@ from babyrobot_levels.analysis import learning
 from babyrobot_levels.analysis import pictures as formats_of_pictures
 from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
 from babyrobot_levels.cli.convert import PICTURES, WRITTEN
-from babyrobot_levels.convert.formats import FORMATS
+from babyrobot_levels.convert.formats import FORMATS, MODELS
 from babyrobot_levels.convert.setups import _PLAYING, KEYWORDS
 from babyrobot_levels.language.json_schema import SCHEMAS
 from babyrobot_levels.language.share_code import DICTIONARY_1
@@ -58,7 +58,7 @@ def rows(page: str, after: str) -> list[list[str]]:
 def test_the_table_has_all_formats_of_other_programs() -> None:
     table = rows("converting", "| format | what it is | read from | written as |")
     names = {name: row for row in table for name in re.findall(r"`([a-z-]+)`", row[0])}
-    assert [*names] == [*FORMATS, *PICTURES]
+    assert [*names] == [*FORMATS, *MODELS, *PICTURES]
     assert [name for name, row in names.items() if row[2]] == [*FORMATS]
     assert [name for name, row in names.items() if row[3]] == [*WRITTEN]
     for name, each in FORMATS.items():
