@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
@@ -66,21 +67,21 @@ COMMANDS = {
 }
 
 
+@cache
+def _command(name: str) -> Any:
+    line = COMMANDS[name]
+    function = line.function()
+    alone = typer.Typer(add_completion=False, **_PLAIN)
+    cls = getattr(function, "command_class", None)
+    alone.command(name, short_help=line.summary, cls=cls)(function)
+    return typer.main.get_command(alone)
+
+
 class _Registry(Mapping[str, Any]):
     """The commands by name, each of which is imported when it is asked for."""
 
-    def __init__(self) -> None:
-        self._made: dict[str, Any] = {}
-
     def __getitem__(self, name: str) -> Any:
-        if name not in self._made:
-            line = COMMANDS[name]
-            function = line.function()
-            alone = typer.Typer(add_completion=False, **_PLAIN)
-            cls = getattr(function, "command_class", None)
-            alone.command(name, short_help=line.summary, cls=cls)(function)
-            self._made[name] = typer.main.get_command(alone)
-        return self._made[name]
+        return _command(name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(COMMANDS)
