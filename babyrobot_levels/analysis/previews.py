@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.pictures import FORMATS, SUFFIXES
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
-from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TooLargeError
+from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TablesTooLargeError
 from babyrobot_levels.mdp.gridworld import LevelLike, world_of
 
 if TYPE_CHECKING:
@@ -217,7 +217,7 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
 
     try:
         level.compile_within(MAX_READ_STATES)
-    except TooLargeError as error:
+    except TablesTooLargeError as error:
         found.left_out = f"not computed: {error.size}; together at most {MAX_READ_STATES:,} are"
         found["drawing"] = level.draw()
         return found

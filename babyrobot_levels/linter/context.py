@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import cell_mark, cells_text, count_drawn
-from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TooLargeError
+from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TablesTooLargeError
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
 from babyrobot_levels.text.diagnostics import Location, Route
 from babyrobot_levels.text.document import Comment, Document, comments
@@ -175,7 +175,7 @@ class LintContext:
         """How large the tables are, if they are too large for rules to read; None if not."""
         try:
             self.level.compile_within(MAX_READ_STATES)
-        except TooLargeError as error:
+        except TablesTooLargeError as error:
             return error.size
         return None
 

@@ -355,7 +355,7 @@ def most_outcomes(level: LevelFields) -> int:
     return shares * prod([WAYS] * wanderers)
 
 
-class TooLargeError(UnplayableError):
+class TablesTooLargeError(UnplayableError):
     """The tables of a level need too much room; `size` says how large they are."""
 
     size: str
@@ -363,7 +363,7 @@ class TooLargeError(UnplayableError):
 
 def too_large(
     level: LevelFields, states: int, width: int, most: int = MAX_WIDE_STATES
-) -> TooLargeError:
+) -> TablesTooLargeError:
     """Return the error of tables that need too much room."""
     message = (
         f"the tables are too large: {states:,} states, and {width} outcomes of an action; "
@@ -373,7 +373,7 @@ def too_large(
     if level.has_things:
         field = "movers" if level.movers else field_of(level, "items")
         help_text = "use fewer things that walk or skid at random, or a smaller level"
-    error = TooLargeError([Issue("BR404", Key((field,)), message, help_text)])
+    error = TablesTooLargeError([Issue("BR404", Key((field,)), message, help_text)])
     # Rows that were not made yet may have more.
     error.size = f"{states:,} states, and {width} outcomes of an action or more"
     return error

@@ -81,7 +81,7 @@ class GridWorld(LevelSpec):
         """Make the tables, unless they are too large.
 
         Raises:
-            TooLargeError: they have more than `most` states times outcomes of the longest row.
+            TablesTooLargeError: they have more than `most` states times outcomes of an action.
         """
         from babyrobot_levels.mdp.compiler import compile_mdp
         from babyrobot_levels.mdp.configurations import too_large
@@ -226,7 +226,7 @@ def check_world(
 
 
 def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
-    """Refuse a level that cannot be compiled: where its fields leave that open, by compiling it."""
+    """Refuse a level that cannot be compiled, where its fields leave that open by trying it."""
     level = checked.value
     if level is None or level.has_random_maze:
         return checked
@@ -235,7 +235,10 @@ def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
 
     try:
         if not surely_fits(level):
-            level.compile()
+            from babyrobot_levels.mdp.compiler import checked_mdp
+
+            if (mdp := checked_mdp(level, level.grid())) is not None:
+                vars(level)["_mdp"] = mdp
         elif level.stands_on_grid:
             check_placement(level, level.grid())
     except UnplayableError as error:

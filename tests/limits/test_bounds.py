@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from random import Random
 from typing import Any
 
@@ -15,9 +16,9 @@ import babyrobot_levels as brl
 from babyrobot_levels.library.level import loads
 from babyrobot_levels.linter.rules import select
 from babyrobot_levels.linter.runner import is_note, lint_source
-from babyrobot_levels.mdp import tables
+from babyrobot_levels.mdp import compiler, tables
 from babyrobot_levels.mdp.compiler import layers, outcomes, things
-from babyrobot_levels.mdp.configurations import TooLargeError, most_outcomes, surely_fits
+from babyrobot_levels.mdp.configurations import TablesTooLargeError, most_outcomes, surely_fits
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.source import SourceFile
 
@@ -105,16 +106,49 @@ def test_compiling_needs_little_more_than_the_tables(
     assert work.memory < times * sum(array.nbytes for array in arrays(mdp).values())
 
 
+def test_what_is_checked_without_tables_can_be_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(things, "SMALL", 0)
+    refused, counted = 0, 0
+    for number in range(120):
+        level, most = brl.load(random_level(Random(number))), 10 + 7 * number
+        for module in (compiler, things):
+            monkeypatch.setattr(module, "MAX_WIDE_STATES", most)
+        try:
+            expected = compiler.compile_mdp(level, level.grid(), most)
+        except brl.LevelError as error:
+            refused += 1
+            with pytest.raises(brl.LevelError, match=re.escape(str(error))):
+                compiler.checked_mdp(level, level.grid())
+            continue
+        found = compiler.checked_mdp(level, level.grid())
+        counted += found is None
+        if found is not None:
+            assert [*map(bytes, arrays(found).values())] == [*map(bytes, arrays(expected).values())]
+    assert refused > 20
+    assert counted > 20
+
+
+def test_a_large_level_is_valid_by_its_states_alone() -> None:
+    wall = {"at": [0, 298], "side": "S", "length": 300}
+    places = [[5, 5], [9, 9], *([x, 299] for x in range(5))]
+    items = [{"at": at, "name": f"item-{number}"} for number, at in enumerate(places)]
+    data = {"version": 1, "size": [300, 300], "exit": [299, 298], "walls": [wall], "items": items}
+    level = loads(json.dumps(data))
+    assert not surely_fits(level)
+    assert "_mdp" not in vars(level)
+    assert level.compile().num_configurations == 4
+
+
 def test_tables_are_made_within_a_bound_and_no_larger() -> None:
     for number in range(60):
         level = brl.load(random_level(Random(number)))
         states, _, width = brl.load(level.to_dict()).compile().probability.shape
-        with pytest.raises(TooLargeError, match="the tables are too large"):
+        with pytest.raises(TablesTooLargeError, match="the tables are too large"):
             level.compile_within(states * width - 1)
         level.compile_within(5 * states * width)
         level.compile_within(states * width)
         assert level.compile().probability.shape == (states, 5, width)
-        with pytest.raises(TooLargeError, match=f"{states:,} states, and {width} outcomes"):
+        with pytest.raises(TablesTooLargeError, match=f"{states:,} states, and {width} outcomes"):
             level.compile_within(states * width - 1)
 
 

@@ -7,11 +7,14 @@ occur, `movers` says where movers go, and `things` puts it all together.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
+    Branches,
     Outcomes,
     Room,
     ended,
@@ -28,9 +31,9 @@ from babyrobot_levels.mdp.compiler.terrain import (
 )
 from babyrobot_levels.mdp.configurations import MAX_WIDE_STATES, most_outcomes, too_large
 from babyrobot_levels.mdp.grid import Grid, build_grid
-from babyrobot_levels.mdp.tables import REFUSED, Mdp, parts_of
+from babyrobot_levels.mdp.tables import REFUSED, Ints, Mdp, parts_of
 
-__all__ = ["compile_mdp"]
+__all__ = ["checked_mdp", "compile_mdp"]
 
 
 def compile_mdp(level: LevelFields, grid: Grid | None = None, most: int = MAX_WIDE_STATES) -> Mdp:
@@ -42,7 +45,7 @@ def compile_mdp(level: LevelFields, grid: Grid | None = None, most: int = MAX_WI
         most: the most states times outcomes of the longest row.
 
     Raises:
-        TooLargeError: there are more than `most`.
+        TablesTooLargeError: there are more than `most`.
         LevelError: the level's maze has no seed yet (`seed: random`); or, with things, the level
             has more states, or a row more outcomes, than the language allows.
     """
@@ -55,54 +58,85 @@ def compile_mdp(level: LevelFields, grid: Grid | None = None, most: int = MAX_WI
     return compile_things(level, grid, most)
 
 
+def checked_mdp(level: LevelFields, grid: Grid) -> Mdp | None:
+    """Check that a level can be compiled; return its tables if they are small and had to be made.
+
+    Raises:
+        LevelError: as `compile_mdp`.
+    """
+    if not level.has_things:
+        for _ in _Cells(level, grid).branches(MAX_WIDE_STATES):
+            pass
+        return None
+    from babyrobot_levels.mdp.compiler.things import checked_things
+
+    return checked_things(level, grid)
+
+
+class _Cells:
+    """What a level without things is compiled from."""
+
+    def __init__(self, level: LevelFields, grid: Grid):
+        self.level = level
+        self.terrain = build_terrain(level, grid)
+        self.moves = build_moves(level, grid)
+        self.warps = build_warps(level, grid)
+        self.arrivals = Arrivals(level.rewards, self.terrain, self.warps)
+        self.starts = np.array([y * grid.width + x for x, y in level.starts])
+
+    def branches(self, most: int) -> Iterator[tuple[Branches, Ints, Branches, Ints]]:
+        """Yield, in parts, branches without chance and by chance, each with where they end.
+
+        Raises:
+            TablesTooLargeError: there are more than `most` states times branches of a row.
+        """
+        terrain, moves, warps = self.terrain, self.moves, self.warps
+        count = terrain.over.size
+        for part in parts_of(count):
+            plain = plain_branches(moves, terrain, warps, part)
+            next_state = self.arrivals.next_states(plain)
+            # A plain row that leads to one of several starts is a chance too.
+            lost = next_state == count
+            stochastic = stochastic_rows(moves, terrain, warps, part)
+            sure = ~(lost | stochastic.ravel())
+            by_chance = [
+                *stochastic_branches(moves, terrain, stochastic, part),
+                plain.select(lost & ~stochastic.ravel()),
+            ]
+            chances = by_chance[0].joined(*by_chance[1:])
+            chances, ends = ended(
+                chances.select(chances.probability > 0), self.arrivals, self.starts
+            )
+            # Before equal ones are merged: rewards decide nothing.
+            width = int(np.bincount(chances.row - plain.row[0]).max(initial=0))
+            if width * count > most:
+                raise too_large(self.level, count, width, most)
+            yield plain.select(sure), next_state[sure], chances, ends
+
+
 def compile_cells(level: LevelFields, grid: Grid, most: int = MAX_WIDE_STATES) -> Mdp:
     """Compile a level without things, whose states are the cells, into its exact tables.
 
     Raises:
-        TooLargeError: there are more than `most` states times outcomes.
+        TablesTooLargeError: there are more than `most` states times outcomes.
     """
-    terrain = build_terrain(level, grid)
-    moves = build_moves(level, grid)
-    warps = build_warps(level, grid)
-    arrivals = Arrivals(level.rewards, terrain, warps)
-    starts = np.array([y * grid.width + x for x, y in level.starts])
-
+    cells = _Cells(level, grid)
+    terrain, rewards_of = cells.terrain, cells.arrivals.rewards_of
     count = terrain.over.size
     room = Room(count, max(1, min(most_outcomes(level), most // count)))
-    for part in parts_of(count):
-        plain = plain_branches(moves, terrain, warps, part)
-        next_state = arrivals.next_states(plain)
-        # A plain row that leads to one of several starts is a chance too.
-        lost = next_state == count
-        stochastic = stochastic_rows(moves, terrain, warps, part)
-        sure = ~(lost | stochastic.ravel())
-        row, next_state = plain.row[sure], next_state[sure]
-        reward = arrivals.rewards_of(plain.select(sure), next_state)
-        first = np.zeros(row.size, np.int8)
-        room.put(Outcomes(row, first, first + 1.0, next_state, reward, terrain.over[next_state]))
-        by_chance = [
-            *stochastic_branches(moves, terrain, stochastic, part),
-            plain.select(lost & ~stochastic.ravel()),
-        ]
-        branches = by_chance[0].joined(*by_chance[1:])
-        branches = branches.select(branches.probability > 0)
-        if branches.row.size:
-            branches, next_state = ended(branches, arrivals, starts)
-            # Before equal ones are merged: rewards decide nothing.
-            width = int(np.bincount(branches.row - plain.row[0]).max())
-            if width * count > most:
-                raise too_large(level, count, width, most)
-            reward = arrivals.rewards_of(branches, next_state)
-            outcomes = merged(
-                branches.row, branches.probability, next_state, reward, terrain.over[next_state]
-            )
-            room.put(outcomes)
+    for plain, next_state, chances, ends in cells.branches(most):
+        first = np.zeros(plain.row.size, np.int8)
+        reward, over = rewards_of(plain, next_state), terrain.over[next_state]
+        room.put(Outcomes(plain.row, first, plain.probability, next_state, reward, over))
+        if chances.row.size:
+            reward = rewards_of(chances, ends)
+            room.put(merged(chances.row, chances.probability, ends, reward, terrain.over[ends]))
 
-    obstruction, intended = obstructions(moves, terrain, warps)
+    obstruction, intended = obstructions(cells.moves, terrain, cells.warps)
     action_mask = (obstruction != REFUSED).astype(np.int8)
     action_mask[terrain.over, 1:] = 0
     start = np.zeros(count)
-    start[starts] = 1.0 / starts.size
+    start[cells.starts] = 1.0 / cells.starts.size
     return Mdp(
         width=grid.width,
         height=grid.height,

@@ -46,24 +46,42 @@ from babyrobot_levels.text.errors import UnplayableError
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
 
+SMALL = 1 << 18
+"""Up to so many states, tables are made when a level is checked: most will be asked for."""
+
 
 def compile_things(level: LevelFields, grid: Grid, most: int = MAX_WIDE_STATES) -> Mdp:
     """Compile a level with things.
 
     Raises:
-        TooLargeError: there are more than `most` states times outcomes.
+        TablesTooLargeError: there are more than `most` states times outcomes.
         UnplayableError: doors or paths are cut by walls; there are more than `MAX_STATES` states,
             or a row has more than `MAX_OUTCOMES` outcomes.
     """
+    return _Compiler(level, _layers(level, grid)).tables(most)
+
+
+def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
+    """Check that a level with things can be compiled; see `checked_mdp`.
+
+    Where there are many states it is enough to count them, unless rows may be too long.
+    """
+    compiler = _Compiler(level, _layers(level, grid))
+    states, outcomes = len(compiler.configurations) * compiler.size, most_outcomes(level)
+    if states > SMALL and outcomes <= MAX_OUTCOMES and states * outcomes <= MAX_WIDE_STATES:
+        return None
+    return compiler.tables(MAX_WIDE_STATES)
+
+
+def _layers(level: LevelFields, grid: Grid) -> Layers:
     check_placement(level, grid)
     things = Things(level)
     try:
-        layers = Layers(level, grid, things)
+        return Layers(level, grid, things)
     except TooManyStates:
         raise _too_many_states(level, things) from None
     except TooManyWays as error:
         raise _too_many_outcomes(level, error.ways) from None
-    return _Compiler(level, layers).tables(most)
 
 
 def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
@@ -131,6 +149,8 @@ class _Compiler:
     def tables(self, most: int) -> Mdp:
         """Return the tables."""
         count = len(self.configurations) * self.size
+        if count > most:
+            raise too_large(self.level, count, 1, most)
         over = np.ones(count, bool)
         intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], NUM_ACTIONS, axis=1)
         obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
