@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from babyrobot_levels.analysis.solver.model import Model, closed_classes, surely_ending
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
+from babyrobot_levels.analysis.solver.sweeps import swept
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
@@ -96,6 +98,10 @@ def _solved(chain: Model, rewards: Floats, discount: float, *, transposed: bool 
         ArithmeticError: there is none, for all that floating point can tell.
     """
     size = chain.size
+    if not transposed and chain.next_state.shape[2] > FILLED:
+        found = _swept_sums(chain, rewards, discount)
+        if found is not None:
+            return found
     weights = discount * chain.probability[:, 0]
     if size <= DENSE_STATES:
         cells = np.arange(size)[:, None] * (size + 1) + chain.next_state[:, 0]
@@ -106,6 +112,18 @@ def _solved(chain: Model, rewards: Floats, discount: float, *, transposed: bool 
         except np.linalg.LinAlgError as error:
             raise ArithmeticError from error
     return _sparse_sums(chain.next_state[:, 0], weights, rewards, transposed=transposed)
+
+
+def _swept_sums(chain: Model, rewards: Floats, discount: float) -> Floats | None:
+    """Return the solution by compiled sweeps; None where these do not find it."""
+    sums, only = np.empty_like(rewards), np.zeros(chain.size, np.intp)
+    for index in np.ndindex(rewards.shape[1:]):
+        column = (slice(None), *index)
+        found = swept(chain.with_rewards(rewards[column][:, None]), only, discount)
+        if found is None:
+            return None
+        sums[column] = found[0]
+    return sums
 
 
 def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transposed: bool) -> Floats:
@@ -249,27 +267,44 @@ IMPATIENCE = 1e-5
 """The chance to give up at each step, in the search for a policy that ends soon."""
 
 
-def iterate_policies(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, int]:
-    """Return optimal values, `[n]`, a policy that attains them, `[n]`, and the rounds it took.
+@dataclass(frozen=True, eq=False)
+class Iterated:
+    """Optimal values, `[n]`, a policy that attains them, `[n]`, and how they were found."""
 
-    Without a discount, `policy` must lead to the end with probability one, and so does the
-    result: an action is replaced only by one that is strictly better, which creates no loop unless
-    its rewards are positive.
+    values: Floats
+    policy: Ints
+    rounds: int
+    method: str = "policy iteration"
+
+
+def iterate_policies(model: Model, policy: Ints, discount: float) -> Iterated:
+    """Return optimal values and a policy.
+
+    Without a discount, `policy` must lead to the end with probability one, however late, and so
+    does the result: an action is replaced only by one that is strictly better, which creates no
+    loop unless its rewards are positive.
 
     Each round evaluates the policy exactly and then improves it by sweeps of value iteration, so
     that a change spreads over the whole level and not by one cell. The last round raises no value
     by more than rounding; values cannot rise for ever, so there is one.
+
+    Large levels in which policies lead to the end are solved by compiled sweeps instead.
     """
+    found = swept(model, policy, discount)
+    if found is not None:
+        return Iterated(*found, "value iteration in order of distance")
+    if discount == 1:
+        policy = in_good_time(model, policy)
     values = expected_sums(model.under(policy), _rewards(model, policy), discount)
     rounds = 1
     while True:
         improved = _sweep(model, values, policy, discount)
         if (improved == policy).all():
-            return values, policy, rounds
+            return Iterated(values, policy, rounds)
         risen = expected_sums(model.under(improved), _rewards(model, improved), discount)
         rounds += 1
         if not (risen > values + SLACK / 2 * scale_of(model, values)).any():
-            return values, policy, rounds
+            return Iterated(values, policy, rounds)
         values, policy = risen, improved
 
 
@@ -317,10 +352,12 @@ def in_good_time(model: Model, policy: Ints) -> Ints:
     own = expected_sums(chain, _rewards(chances, policy), 1.0 - IMPATIENCE)
     if own.min(initial=1.0) > 0.5:
         return policy
-    return iterate_policies(chances, policy, 1.0 - IMPATIENCE)[1]
+    return iterate_policies(chances, policy, 1.0 - IMPATIENCE).policy
 
 
-def prefer_ending(model: Model, values: Floats, policy: Ints, discount: float) -> Ints:
+def prefer_ending(
+    model: Model, values: Floats, policy: Ints, discount: float
+) -> tuple[Ints, Floats | None]:
     """Return an optimal policy that ends as soon as can be expected, where it can surely end.
 
     Where even that takes too long for floating point, the policy stays as it is.
@@ -330,18 +367,40 @@ def prefer_ending(model: Model, values: Floats, policy: Ints, discount: float) -
         values: their optimal values, `[n]`.
         policy: an optimal policy, which stays where the end cannot be reached for sure.
         discount: the discount.
+
+    Returns:
+        The policy, and its expected steps from each state, `[n]`, if all of them surely end.
     """
     ahead = model.action_values(values, discount)
     tie = TIE * scale_of(model, values)
     sure, action, rows = surely_ending(model, ahead >= ahead.max(axis=1, keepdims=True) - tie)
     if not sure.any():
-        return policy
+        return policy, None
     ending = model.restrict(sure, rows)
+    if discount == 1 and sure.all():
+        steps = _steps_by_values(ending, values)
+        if steps is not None:
+            return policy, steps
     counting = ending.with_rewards(np.where(ending.allowed, -1.0, -np.inf))
     try:
-        _, quickest, _ = iterate_policies(counting, in_good_time(ending, action[sure]), 1.0)
+        found = iterate_policies(counting, action[sure], 1.0)
     except EpisodeTooLongError:
-        return policy
+        return policy, None
     policy = policy.copy()
-    policy[sure] = quickest
-    return policy
+    policy[sure] = found.policy
+    return policy, -found.values if sure.all() else None
+
+
+def _steps_by_values(model: Model, values: Floats) -> Floats | None:
+    """Return the steps to the end, `[n]`, if values tell them: each step costs the same.
+
+    The last step may have another reward; all others are then as quick as the values say.
+    """
+    ends = np.where(model.next_state == model.size, model.probability, 0.0).sum(axis=2)
+    inner, last = model.allowed & (ends == 0), model.allowed & (ends > 0)
+    if not inner.any() or not last.any():
+        return None
+    cost = -model.reward[inner].max()
+    extra = (model.reward[last] + cost) / ends[last]
+    same = np.ptp(model.reward[inner]) == 0 and np.ptp(extra) <= ZERO * max(cost, extra.max())
+    return (extra[0] - values) / cost if same and cost > 0 else None

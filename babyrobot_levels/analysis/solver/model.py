@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.solver.compiled import kernel_for
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
 
@@ -176,6 +177,25 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
 # -- which states lead where, whatever the probabilities ------------------------------------
 
 
+def kernel_arrays(model: Model) -> tuple[NDArray[np.int32], Floats]:
+    """Return where each outcome leads and how likely it is, laid out as compiled loops want it."""
+    return np.ascontiguousarray(model.next_state), np.ascontiguousarray(model.probability)
+
+
+def distances(model: Model, goals: Flags, rows: Flags) -> Ints:
+    """Return how many steps a goal is away at least, `[n + 1]`; -1 where none can be reached."""
+    kernel = kernel_for(model.size)
+    if kernel is not None:
+        edges = kernel.before(*kernel_arrays(model), rows, model.size)
+        compiled: Ints = kernel.distances(*edges, goals)[0]
+        return compiled
+    happens = (model.probability > 0) & rows[:, :, None]
+    source = np.repeat(np.arange(model.size, dtype=np.int32), happens.sum(axis=(1, 2)))
+    # Edges reversed: from each next state to the state before it.
+    graph = Graph(model.size + 1, model.next_state[happens], source)
+    return graph.distances(np.flatnonzero(goals))
+
+
 def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
     """Return which states can reach a goal by some of the actions, and how.
 
@@ -189,11 +209,7 @@ def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
         action most likely to come nearer, counted in steps, `[n]`; -1 for goals and all others.
     """
     size = model.size
-    happens = (model.probability > 0) & rows[:, :, None]
-    source = np.repeat(np.arange(size, dtype=np.int32), happens.sum(axis=(1, 2)))
-    # Edges reversed: from each next state to the state before it.
-    graph = Graph(size + 1, model.next_state[happens], source)
-    distance = graph.distances(np.flatnonzero(goals))
+    distance = distances(model, goals, rows)
     distance[distance < 0] = size + 2
     nearer = distance[model.next_state] < distance[:-1, None, None]
     progress = np.einsum("sao,sao->sa", model.probability, nearer)

@@ -7,7 +7,7 @@ end cannot be reached with probability one, costs are infinite. Policy iteration
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, overload
 
 import numpy as np
@@ -19,6 +19,7 @@ from babyrobot_levels.analysis.solver.evaluation import (
 )
 from babyrobot_levels.analysis.solver.linear import (
     ZERO,
+    Iterated,
     class_averages,
     cycles,
     expected_sums,
@@ -121,7 +122,8 @@ def solve(
             raise ValueError("exact values are those without a limit of steps; leave `within` out")
         return solve_within(space, discount, limit)
     model, mdp = space.model(), space.mdp
-    found = _discounted(model, discount) if discount < 1 else _undiscounted(model, space)
+    optimum = _discounted(model, discount) if discount < 1 else _undiscounted(model, space)
+    found = optimum.found
     ahead = action_values(model, found.values, discount)
     best = ahead.max(axis=1, initial=-np.inf)
     greedy = np.zeros((mdp.num_states, ahead.shape[1]), bool)
@@ -130,7 +132,7 @@ def solve(
     policy[model.states] = found.policy
     finite = np.isfinite(found.values)
     chain, expected = model.under(found.policy), space.at_start(model, found.values)
-    steps, success, ahead_steps = episode(chain, space)
+    steps, success, ahead_steps = episode(chain, space, optimum.steps)
     fastest = np.zeros_like(greedy)
     fastest[model.states] = _fastest(model, greedy[model.states], found.policy, ahead_steps)
     if discount < 1:
@@ -151,7 +153,7 @@ def solve(
         greedy=greedy.reshape(*mdp.shape, -1),
         fastest=fastest.reshape(*mdp.shape, -1),
         policy=policy.reshape(mdp.shape),
-        method="policy iteration",
+        method=found.method,
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
         level=level,
@@ -161,59 +163,65 @@ def solve(
     # Fractions are asked for seldom.
     from babyrobot_levels.analysis.solver.exact import solve_exactly
 
-    return solve_exactly(space, solution, found.core)
+    return solve_exactly(space, solution, optimum.core)
 
 
 @dataclass(frozen=True, eq=False)
 class _Optimum:
-    values: Floats
-    policy: Ints
-    rounds: int
+    """What is found of a model; `steps` are those to the end, `[n]`, where they are known."""
+
+    found: Iterated
     core: Core
+    steps: Floats | None
 
 
 def _discounted(model: Model, discount: float) -> _Optimum:
     _, towards_end = attractor(model, model.end, model.allowed)
     policy = np.where(towards_end >= 0, towards_end, model.reward.argmax(axis=1))
-    values, policy, rounds = iterate_policies(model, policy, discount)
-    policy = prefer_ending(model, values, policy, discount)
-    return _Optimum(values, policy, rounds, Core(model, np.arange(model.size), policy))
+    found = iterate_policies(model, policy, discount)
+    policy, steps = prefer_ending(model, found.values, found.policy, discount)
+    core = Core(model, np.arange(model.size), policy)
+    return _Optimum(replace(found, policy=policy), core, steps)
 
 
 def _undiscounted(model: Model, space: StateSpace) -> _Optimum:
     loops = find_loops(model)
-    unbounded, towards = attractor(model, np.append(loops.positive, False), model.allowed)
-    policy = np.where(loops.positive, loops.action, towards)
+    unbounded, policy = loops.positive, loops.action.copy()
+    if unbounded.any():
+        unbounded, towards = attractor(model, np.append(loops.positive, False), model.allowed)
+        policy = np.where(loops.positive, loops.action, towards)
     # No action of the others leads there: it would make them unbounded too.
     others = np.flatnonzero(~unbounded)
     rest = model.restrict(~unbounded).with_stops(loops.idle[others])
     sure, action, rows = surely_ending(rest, rest.allowed)
     core = rest.restrict(sure, rows)
     inside = others[sure]
-    found = iterate_policies(core, in_good_time(core, action[sure]), 1.0)
-    core_values, core_policy, rounds = found
+    found = iterate_policies(core, action[sure], 1.0)
     stop = model.reward.shape[1]
     # Where stopping is optimal, it means to stay in the loop, unless ending is just as good.
     is_stop = np.arange(core.reward.shape[1]) == stop
     going_on = core.with_rewards(np.where(is_stop, -np.inf, core.reward))
-    core_policy = prefer_ending(going_on, core_values, core_policy, 1.0)
+    core_policy, steps = prefer_ending(going_on, found.values, found.policy, 1.0)
     policy[inside] = np.where(core_policy == stop, loops.action[inside], core_policy)
-    # From the other states no policy surely ends the episode, but it may still end by chance.
-    _, perhaps = attractor(rest, np.append(sure, True), rest.allowed)
-    perhaps = np.where(perhaps >= 0, perhaps, rest.reward.argmax(axis=1))
-    policy[others[~sure]] = perhaps[~sure]
+    if not sure.all():
+        # From the other states no policy surely ends the episode, but it may still end by chance.
+        _, perhaps = attractor(rest, np.append(sure, True), rest.allowed)
+        perhaps = np.where(perhaps >= 0, perhaps, rest.reward.argmax(axis=1))
+        policy[others[~sure]] = perhaps[~sure]
     values = np.where(unbounded, np.inf, -np.inf)
-    values[inside] = core_values
+    values[inside] = found.values
     unclear = values < loops.ceiling - TOLERANCE * np.maximum(1.0, np.abs(loops.ceiling))
     if unclear.any():
         raise space.undefined_return(model, unclear)
-    return _Optimum(values, policy, rounds, Core(core, inside, core_policy))
+    ends = steps if core.size == model.size else None
+    found = replace(found, values=values, policy=policy)
+    return _Optimum(found, Core(core, inside, core_policy), ends)
 
 
 def most_expected(model: Model, rewards: Floats, space: StateSpace) -> Floats:
     """Return the most that can be expected of other rewards, `[n, actions]`, from each state."""
     other = model.with_rewards(np.where(model.allowed, rewards, -np.inf))
-    return _undiscounted(other, space).values
+    return _undiscounted(other, space).found.values
 
 
 def _greedy(model: Model, ahead: Floats, best: Floats) -> Flags:

@@ -314,7 +314,7 @@ class Solution(Evaluation):
             greedy actions may earn less: where there is no discount and a step costs nothing, they
             may lead round in circles.
         method: how it was found.
-        iterations: how many policies were evaluated on the way.
+        iterations: how many policies were evaluated on the way, or rounds of sweeps were made.
         residual: the largest violation of Bellman's equation among finite values.
         policies: within a limit of steps, an optimal action for each step and cell, int8
             `[within, height, width]`, where number 0 is the first step; `policy` is that of the
