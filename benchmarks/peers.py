@@ -23,7 +23,9 @@ INSTALLS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
     "envpool": (("envpool", "gymnasium"),),
     "mazelib": (("mazelib==0.9.16",),),
+    "mdpsolver": (("mdpsolver==0.10.2", "numpy"),),
     "minigrid": (("minigrid==3.2.0",),),
+    "stormpy": (("stormpy==2.0.0",),),
 }
 """For each peer, the arguments of `pip install`, one call each."""
 

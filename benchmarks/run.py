@@ -30,6 +30,7 @@ BENCHMARKS = (
     "things",
     "frames",
     "solve",
+    "checker",
     "score",
     "validate",
     "lint",
