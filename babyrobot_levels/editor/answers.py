@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from math import lcm, prod
 from threading import Lock
 from time import thread_time
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,6 @@ from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.configurations import most_states
 from babyrobot_levels.mdp.states import initial_configuration, reach_of
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.render.page import MAX_STATES, Guide, page_data, without_panels
@@ -132,7 +132,7 @@ class Answers:
             reason = "each episode has another maze, so there is no single optimal policy"
             self.optimum = Optimum(self.level, None, reason)
             return
-        self.waits = level.has_things and most_states(level) > MAX_STATES
+        self.waits = level.has_things and _states_about(level) > MAX_STATES
         if self.waits:
             return
         self._look(level)
@@ -242,6 +242,14 @@ class Answers:
             for cell, value in now.items()
             if value != before.get(cell, value) and not abs(value - before[cell]) < least
         ]
+
+
+def _states_about(level: Level) -> int:
+    """Return how many states a level has at most, if movers on paths go round together."""
+    things = level.things()
+    rounds = [each.values for each in things if each.moves and each.entry.within is None]
+    others = prod(things.radices) // prod(rounds)
+    return prod(level.size) * lcm(*rounds) * others
 
 
 def _time_within_limit(level: Level) -> float:

@@ -329,16 +329,12 @@ def surely_fits(level: LevelFields) -> bool:
 
     Then it can be compiled, unless doors or paths are cut by walls.
     """
-    states, outcomes = most_states(level), most_outcomes(level)
-    if level.has_things and (states > MAX_STATES or outcomes > MAX_OUTCOMES):
-        return False
+    states, outcomes = level.size[0] * level.size[1], most_outcomes(level)
+    if level.has_things:
+        states *= prod(Things(level).radices)
+        if states > MAX_STATES or outcomes > MAX_OUTCOMES:
+            return False
     return states * outcomes <= MAX_WIDE_STATES
-
-
-def most_states(level: LevelFields) -> int:
-    """Return how many states there are at most, by the fields alone."""
-    configurations = prod(Things(level).radices) if level.has_things else 1
-    return level.size[0] * level.size[1] * configurations
 
 
 def most_outcomes(level: LevelFields) -> int:

@@ -148,6 +148,14 @@ def test_a_level_that_may_be_large_is_compiled_when_nothing_else_is_to_be_done(
     assert not state["findings_pending"]
 
 
+def test_guards_that_go_round_together_are_not_many_states(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MAX_STATES", 100)
+    path = "movers:\n" + "- {path: [[1, 0], [2, 0], [3, 0]], back: true}\n" * 3
+    assert send(Session(CORRIDOR + path), "state")["state"]["too_large"] is None
+    walks = "movers:\n" + "- {within: {at: [1, 0], size: [3, 1]}}\n" * 3
+    assert "pause" in send(Session(CORRIDOR + walks), "state")["state"]["too_large"]
+
+
 def test_a_level_that_is_too_large_for_a_page_is_found_so_when_it_is_compiled(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
