@@ -20,6 +20,7 @@ from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.outcomes import (
+    BOUNCED,
     Arrivals,
     Pay,
     ended,
@@ -71,7 +72,7 @@ class Ground:
         next_cell: where the branch ends.
         arrives: whether the robot arrives there: on another cell than before, or by a warp.
         pay: its reward, whatever the robot takes or meets.
-        added: what is added to its reward.
+        bounced: whether a wall of glass does not let it through, for which there is a reward.
         follow: the cells at which a robot may arrive from each cell, one after the other.
         begin: `[cells + 1]`: where those of each cell begin in `follow`.
     """
@@ -85,7 +86,7 @@ class Ground:
     next_cell: Ints
     arrives: Flags
     pay: Pay
-    added: Floats
+    bounced: Flags
     follow: array[int]
     begin: array[int]
 
@@ -492,7 +493,7 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
     moves, warps = build_moves(level, grid), build_warps(level, grid)
     arrivals = Arrivals(level.rewards, terrain, warps)
     starts = np.array([y * width + x for x, y in level.starts])
-    kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, float)
+    kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, bool)
     columns = [bytearray() for _ in kinds]
     for part in parts_of(count):
         stochastic = stochastic_rows(moves, terrain, warps, part)
@@ -518,12 +519,12 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
             arrives,
             pay.reward,
             pay.rank,
-            arrivals.added(branches),
+            branches.happened & BOUNCED,
         )
         # Bytes grow where they are: arrays put together would be there twice.
         for column, kind, more in zip(columns, kinds, values, strict=True):
             column += more.astype(kind).tobytes()
-    follow, led, length, probability, next_cells, arrive, reward, rank, added = (
+    follow, led, length, probability, next_cells, arrive, reward, rank, bounced = (
         np.frombuffer(column, kind) for column, kind in zip(columns, kinds, strict=True)
     )
     return Ground(
@@ -536,7 +537,7 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
         next_cell=next_cells,
         arrives=arrive,
         pay=Pay(reward, rank),
-        added=added,
+        bounced=bounced,
         follow=array("i", follow.tobytes()),
         begin=array("i", _begins(led).tobytes()),
     )

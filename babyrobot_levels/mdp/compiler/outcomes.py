@@ -71,7 +71,8 @@ class Arrivals:
 
     def rewards_of(self, branches: Branches, next_state: Ints) -> Floats:
         """Return the rewards of branches that end on `next_state`."""
-        return self.pay(branches, next_state).reward + self.added(branches)
+        bounced = (branches.happened & BOUNCED) != 0
+        return self.pay(branches, next_state).reward + np.where(bounced, self.rewards.bounce, 0.0)
 
     def pay(self, branches: Branches, next_state: Ints) -> Pay:
         """Return what branches pay that end on `next_state`, whatever things there are.
@@ -99,10 +100,6 @@ class Arrivals:
         pay.add(applies)
         np.copyto(pay.reward, 0.0, where=self.terrain.over[state])
         return pay
-
-    def added(self, branches: Branches) -> Floats:
-        """Return what is added to the rewards of branches."""
-        return np.where((branches.happened & BOUNCED) != 0, self.rewards.bounce, 0.0)
 
     def _is_nearer(self, one: Ints, other: Ints) -> Flags:
         """Return where states are nearer to an exit than others."""

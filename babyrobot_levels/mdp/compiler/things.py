@@ -287,7 +287,7 @@ class _Compiler:
                 "hit": (ends.hit, self.level.hit.reward),
             }
         )
-        return pay.reward + ground.added[ends.branch]
+        return pay.reward + np.where(ground.bounced[ends.branch], self.level.rewards.bounce, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
