@@ -34,6 +34,7 @@ BENCHMARKS = (
     "score",
     "validate",
     "lint",
+    "large",
     "mazes",
     "generate",
     "gallery",
