@@ -23,8 +23,6 @@ from babyrobot_levels.text.source import SourceFile
 
 WRITTEN = [name for name, each in FORMATS.items() if each.is_written]
 
-each_format = pytest.mark.parametrize("name", WRITTEN)
-
 GALLERY = [info.name for info in brl.levels() if not brl.load(info.name).has_random_maze]
 
 LOOKS = {"title", "description", "author", "license", "source", "tags", "discount", "max_steps"}
@@ -37,7 +35,13 @@ def writing(name: str, write: Callable[[Level], Conversion]) -> Format:
     return replace(FORMATS[name], codec=codec)
 
 
-@each_format
+each_kind_of_format = pytest.mark.parametrize(
+    "name", swept(["frozen-lake", "minigrid", "tiled"], WRITTEN)
+)
+"""A drawing and a table of rewards, a grid of objects, and layers; the others are like these."""
+
+
+@each_kind_of_format
 @given(world=worlds(5))
 @settings(suppress_health_check=[HealthCheck.too_slow])
 def test_the_mdp_comes_back_where_no_warning_says_otherwise(name: str, world: World) -> None:
@@ -95,7 +99,7 @@ def test_every_field_of_the_mdp_is_exported_beside_another() -> None:
     assert {*CHANGES} == {*names} - {"map", "legend"}
 
 
-@pytest.mark.parametrize("name", swept(["frozen-lake", "minigrid", "tiled"], WRITTEN))
+@each_kind_of_format
 def test_what_is_lost_is_told_whatever_else_is(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = {"version": 1, "size": [4, 3], "start": [0, 0], "exit": [3, 2]}
     write = FORMATS[name].write
