@@ -174,8 +174,10 @@ def episode(
     """
     if known is not None:
         ending = np.where(chain.next_state == chain.size, chain.probability, 0.0).sum(axis=(1, 2))
-        if np.array_equal(chain.success[:, 0], ending):
-            return space.at_start(chain, known), 1.0, known
+        success = np.ones(chain.size)
+        if not np.array_equal(chain.success[:, 0], ending):
+            success = expected_sums(chain, chain.success[:, 0], 1.0, known)
+        return space.at_start(chain, known), probability(space.at_start(chain, success)), known
     ends = _may_reach(chain, chain.end)
     steps, success = np.zeros(chain.size), np.zeros(chain.size)
     columns = np.stack([np.ones(chain.size), chain.success[:, 0]], axis=1)[ends]

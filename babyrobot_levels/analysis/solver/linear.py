@@ -10,7 +10,7 @@ import numpy as np
 from babyrobot_levels.analysis.solver.model import Model, closed_classes, surely_ending
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
-from babyrobot_levels.analysis.solver.sweeps import swept
+from babyrobot_levels.analysis.solver.sweeps import FILLED, swept
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
@@ -26,12 +26,6 @@ DENSE_STATES = 150
 MANY_STATES = 3_000
 """From so many states on, elimination may take long."""
 
-FILLED = 6
-"""Where states have more outcomes than this on average, elimination fills up the matrix.
-
-Movers that walk at random make such systems; on a grid alone, elimination keeps them sparse.
-"""
-
 ITERATIONS = 500
 """After so many iterations without a solution, elimination does it."""
 
@@ -39,7 +33,9 @@ CONVERGED = 1e-9
 """The largest violation of an equation, as a share of the largest reward, of a solution."""
 
 
-def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
+def expected_sums(
+    chain: Model, rewards: Floats, discount: float, steps: Floats | None = None
+) -> Floats:
     """Return the expected discounted sum of some rewards until the end.
 
     Args:
@@ -48,6 +44,7 @@ def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
         rewards: the reward of a step from each state, `[n]`, or several such columns,
             `[n, columns]`.
         discount: the factor by which each further step counts less.
+        steps: the expected steps to the end from each state, `[n]`, where they are known.
 
     Returns:
         The sums, shaped as `rewards`.
@@ -57,7 +54,7 @@ def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
     """
     if chain.size == 0:
         return rewards.copy()
-    if discount < 1:
+    if discount < 1 or steps is not None:
         return _solved(chain, rewards, discount)
     columns = np.column_stack([rewards, np.ones(chain.size)])
     try:
@@ -98,7 +95,7 @@ def _solved(chain: Model, rewards: Floats, discount: float, *, transposed: bool 
         ArithmeticError: there is none, for all that floating point can tell.
     """
     size = chain.size
-    if not transposed and chain.next_state.shape[2] > FILLED:
+    if not transposed:
         found = _swept_sums(chain, rewards, discount)
         if found is not None:
             return found
