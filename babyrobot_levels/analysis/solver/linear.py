@@ -10,7 +10,7 @@ import numpy as np
 from babyrobot_levels.analysis.solver.model import Model, closed_classes, surely_ending
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
-from babyrobot_levels.analysis.solver.sweeps import FILLED, swept
+from babyrobot_levels.analysis.solver.sweeps import swept
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
@@ -25,6 +25,12 @@ DENSE_STATES = 150
 
 MANY_STATES = 3_000
 """From so many states on, elimination may take long."""
+
+FILLED = 6
+"""Where states have more outcomes than this on average, elimination fills up the matrix.
+
+Movers that walk at random make such systems; on a grid alone, elimination keeps them sparse.
+"""
 
 ITERATIONS = 500
 """After so many iterations without a solution, elimination does it."""
@@ -95,10 +101,6 @@ def _solved(chain: Model, rewards: Floats, discount: float, *, transposed: bool 
         ArithmeticError: there is none, for all that floating point can tell.
     """
     size = chain.size
-    if not transposed:
-        found = _swept_sums(chain, rewards, discount)
-        if found is not None:
-            return found
     weights = discount * chain.probability[:, 0]
     if size <= DENSE_STATES:
         cells = np.arange(size)[:, None] * (size + 1) + chain.next_state[:, 0]
@@ -109,18 +111,6 @@ def _solved(chain: Model, rewards: Floats, discount: float, *, transposed: bool 
         except np.linalg.LinAlgError as error:
             raise ArithmeticError from error
     return _sparse_sums(chain.next_state[:, 0], weights, rewards, transposed=transposed)
-
-
-def _swept_sums(chain: Model, rewards: Floats, discount: float) -> Floats | None:
-    """Return the solution by compiled sweeps; None where these do not find it."""
-    sums, only = np.empty_like(rewards), np.zeros(chain.size, np.intp)
-    for index in np.ndindex(rewards.shape[1:]):
-        column = (slice(None), *index)
-        found = swept(chain.with_rewards(rewards[column][:, None]), only, discount)
-        if found is None:
-            return None
-        sums[column] = found[0]
-    return sums
 
 
 def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transposed: bool) -> Floats:

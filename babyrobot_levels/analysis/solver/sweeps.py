@@ -11,14 +11,8 @@ from babyrobot_levels.mdp.tables import Floats, Ints
 FEW_NEIGHBOURS = 2.5
 """Where states lead to fewer others than this on average, as in mazes, elimination is faster."""
 
-FILLED = 6
-"""Where states have more outcomes than this on average, elimination fills up the matrix.
-
-Movers that walk at random make such systems; on a grid alone, elimination keeps them sparse.
-"""
-
 MOST_SWEEPS = 200
-"""After so many sweeps over all states, elimination does it; of chains, after half as many."""
+"""After so many sweeps over all states, elimination does it."""
 
 ROUNDING = 1e-14
 """Actions whose values differ by no more than this share of the largest one are equal."""
@@ -42,12 +36,11 @@ def swept(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, in
     rows = model.allowed
     inner = rows & ~model.leads_to(model.end)
     cheapest = np.where(inner, -model.reward, np.inf).min()
-    is_chain = model.reward.shape[1] == 1
-    if discount == 1 and not is_chain and cheapest <= 0:
+    if discount == 1 and cheapest <= 0:
         return None
     following, probability = kernel_arrays(model)
     begin, states = kernel.before(following, probability, rows, model.size)
-    if states.size < (FILLED if is_chain else FEW_NEIGHBOURS) * model.size:
+    if states.size < FEW_NEIGHBOURS * model.size:
         return None
     distance, order = kernel.distances(begin, states, model.end)
     order = order[1:]
@@ -55,11 +48,12 @@ def swept(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, in
         return None
     first = np.searchsorted(distance[order], np.arange(1, distance.max() + 2))
     reward = np.ascontiguousarray(model.reward)
-    most = MOST_SWEEPS / 2 if is_chain else MOST_SWEEPS
-    values, rounds = kernel.solve(order, first, following, probability, reward, discount, most)
+    values, rounds = kernel.solve(
+        order, first, following, probability, reward, discount, MOST_SWEEPS
+    )
     values = values[:-1]
     margin = ROUNDING * np.abs(values).max()
-    if not rounds or (discount == 1 and not is_chain and cheapest <= margin):
+    if not rounds or (discount == 1 and cheapest <= margin):
         return None
     ahead = model.action_values(values, discount)
     equal = ahead >= ahead.max(axis=1, keepdims=True) - margin
