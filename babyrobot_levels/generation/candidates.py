@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.analysis.metrics import Metrics, neighbours
+from babyrobot_levels.analysis.metrics import Metrics
+from babyrobot_levels.analysis.paths import neighbours
 from babyrobot_levels.analysis.solver.optimum import other_ends, solve
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.generation.locks import Counts, Placer

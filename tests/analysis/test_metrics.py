@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis import metrics
+from babyrobot_levels.analysis import metrics, paths
 from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp import graph
@@ -131,7 +131,8 @@ def test_large_levels_are_counted_alike(world: World, only_walls: bool, poses: i
     expected = small.to_dict(solve=False), small.path
     with (
         patch.object(graph, "MANY", 0),
-        patch.multiple(metrics, MANY=0, MANY_POSES=poses),
+        patch.object(metrics, "MANY", 0),
+        patch.multiple(paths, MANY=0, MANY_POSES=poses),
     ):
         assert (large.to_dict(solve=False), large.path) == expected
 
