@@ -20,6 +20,7 @@ from babyrobot_levels.analysis.paths import (
 )
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.language import kinds
+from babyrobot_levels.language.metric_names import PATHS, SHAPE, SOLVED, THINGS, UNLIMITED
 from babyrobot_levels.mdp.graph import MANY
 from babyrobot_levels.mdp.gridworld import world_of
 
@@ -27,14 +28,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.mdp.tables import Mdp
-
-SHAPE = ("cells", "dead_ends", "corridors", "junctions", "loops")
-PATHS = ("reachable", "path_length", "turns")
-THINGS = (*(kind.field for kind in kinds.THINGS), "configurations", "detour")
-UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps")
-"""What is expected of episodes without a limit."""
-
-RETURNS = (*UNLIMITED, "wet_share", "difficulty")
 
 
 def metrics(level: Any) -> Metrics:
@@ -93,7 +86,7 @@ class Metrics(Shown):
             solve: whether to include those for which the level must be solved.
         """
         things = THINGS if self.level.has_things else ()
-        names = SHAPE + PATHS + things + (RETURNS if solve else ())
+        names = SHAPE + PATHS + things + (SOLVED if solve else ())
         return {name: getattr(self, name) for name in names}
 
     def __repr__(self) -> str:

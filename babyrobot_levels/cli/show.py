@@ -116,13 +116,13 @@ def show(
 
 def _show_many(levels: Suite | list[Any], options: RowOptions) -> None:
     """Write the metrics of each level."""
-    from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
+    from babyrobot_levels.language.metric_names import PATHS, SHAPE, SOLVED, THINGS
     from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
     from babyrobot_levels.scoring.many import metrics_many
 
     names = ("path_length", "dead_ends", "loops", "best_return", "random_return", "difficulty")
     columns = Columns(
-        ("index", "name", "digest", "states", *SHAPE, *PATHS, *THINGS, *RETURNS, "error"),
+        ("index", "name", "digest", "states", *SHAPE, *PATHS, *THINGS, *SOLVED, "error"),
         (("states", "states", str), *((name, name, number) for name in names)),
         "measuring",
     )
@@ -135,8 +135,8 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
     if citation:
         cite(loaded, level, as_json=report_format is TableFormat.JSON)
         return
-    from babyrobot_levels.analysis.metrics import UNLIMITED
     from babyrobot_levels.analysis.previews import show as facts_of
+    from babyrobot_levels.language.metric_names import UNLIMITED
     from babyrobot_levels.render.words.phrases import with_limit
 
     facts = facts_of(loaded)

@@ -15,11 +15,11 @@ from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import metrics, paths
-from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
+from babyrobot_levels.language.metric_names import PATHS, SHAPE, SOLVED, THINGS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp import graph
 
-NAMES = (*SHAPE, *PATHS, *RETURNS)
+NAMES = (*SHAPE, *PATHS, *SOLVED)
 
 
 def drawn(text: str, **fields: Any) -> Level:
@@ -421,7 +421,7 @@ def test_things_are_counted_and_the_path_leads_by_the_key() -> None:
     }
     assert found.path == ((1, 0), (0, 0), (1, 0), (2, 0), (3, 0))
     assert (found.path_length, found.turns, found.reachable) == (4, 1, 1.0)
-    assert list(found.to_dict()) == [*SHAPE, *PATHS, *THINGS, *RETURNS]
+    assert list(found.to_dict()) == [*SHAPE, *PATHS, *THINGS, *SOLVED]
     assert list(found.to_dict(solve=False)) == [*SHAPE, *PATHS, *THINGS]
     # The coin is worth no step: the optimal path is the shortest one.
     assert (found.best_return, found.best_steps) == (-3, 4)
