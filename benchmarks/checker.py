@@ -34,6 +34,9 @@ from babyrobot_levels.analysis.solver.policies import space_of
 OPEN = (64, 128, 256, 512)
 MAZES = (64, 256)
 DISCOUNT = 0.99
+LARGEST_FOR_MDPSOLVER = 128 * 128
+"""The number of cells above which mdpsolver takes minutes."""
+
 AIM = 1.5
 """How many times as fast as Storm's sound engine ours is to be, with the extra `fast`."""
 
@@ -133,7 +136,7 @@ def compare(count: int) -> Iterator[Comparison]:
                 f"Storm {engine}, {what}": asking(storm, what, engine=engine, **question)
                 for engine in ("sound", "default")
             }
-            if discount < 1:
+            if discount < 1 and math.prod(levels[0].size) <= LARGEST_FOR_MDPSOLVER:
                 tables = {"tables": str(where / "tables.npz"), "discount": discount}
                 peers[f"mdpsolver, {what}"] = asking(solver, what, **tables)
             fast = f"brl.solve, fast, {what}"

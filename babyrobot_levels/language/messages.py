@@ -124,6 +124,8 @@ ELSEWHERE = (
      "`theme: {colors: {base: white}}`"),
     ("areas", "ice mud", "it is an area in which the robot skids: "
      "`areas: [{at: [x, y], skid: 0.2}]`"),
+    ("version", "slippery is_slippery", "write `skid: 0.2` for one move in five that slips; "
+     "FrozenLake's ice is `skid: {probability: 0.6666666666666667, to: sides}`"),
     ("version", "render_mode fps", "environments choose it: `gymnasium.make(…, render_mode=…)`"),
     ("map", "count split splits levels train test", "a suite has it: add `kind: suite`"),
     ("splits", "train test validation", "write `splits: {train: 0.8, test: 0.2}`"),
@@ -239,6 +241,8 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
     if kind in ("greater_than_equal", "greater_than", "less_than_equal", "less_than"):
         is_percent = context.get("le") == 1 and 2 <= value <= 100
         help_text = f"write `{value / 100:g}` for {value:g} %" if is_percent else None
+        if field == "max_steps":
+            help_text = "leave it out for episodes without a limit"
         return "BR205", f"must be {_bound(kind, context)}, not {show(value)}", help_text
     if kind == "finite_number":
         return "BR205", f"must be a finite number, not {show(value)}", None

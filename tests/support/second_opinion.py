@@ -44,12 +44,12 @@ MOST_STEPS = 50
 DISCOUNT = 0.95
 
 SUITES = {
-    "small-mazes": 1500,
+    "small-mazes": 1600,
     "wet-mazes": 600,
     "bench-easy": 600,
     "long-ways": 150,
-    "bench-hard": 90,
-    "locked-mazes": 60,
+    "bench-hard": 40,
+    "locked-mazes": 10,
 }
 """How many levels of each suite are asked about: 3,000, spread evenly over it."""
 
