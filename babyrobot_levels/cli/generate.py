@@ -76,6 +76,18 @@ _CONDITIONS: dict[str, tuple[Any, str | None, str]] = {
     "difficulty": (str, RANGE, "Difficulty, as in `babyrobot show`: 4..6."),
     "start": (Place, None, "Position of the start.  [default: corner]"),
     "exit": (Place, None, "Position of the exit.  [default: corner]"),
+    "rewards": (
+        str,
+        "NAME=NUMBER,…",
+        "Rewards of a step, as in level files: step=-0.1,exit=10.  [default: step=-1,exit=0]",
+    ),
+    "hit": (
+        float,
+        "NUMBER",
+        "Reward of meeting a guard, which ends the episode.  [default: below any way to the exit]",
+    ),
+    "discount": (float, "D", "Discount factor of the levels.  [default: 1]"),
+    "max_steps": (int, "N", "Number of steps after which episodes are truncated."),
     "theme": (
         str,
         "THEME",
@@ -377,7 +389,11 @@ def command_line(typed: Mapping[str, Any]) -> str:
     words = []
     for name, value in given.items():
         for each in value if isinstance(value, list) else (value,):
-            words += [name, shlex.quote(str(each))]
+            text = str(each)
+            words += [
+                name,
+                shlex.quote(text.removesuffix(".0") if isinstance(each, float) else text),
+            ]
     return " ".join(["babyrobot", "generate", *words])
 
 
@@ -401,7 +417,11 @@ def suite_of(typed: Mapping[str, Any]) -> SuiteFields:
         elif name == "size":
             data[name] = _sizes(value)
         elif name == "split":
-            data["splits"] = _splits(value)
+            data["splits"] = _numbers(name, value, "train=0.8,test=0.2")
+        elif name == "rewards":
+            data[name] = _numbers(name, value, "step=-1,exit=10")
+        elif name == "hit":
+            data[name] = {"reward": value}
         else:
             is_range = _CONDITIONS[name][1] == RANGE
             data[name] = _range(name, value) if is_range else value
@@ -442,14 +462,15 @@ def _plain(text: str) -> int | float:
     return float(text) if "." in text else int(text)
 
 
-def _splits(text: str) -> dict[str, float]:
-    shares: dict[str, float] = {}
+def _numbers(name: str, text: str, example: str) -> dict[str, float]:
+    """Return numbers by their names."""
+    numbers: dict[str, float] = {}
     for part in text.split(","):
-        name, _, share = part.strip().partition("=")
-        if not re.fullmatch(_NUMBER, share) or not name or name in shares:
+        key, _, number = part.strip().partition("=")
+        if not re.fullmatch(f"-?{_NUMBER}", number) or not key or key in numbers:
             fail(
-                f"--split: invalid shares {text!r}",
-                "expected NAME=SHARE,..., for example train=0.8,test=0.2",
+                f"{option(name)}: invalid value {text!r}",
+                f"expected {_CONDITIONS[name][1]}, for example {example}",
             )
-        shares[name] = float(share)
-    return shares
+        numbers[key] = float(number)
+    return numbers

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.metrics import Metrics
 from babyrobot_levels.analysis.paths import neighbours
-from babyrobot_levels.analysis.solver.optimum import other_ends, solve
-from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.generation.locks import Counts, Placer
 from babyrobot_levels.language.cells import Maze, Puddle, Wind
 from babyrobot_levels.language.fields import Role, fields_with
@@ -91,20 +89,43 @@ class Candidate:
     def has_room(self) -> bool:
         """Whether all its things could be placed, with a way to the exit, and none is idle.
 
-        In wind, there is a way to the exit from wherever the robot gets. Among guards, the optimum
-        never risks a hit.
+        In wind, there is a way to the exit from wherever the robot gets.
         """
         if self._things is None:
             return False
         if not self._has_more:
             return True
-        if self._steps_among_things <= 0 or not self._needs_its_doors or not self._is_never_lost:
-            return False
-        return not self.level.movers or not other_ends(self._solution)
+        return self._steps_among_things > 0 and self._needs_its_doors and self._is_never_lost
 
     @cached_property
-    def _solution(self) -> Solution:
-        return solve(self.level)
+    def metrics(self) -> Metrics:
+        """The metrics of the level."""
+        return Metrics(self.level)
+
+    @cached_property
+    def is_surely_won(self) -> bool:
+        """Whether its rewards alone show that the optimal policy surely reaches the exit.
+
+        Without guards only the exit ends an episode, and it can be reached from everywhere. So this
+        holds if every step costs something and there is no discount, or if all steps cost the same,
+        and for ever more than the exit.
+        """
+        suite = self._maker.suite
+        rewards = suite.rewards
+        others = (rewards.bump, rewards.stay, rewards.closer, rewards.farther)
+        steps = {rewards.step, *(reward for reward in others if reward is not None)}
+        if self.level.movers:
+            return False
+        if suite.discount == 1:
+            return max(steps) < 0
+        is_even = len(steps) == 1 and not self._puddles
+        return is_even and rewards.exit > rewards.step / (1 - suite.discount)
+
+    @property
+    def success(self) -> float | None:
+        """The probability that the optimal policy reaches the exit; None if it has no return."""
+        solution = self.metrics.solution
+        return None if solution is None else solution.exit_probability
 
     @property
     def _has_more(self) -> bool:
@@ -120,10 +141,11 @@ class Candidate:
         doors, level = self.level.doors, self.level
         if not doors or len(doors) > sum(item.picture == "key" for item in level.items):
             return True
-        optimum = self._solution.expected_return
-        return all(
-            solve(_without_door(level, number)).expected_return > optimum + TOLERANCE
-            for number in range(len(doors))
+        optimum = self.metrics.best_return
+        others = (Metrics(_without_door(level, number)).best_return for number in range(len(doors)))
+        # Without a return, it is `success` that tells.
+        return optimum is None or all(
+            other is not None and other > optimum + TOLERANCE for other in others
         )
 
     @property
@@ -172,7 +194,7 @@ class Candidate:
     @property
     def difficulty(self) -> float | None:
         """The difficulty of the level, None if it is undefined."""
-        return Metrics(self.level).difficulty
+        return self.metrics.difficulty
 
     @cached_property
     def _puddles(self) -> list[tuple[int, str]]:
@@ -226,7 +248,7 @@ class Candidate:
             )
         fields |= self._things or {}
         if "movers" in fields:
-            fields["hit"] = Hit(reward=_hit_reward(suite, self.size))
+            fields["hit"] = suite.hit or Hit(reward=_hit_reward(suite, self.size))
         if self._wind:
             fields["wind"] = Wind.model_validate(self._wind)
         level = self._grown.model_copy(update=fields)

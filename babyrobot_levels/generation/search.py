@@ -17,7 +17,13 @@ MOST_TRIES, MOST_CELLS = 10_000, 10_000_000
 
 FEWEST_TRIES = 100
 MOST_SOLVED = 1_000
-"""The largest number of candidates that are solved for their difficulty."""
+"""The largest number of candidates that are solved."""
+
+TOLERANCE = 1e-9
+"""By how much a probability that is 1 may differ from it."""
+
+_SOLVED = ("difficulty", "success")
+"""The conditions for which a level has to be solved."""
 
 _CONDITIONS = ("path_length", "dead_ends", "detour", "difficulty")
 
@@ -70,7 +76,7 @@ class Condition:
     def accepts(self, value: Any) -> bool:
         """Return whether a value meets the condition; remember the nearest one that does not."""
         self.asked_of += 1
-        if value is None:
+        if value is None or math.isnan(value):
             return False
         if value < self.least:
             self.below = value if self.below is None else max(self.below, value)
@@ -106,6 +112,7 @@ class Tally:
     crowded: int = 0
     roomy: int = 0
     again: int = 0
+    solved: int = 0
     conditions: dict[str, Condition] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -117,6 +124,7 @@ class Tally:
             if asked is not None or most is not None:
                 words = f"..{most}" if asked is None else shown(asked)
                 self.conditions[name] = Condition(name, words, least, most)
+        self.conditions["success"] = Condition("success", "1", 1 - TOLERANCE, None)
 
     def accepts(self, candidate: Candidate) -> bool:
         """Return whether a candidate meets all conditions."""
@@ -147,20 +155,23 @@ class Tally:
         if longest is not None and candidate.path_length + candidate.detour > longest:
             return False
         hard = self.conditions.get("difficulty")
+        is_plain = candidate.is_surely_won
+        self.solved += hard is not None or not is_plain
+        if not is_plain and not self.conditions["success"].accepts(candidate.success):
+            return False
         return hard is None or hard.accepts(candidate.difficulty)
 
     @property
     def is_enough(self) -> bool:
         """Whether the limit of solved candidates is reached."""
-        hard = self.conditions.get("difficulty")
-        return hard is not None and hard.asked_of >= MOST_SOLVED
+        return self.solved >= MOST_SOLVED
 
     def error(self) -> UnsatisfiableError:
         """Return the error that no candidate met all conditions."""
         asked_for = [each for each in self.conditions.values() if each.asked_of]
         rarest = min(asked_for, key=lambda each: each.met, default=None)
         if rarest is not None and not rarest.met:
-            tries = rarest.asked_of if rarest.name == "difficulty" else self.tries
+            tries = rarest.asked_of if rarest.name in _SOLVED else self.tries
             return UnsatisfiableError(
                 rarest.name, rarest.asked, rarest.nearest(tries), self._growth(rarest)
             )
@@ -177,7 +188,6 @@ class Tally:
             reason = (
                 f"in none of {self.tries:,} candidates was there room for all keys, doors, coins "
                 f"and guards{', and a way against the wind' * bool(bounds(self.suite.wind)[1])}"
-                f"{', and a way that never risks a hit' * bool(bounds(self.suite.guards)[1])}"
             )
             return UnsatisfiableError(self._placed(), "", reason, 1.5)
         if rarest is None or not self.playable:
@@ -199,7 +209,7 @@ class Tally:
 
     def _growth(self, missed: Condition) -> float | None:
         """Return the factor by which levels would have to grow to meet a missed condition."""
-        if missed.name == "difficulty" or missed.above is not None or not missed.below:
+        if missed.name in _SOLVED or missed.above is not None or not missed.below:
             return None
         # Lengths and counts grow with the area, and the longest path is a rare one.
         return 1.15 * math.sqrt(missed.least / missed.below)

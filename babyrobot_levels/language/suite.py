@@ -22,6 +22,7 @@ from babyrobot_levels.language.base import (
 from babyrobot_levels.language.cells import Algorithm, Rewards
 from babyrobot_levels.language.fields import whole_version
 from babyrobot_levels.language.looks import ThemeLike
+from babyrobot_levels.language.things import Hit
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import InvalidDocument
 
@@ -210,6 +211,8 @@ class SuiteFields(SuiteTexts):
     """How many coins there are, or a range."""
     guards: PuddleCounts = 0
     """How many guards walk up and down, or a range."""
+    hit: Hit | None = None
+    """What it means to meet a guard; by default the end, at a cost above any way to the exit."""
     detour: Counts | None = None
     """How many steps more the shortest way has than with open doors, without guards and wind."""
     path_length: Counts | None = None
@@ -292,6 +295,8 @@ def _too_many_things(suite: SuiteFields, cells: int) -> Iterator[Issue]:
         most_keys or bounds(suite.guards)[1] or bounds(suite.wind)[1]
     ):
         yield Issue("BR205", ("detour",), "without keys, guards and wind no way is a detour")
+    if suite.hit is not None and not bounds(suite.guards)[1]:
+        yield Issue("BR205", ("hit",), "without guards nothing hits the robot")
     needed = most_keys + bounds(suite.coins)[1] + bounds(suite.puddles)[1]
     if needed > cells - 2 and bounds(suite.puddles)[1] <= cells - 2:
         message = f"the smallest level has only {cells - 2} cells besides start and exit"

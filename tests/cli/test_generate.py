@@ -36,6 +36,10 @@ VARIED = (
     *("--loops", "0..1", "--puddles", "0..3", "--start", "random", "--exit", "random"),
     *("--split", "a=0.5,b=0.5"),
 )
+REWARDED = (
+    *("--size", "6x6", "--seed", "5", "--guards", "1", "--loops", "0.5", "--hit", "-7.5"),
+    *("--rewards", "step=-0.5,exit=2", "--discount", "0.95", "--max-steps", "60"),
+)
 CONDITIONS = (
     *("--path-length", "24..30", "--dead-ends", "4..5", "--difficulty", "1..9"),
     *("--exit", "farthest", "--theme", "green", "--name", "maze-{index:03}"),
@@ -77,10 +81,12 @@ def cells(level: brl.Level) -> list[tuple[int, int]]:
     return [cell for cell in every if cell not in level.starts]
 
 
-def test_the_call_in_a_file_makes_the_file() -> None:
-    babyrobot("generate", "--count", "20", *VARIED, "-o", "one")
-    told = Path("one", "b", "level-00015.yaml").read_text("utf-8").splitlines()[1]
-    assert babyrobot(*told.removeprefix("# babyrobot ").split(), "-o", "two").status == 0
+@pytest.mark.parametrize("order", [VARIED, REWARDED], ids=["varied", "rewarded"])
+def test_the_call_in_a_file_makes_the_file(order: tuple[str, ...]) -> None:
+    babyrobot("generate", "--count", "20", *order, "-o", "one")
+    (file,) = Path("one").rglob("level-00015.yaml")
+    told = file.read_text("utf-8").splitlines()[1].removeprefix("# babyrobot ").split()
+    assert babyrobot(*told, "--count", "20", "-o", "two").status == 0
     assert contents(Path("one")) == contents(Path("two"))
 
 
@@ -117,6 +123,9 @@ def test_no_game_of_another_folder_is_made() -> None:
             ["--path-length", "14"],
             r"--path-length 14: the nearest of [\d,]+ candidates were 13 and 15",
         ),
+        # The optimum is to stay where it costs nothing.
+        (["--rewards", "step=0,exit=-1"], "success 1: the largest of 1,000 candidates was 0"),
+        (["--rewards", "step=1"], "success 1: the largest of 1,000 candidates was 0"),
         (["--difficulty", "50.."], r"--difficulty 50\.\.: the largest of 1,000 candidates was \d"),
         (
             ["--path-length", "35..", "--dead-ends", "9.."],
@@ -130,7 +139,9 @@ def test_what_starves_is_told(order: list[str], said: str) -> None:
     first, second, *hint = done.err.splitlines()
     assert re.match("level 0: " + said, first)
     # A larger size helps where all values are too small, and only there.
-    assert bool(hint) == ("largest" in first and "difficulty" not in first)
+    assert bool(hint) == (
+        "largest" in first and "--difficulty" not in first and "success" not in first
+    )
     assert second == "  0 of 3 levels are in out"
     assert contents(Path()) == {}
 
@@ -160,9 +171,14 @@ def test_levels_that_cannot_be_made_can_be_left_out() -> None:
         (["--count", "2", "--path-length", "9..5"], "--path-length: `min` (9) is above"),
         (["--count", "2", "--path-length", ".."], "--path-length: invalid range '..'"),
         (["--count", "2", "--puddles", "3.."], "--puddles: missing field `max`"),
-        (["--count", "2", "--split", "a=0.5,b"], "--split: invalid shares 'a=0.5,b'"),
+        (["--count", "2", "--split", "a=0.5,b"], "--split: invalid value 'a=0.5,b'"),
         (["--count", "2", "--split", "a=0.9,b=0.1"], "--split: `b` gets none of the 2 levels"),
         (["--count", "2", "--split", "../x=1"], "--split: "),
+        (["--count", "2", "--rewards", "step=-1,step=2"], "--rewards: invalid value 'step=-1,s"),
+        (["--count", "2", "--rewards", "goal=1"], "--rewards: unknown field `goal`; did you mean"),
+        (["--count", "2", "--hit", "-9"], "--hit: without guards nothing hits the robot"),
+        (["--count", "2", "--discount", "1.5"], "--discount: must be at most 1"),
+        (["--count", "2", "--max-steps", "0"], "--max-steps: must be at least 1"),
         (["--count", "2", "--theme", "pink"], "unknown theme `pink`"),
         (["--count", "2", "--name", "../{index}"], "--name: invalid pattern '../{index}'"),
         (["--count", "2", "--name", "{index.real}"], "--name: invalid pattern '{index.real}'"),

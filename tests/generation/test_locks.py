@@ -11,7 +11,9 @@ import pytest
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
+from babyrobot_levels.generation.candidates import Maker
 from babyrobot_levels.generation.search import UnsatisfiableError
+from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler import compile_mdp
@@ -146,6 +148,50 @@ def test_a_hit_is_worse_than_the_way_and_changes_no_layout() -> None:
     ]
 
 
+def test_what_a_hit_costs_can_be_given() -> None:
+    fields = {**FIELDS, "size": [8, 6], "keys": 0, "coins": 0, "guards": 1, "count": 12}
+    for hit in ({"reward": -7.0}, {"ends": False}, {"reward": -2.0, "ends": False}):
+        for level in load_suite({**fields, "hit": hit}):
+            assert level.to_dict()["hit"] == hit
+            assert brl.solve(level).exit_probability == 1
+    levels = [load_suite({**fields, "hit": {"reward": cost}})[:] for cost in (-100.0, -7.0)]
+    # Where the default and a lower cost both make it best to win, the level is the same.
+    same = [
+        one.starts == two.starts and one.maze == two.maze for one, two in zip(*levels, strict=True)
+    ]
+    assert any(same)
+    assert not all(same)
+
+
+@pytest.mark.parametrize(
+    ("fields", "is_plain"),
+    [
+        ({}, True),
+        ({"rewards": {"step": -0.1, "bump": -1.0}}, True),
+        ({"discount": 0.9, "puddles": 0}, True),
+        ({"discount": 0.9, "puddles": 0, "rewards": {"step": 0.0, "exit": 1.0}}, True),
+        ({"discount": 0.9}, False),
+        ({"discount": 0.5}, False),
+        ({"rewards": {"step": 0.0, "exit": 1.0}}, False),
+        ({"rewards": {"stay": 0.0, "exit": 12.0}}, False),
+    ],
+)
+def test_winning_is_best_whatever_is_paid(fields: dict[str, Any], is_plain: bool) -> None:
+    suite = load_suite(
+        {"version": 1, "kind": "suite", "size": [6, 6], "count": 12, "puddles": 2, **fields}
+    )
+    assert isinstance(suite.fields, SuiteFields)
+    maker = Maker(suite.fields, "level-{index}")
+    firsts = [maker.draw(number, 0) for number in range(12)]
+    for number, first in enumerate(firsts):
+        assert first.is_surely_won == is_plain
+        is_best = brl.solve(first.level).exit_probability == 1
+        assert is_best or not is_plain
+        # Only levels that are lost are drawn anew.
+        assert (suite[number].digest == first.level.digest) == (is_best and first.is_playable)
+        assert brl.solve(suite[number]).exit_probability == 1
+
+
 def test_a_drawn_level_keeps_its_things() -> None:
     suite = load_suite({**FIELDS, "start": "farthest", "keys": 1, "guards": 1, "count": 5})
     for level in suite:
@@ -161,6 +207,7 @@ def test_a_drawn_level_keeps_its_things() -> None:
         ({"keys": 3, "doors": 2}, "2 doors are too few for 3 keys"),
         ({"keys": 9}, "a level has at most 8 keys"),
         ({"coins": 11}, "a level has at most 10 coins"),
+        ({"hit": {"reward": -9}}, "without guards nothing hits the robot"),
         ({"detour": 4}, "without keys, guards and wind no way is a detour"),
         ({"keys": 4, "coins": 6, "size": [3, 3]}, "has only 7 cells besides start and exit"),
     ],
