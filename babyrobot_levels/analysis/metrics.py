@@ -308,6 +308,17 @@ class Metrics(Shown):
         except (UndefinedReturnError, EpisodeTooLongError):
             return None
 
+    @property
+    def ending(self) -> str | None:
+        """How episodes of the optimal policy end that do not end at an exit, in a sentence.
+
+        None if all of them do, and where there is no solution.
+        """
+        from babyrobot_levels.analysis.endings import ending_of
+
+        ending = None if self.solution is None else ending_of(self.solution)
+        return None if ending is None else ending.text
+
     @cached_property
     def _random(self) -> Evaluation | None:
         from babyrobot_levels.analysis.solver.evaluation import evaluation_of

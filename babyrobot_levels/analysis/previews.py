@@ -204,6 +204,7 @@ def show(level: LevelLike) -> Facts:
             "chance": None,
             "digest": None,
             "metrics": None,
+            "ending": None,
             "drawing": None,
         }
     )
@@ -233,8 +234,10 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
     found["digest"] = level.digest
     measured = metrics(level)
     states = mdp.num_states if level.has_things else measured.cells
-    numbers = measured.to_dict(solve=states <= MAX_SOLVED)
+    is_solved = states <= MAX_SOLVED
+    numbers = measured.to_dict(solve=is_solved)
     found["metrics"] = {name: _number(value) for name, value in numbers.items()}
+    found["ending"] = measured.ending if is_solved else None
     found["drawing"] = level.draw()
     return found
 

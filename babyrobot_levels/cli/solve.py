@@ -195,6 +195,8 @@ def _solve_one(
     exact: bool,
 ) -> None:
     """Write the solution of one level."""
+    from babyrobot_levels.analysis.endings import ending_of
+
     loaded = load_level(level)
     _check_discount(discount)
     if loaded.has_random_maze:
@@ -216,6 +218,8 @@ def _solve_one(
         return
     if solution.explanation:
         note(solution.explanation)
+    if ending := ending_of(solution):
+        note(ending.text)
     if within is None:
         _note_limit(loaded, solution)
     shown = shown_configuration(loaded, configuration)
@@ -340,6 +344,7 @@ def _turns(level: Level, solution: Solution, configuration: int | None, *, value
 
 def _data(level: Level, solution: Solution) -> dict[str, Any]:
     """Return the solution for JSON: null for cells without a value, strings for infinities."""
+    from babyrobot_levels.analysis.endings import ending_of
     from babyrobot_levels.analysis.solver.results import action_names
 
     data = {
@@ -350,6 +355,7 @@ def _data(level: Level, solution: Solution) -> dict[str, Any]:
         "expected_return": _number(solution.expected_return),
         "expected_steps": _number(solution.expected_steps),
         "exit_probability": _number(solution.exit_probability),
+        "ending": None if (ending := ending_of(solution)) is None else ending.text,
         "method": solution.method,
         "iterations": solution.iterations,
         "residual": _number(solution.residual),

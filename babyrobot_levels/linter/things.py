@@ -15,7 +15,7 @@ from babyrobot_levels.language.kinds import KIND, Kind
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.states import ends_by_hit
-from babyrobot_levels.mdp.tables import Flags, Mdp
+from babyrobot_levels.mdp.tables import Flags, Mdp, hits_by_mover
 from babyrobot_levels.text.words import listed
 
 MAX_OUTCOMES = 20_000_000
@@ -129,19 +129,7 @@ class ThingEffects:
         The robot is hit if it stands where the mover stands after the step, or if both changed
         places.
         """
-        mdp = self.mdp
-        states = np.arange(mdp.num_states)
-        here = (states % mdp.cells)[:, None, None]
-        there = mdp.next_state % mdp.cells
-        found = []
-        for column, mover in enumerate(self.level.movers, self._things.static):
-            phases = np.array([y * mdp.width + x for x, y in mover.phases])
-            stands = phases[mdp.configurations[:, column]]
-            before = stands[states // mdp.cells][:, None, None]
-            after = stands[mdp.next_state // mdp.cells]
-            swapped = (before == there) & (after == here) & (here != there)
-            found.append(self.happens & ((after == there) | swapped))
-        return found
+        return [hits & self.happens for hits in hits_by_mover(self.level, self.mdp)]
 
     # -- in words ----------------------------------------------------------------------------
 

@@ -74,6 +74,8 @@ class Facts:
         files: the files of the level.
         words: what is in it, in words by which it is searched: `guard`, `switches`, `lever`.
         license: the license of the level; may be empty.
+        ending: how episodes of the optimal policy end that do not end at an exit; None if
+            all do.
         maze_seed: the seed of the maze that is shown, if that of the level is random; else None.
     """
 
@@ -100,6 +102,7 @@ class Facts:
     files: Files
     words: tuple[str, ...] = ()
     license: str = ""
+    ending: str | None = None
     maze_seed: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
@@ -172,6 +175,7 @@ def facts_of(
         difficulty=None if metrics is None else metrics.difficulty,
         files=files,
         words=tuple(dict.fromkeys(_words(level))),
+        ending=None if metrics is None else metrics.ending,
         maze_seed=maze_seed,
     )
 

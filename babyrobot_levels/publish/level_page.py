@@ -177,6 +177,8 @@ def _facts(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]:
     yield "Discount", f"{facts.discount:g}"
     yield "Deterministic", "yes" if facts.deterministic else "no"
     yield from shown_values(facts, guide)
+    if facts.ending:
+        yield "Ending", facts.ending
     if facts.difficulty is not None:
         yield "Difficulty", rounded(facts.difficulty)
     if contents := (*facts.things, *facts.features):

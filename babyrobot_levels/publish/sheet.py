@@ -11,6 +11,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.analysis.endings import ending_of
 from babyrobot_levels.analysis.guides import best_average
 from babyrobot_levels.analysis.learning.algorithms import value_iteration
 from babyrobot_levels.analysis.pictures import dressed, still
@@ -343,9 +344,8 @@ def _in_words(level: Level, solution: Solution) -> str:
         text += f", in {solution.expected_steps:.4g} steps on average"
     else:
         text += "; episodes go on for ever"
-    if solution.exit_probability < 0.9995 and level.exits:
-        text += f"; the exit is reached {100 * solution.exit_probability:.3g} % of the time"
-    return text
+    ending = ending_of(solution)
+    return text if ending is None else f"{text}; it {ending.told}"
 
 
 def _figure(value: float) -> str:

@@ -38,7 +38,7 @@ _TEXT_LINE, _TEXT_SHARE = 12.0, 0.15
 """The height of a line of a level's description, and the most that it takes of the level's room."""
 
 _LEAST_PICTURE = 30.0
-"""The room that a description leaves to the picture."""
+"""The room that texts leave to the picture."""
 
 _HEADING, _FOOT = 44.0, 18.0
 """The heights of the heading below the title, and of the foot."""
@@ -285,13 +285,14 @@ class _Block:
         self._entry, self._number, self.width, self.height = entry, number, width, height
         self.size = len(entry.pictures)
         self._title = _two_lines(entry.title, width - self._DISC - 6, _NAME)
-        self._answers = wrapped(entry.answer, _SLACK * width, _FIELD) if entry.answer else []
         self._top = max(self._DISC, self._LEADING * _NAME * len(self._title)) + 6
-        self._below = 4 + self._LEADING * _FIELD * len(self._answers) + 16
+        line, left = self._LEADING * _FIELD, height - self._top - 20 - _LEAST_PICTURE
+        self._answers = _lines_of(entry.answer, _SLACK * width, max(1, int(left / line)), _FIELD)
+        self._below = 4 + line * len(self._answers) + 16
         # Where answers are long and many levels are on a page, there is no room for it.
         left = height - self._top - self._below - _LEAST_PICTURE
         most = int(min(round(_TEXT_SHARE * height / _TEXT_LINE), max(0.0, left / _TEXT_LINE)))
-        self._text = _lines_of(entry.text, _SLACK * width, most)
+        self._text = _lines_of(entry.text, _SLACK * width, most, _CAPTION_SIZE)
         self.head = self._top + _TEXT_LINE * len(self._text) + 4 * bool(self._text)
         pictures = [picture for picture, _ in entry.pictures]
         self._widest = max(picture.width for picture in pictures)
@@ -343,13 +344,13 @@ class _Block:
         yield Text(0, y + 14, mark, _SMALL - 1, FAINT, "start")
 
 
-def _lines_of(text: str, room: float, most: int) -> list[str]:
-    """Return the lines of a description; the end of a long one is left out, and seen to be."""
-    lines = wrapped(text, room, _CAPTION_SIZE) if text and most else []
+def _lines_of(text: str, room: float, most: int, size: float) -> list[str]:
+    """Return the lines of a text; the end of a long one is left out, and seen to be."""
+    lines = wrapped(text, room, size) if text and most else []
     if len(lines) > most:
         # Two lines are more than what has room.
         rest = " ".join(lines[most - 1 : most + 1])
-        lines = [*lines[: most - 1], cut(rest, room, _CAPTION_SIZE)]
+        lines = [*lines[: most - 1], cut(rest, room, size)]
     return lines
 
 

@@ -48,5 +48,8 @@ def test_what_is_not_known_says_why() -> None:
     lure = facts(start=[1, 0], areas=[{"at": [0, 0], "reward": 50, "ends": True}])
     assert lure["path_length"] == "2"
     assert lure["difficulty"] == "none: the best policy does not go to an exit"
+    assert lure["ending"] == (
+        "the optimal policy reaches an exit in 0 % of the episodes; 100 % end at [0, 0]"
+    )
     large = facts(size=[80, 80])
     assert large["difficulty"] == "not computed above 5,000 states, nor are returns"

@@ -13,7 +13,8 @@ from oracles.random_things import random_level
 from support.worlds import level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.optimum import exit_chances, other_ends, solve
+from babyrobot_levels.analysis.endings import ending_of, exit_chances
+from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.generation.search import UnsatisfiableError
 from babyrobot_levels.library.level import Level
@@ -105,5 +106,10 @@ def test_the_chances_of_an_exit_are_those_of_repeated_sweeps(level: Level) -> No
     assert own == pytest.approx(values[0][starts], abs=1e-6)
     assert best == pytest.approx(values[1][starts], abs=1e-6)
     assert (own <= best + 1e-9).all()
-    if (own < best - 1e-9).any() and np.isfinite(solution.expected_steps):
-        assert other_ends(solution)
+    for start, success in zip(starts, own, strict=True):
+        ending = ending_of(solution, int(start))
+        if ending is None:
+            assert success == pytest.approx(1, abs=1e-6)
+        else:
+            assert ending.success == pytest.approx(success, abs=1e-6)
+            assert 0 < ending.share <= 1 - ending.success + 1e-9

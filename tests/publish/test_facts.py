@@ -55,7 +55,7 @@ def test_whether_actions_have_one_outcome(name: str, deterministic: bool) -> Non
 @pytest.mark.parametrize("name", ["final-maze", "first-key", "frozen-lake"])
 def test_numbers_are_those_of_the_metrics(name: str) -> None:
     found, metrics = facts(name), brl.metrics(name)
-    for field in ("best_return", "best_steps", "random_return", "difficulty"):
+    for field in ("best_return", "best_steps", "random_return", "difficulty", "ending"):
         assert getattr(found, field) == getattr(metrics, field)
     assert found.states == next(brl.metrics_many([name])).states
     assert found.digest == brl.load(name).digest

@@ -136,6 +136,8 @@ def test_the_optimum_within_the_time_limit_is_told_where_it_differs() -> None:
     ) == ("0.74", "0.82")
     assert facts["Steps of the optimal policy without a limit"] == "48.71"
     assert facts["Return of random actions without a limit"] == "0.011"
+    assert facts["Ending"].endswith("in 82.4 % of the episodes; 17.6 % end at [3, 1]")
+    assert "Ending" not in facts_on(page_of(load("final-maze")))
     assert not [name for name in facts_on(page_of(load("final-maze"))) if "within" in name]
 
 
@@ -190,6 +192,7 @@ def test_neighbours_are_linked_once_they_are_known() -> None:
 
 
 def test_a_page_without_answers_tells_nothing_of_them() -> None:
+    assert "Ending" not in facts_on(page_of(load("frozen-lake"), answers=False))
     page = page_of(load("final-maze"), answers=False)
     assert "tab-values" not in tabs(page)
     data = json.loads(page.texts["script"][0])

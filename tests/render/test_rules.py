@@ -19,7 +19,7 @@ from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Text
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.words.describe import goal_of
-from babyrobot_levels.render.words.phrases import chance, color_name, ranges
+from babyrobot_levels.render.words.phrases import chance, color_name, percent, ranges
 from babyrobot_levels.render.words.rules import MOST, rules_of
 
 
@@ -292,3 +292,18 @@ def test_pages_have_the_rules_with_samples_and_cells() -> None:
         bool(sample) == ("episode ends after" not in text) for sample, text, _ in data["rules"]
     )
     assert data["goal"] == "Move the robot to the exit."
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [
+        (0, "0 %"),
+        (1e-12, "0 %"),
+        (1e-6, "under 0.01 %"),
+        (0.17647, "17.6 %"),
+        (0.99999, "over 99.9 %"),
+        (1 - 1e-12, "100 %"),
+    ],
+)
+def test_a_percentage_is_not_sure_of_what_is_not(probability: float, text: str) -> None:
+    assert percent(probability) == text

@@ -85,7 +85,7 @@ def occupancy(
     weights = weights_of(policy, space)
     chain = model.mixed(weights[model.states])
     begin, table = mdp.start[model.states], np.zeros(mdp.num_states)
-    table[model.states] = _visits(chain, begin, discount)
+    table[model.states] = visits_of(chain, begin, discount)
     _add_ends(table, space, weights, discount)
     table[space.without_value] = np.nan
     states = table.reshape(mdp.shape)
@@ -94,7 +94,7 @@ def occupancy(
     return Occupancy(cells, states, steps, discount, level)
 
 
-def _visits(chain: Model, begin: Floats, discount: float) -> Floats:
+def visits_of(chain: Model, begin: Floats, discount: float) -> Floats:
     """Return the expected visits of each state of a chain, `[n]`."""
     reached = _reached(chain, begin)
     endless = reached & (closed_classes(chain) >= 0) & (discount == 1)

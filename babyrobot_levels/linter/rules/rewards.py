@@ -10,10 +10,9 @@ from babyrobot_levels.linter.finding import Finding, cells_text
 from babyrobot_levels.linter.fixes import removal
 from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.diagnostics import Key, Location, Mark
-from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.optimum import OtherEnds
+    from babyrobot_levels.analysis.endings import Ending
 
 _HELP = {
     "exit": "the level has no exit that a step can reach",
@@ -175,11 +174,12 @@ def exit_given_up(context: LintContext) -> Iterator[Finding]:
       - {at: [1, 1], color: black, ends: true, reward: -50}
     ```
     """
-    level, reach = context.level, context.reach
-    if not level.exits or reach.to_end == reach.to_exit or context.solution is None:
+    reach = context.reach
+    if not context.level.exits or reach.to_end == reach.to_exit or context.solution is None:
         return
-    from babyrobot_levels.analysis.solver.optimum import exit_chances, other_ends
+    from babyrobot_levels.analysis.endings import ending_of, exit_chances
     from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
+    from babyrobot_levels.render.words.phrases import percent
 
     try:
         starts, own, best = exit_chances(context.solution)
@@ -188,35 +188,30 @@ def exit_given_up(context: LintContext) -> Iterator[Finding]:
     worst = int((best - own).argmax())
     if best[worst] - own[worst] <= RISK_TAKEN:
         return
-    ends = other_ends(context.solution, int(starts[worst]))
+    ending = ending_of(context.solution, int(starts[worst]))
     # What gives a reward is a goal of its own.
-    if not ends or context.mdp.reward[ends.at].max() > 0:
+    if ending is None or ending.goes_on or ending.reward > 0:
         return
     whence = f"from {cells_text([context.cell(int(starts[worst]))])} " if own.size > 1 else ""
-    location, what = _chosen_end(context, ends)
-    share, possible = (f"{100 * chances[worst]:.3g} %" for chances in (own, best))
     yield Finding(
-        location,
-        f"{whence}the optimal policy reaches an exit in {share} of the episodes, where {possible} "
-        f"are possible: it prefers {what}",
+        _place_of(context, ending),
+        f"{whence}{ending.text}; another policy reaches one in {percent(float(best[worst]))}",
         "give this end a reward that is worse than any way to the exit, or the exit a higher one",
     )
 
 
-def _chosen_end(context: LintContext, ends: OtherEnds) -> tuple[Location, str]:
-    """Return where the file has the ends that a policy may meet, and words for them."""
-    level = context.level
-    movers = []
-    if level.movers and context.things.can_look_for_hits:
-        movers = [number for number, hits in enumerate(context.things.hits) if hits[ends.at].any()]
-    if movers:
-        hit = ("hit",) if "hit" in context.data else context.place_of_entry("movers", movers[0])
-        return hit, f"to be hit by {listed([f'`{context.things.mover_name(n)}`' for n in movers])}"
-    cells = [*dict.fromkeys(map(context.cell, ends.targets.tolist()))]
-    location = context.place(int(ends.targets[0]))
-    if not isinstance(location, Mark):
-        for number, area in level.written("areas"):
-            (x, y), (columns, rows) = area.at, area.size
-            if area.ends and x <= cells[0][0] < x + columns and y <= cells[0][1] < y + rows:
-                location = ("areas", number)
-    return location, f"the end at {cells_text(cells)}"
+def _place_of(context: LintContext, ending: Ending) -> Location:
+    """Return where the file has the cell or the hit by which episodes end."""
+    if ending.cell is None:
+        assert ending.mover is not None
+        is_given = "hit" in context.data
+        return ("hit",) if is_given else context.place_of_entry("movers", ending.mover)
+    location = context.place(context.state(ending.cell))
+    if isinstance(location, Mark):
+        return location
+    x, y = ending.cell
+    for number, area in context.level.written("areas"):
+        (left, top), (columns, rows) = area.at, area.size
+        if area.ends and left <= x < left + columns and top <= y < top + rows:
+            location = ("areas", number)
+    return location

@@ -75,6 +75,15 @@ def chance(probability: float) -> str:
     return f"{100 * probability:.3g} %"
 
 
+def percent(probability: float) -> str:
+    """Return a probability as a percentage; what is not sure is not `100 %`, nor `0 %`."""
+    probability = round(probability, 9)
+    text = f"{100 * probability:.3g} %"
+    if text == "100 %" and probability < 1:
+        return "over 99.9 %"
+    return "under 0.01 %" if 0 < probability < 1e-4 else text
+
+
 def skidding(skid: Skid) -> str:
     """Return how slippery something is: `skids 6 times in 10`."""
     if not skid.probability:
