@@ -215,7 +215,7 @@ def _whole(value: Any) -> Any:
 
 
 def _changes_beside(before: GridWorld, after: GridWorld) -> Iterator[Change]:
-    for name in fields_with(Role.TEXT, Role.LIMIT):
+    for name in fields_with(Role.TEXT, Role.LIMIT, Role.EXPECTATION):
         yield from _field_changes(name, plain(getattr(before, name)), plain(getattr(after, name)))
     names = (before.theme, after.theme)
     if isinstance(names[0], str) and isinstance(names[1], str) and names[0] != names[1]:

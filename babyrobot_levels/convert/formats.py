@@ -223,7 +223,7 @@ def _world(
 
 # -- export ----------------------------------------------------------------------------------------
 
-_LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
+_LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK, Role.EXPECTATION), "maze", "walls.color")
 """Prefixes of the fields whose loss does not change the MDP."""
 
 _WALLS = ("maze", "walls", "openings")

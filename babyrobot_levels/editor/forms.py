@@ -28,7 +28,7 @@ from functools import cache
 from typing import Any
 
 from babyrobot_levels.language.base import SIDE_NAMES
-from babyrobot_levels.language.fields import LevelFields, Role
+from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.language.json_schema import level_schema
 from babyrobot_levels.language.kinds import KINDS, LISTED, Where
 from babyrobot_levels.language.looks import BUILTIN_THEMES
@@ -36,7 +36,7 @@ from babyrobot_levels.language.looks import BUILTIN_THEMES
 LEVEL = "level"
 """The kind of the level's own fields, beside the kinds of places."""
 
-_PLACES = frozenset({"map", "legend"}).union(
+_NOT_SHOWN = frozenset({"map", "legend", *fields_with(Role.EXPECTATION)}).union(
     *(kind.fields for kind in KINDS if kind.where is not Where.LINE)
 )
 
@@ -69,8 +69,11 @@ def forms() -> dict[str, Form]:
 
 
 def own_fields(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the fields of the level itself, without what stands in cells or at sides."""
-    return {name: value for name, value in data.items() if name not in _PLACES}
+    """Return the fields of the level itself, without what stands in cells or at sides.
+
+    What the level states of itself is seen in the text, with what is true beside it.
+    """
+    return {name: value for name, value in data.items() if name not in _NOT_SHOWN}
 
 
 def expanded(data: Any) -> Any:

@@ -20,7 +20,8 @@ from babyrobot_levels.language.cells import Maze, Puddle, Wind
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.suite import SuiteFields, bounds, split_ranges
+from babyrobot_levels.language.ranges import bounds
+from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.language.things import Hit
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph, Successors, distances

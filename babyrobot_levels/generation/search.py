@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from babyrobot_levels.generation.candidates import Candidate, Maker
-from babyrobot_levels.language.suite import SuiteFields, bounds, shown
+from babyrobot_levels.language.ranges import bounds, shown
+from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.errors import BabyRobotError
 

@@ -15,7 +15,10 @@ from babyrobot_levels.language.geometry import (
     painted,
     show_cell,
 )
-from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.language.metric_names import THINGS
+from babyrobot_levels.language.ranges import bounds
+from babyrobot_levels.text.diagnostics import Issue, Key
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.fields import LevelFields
@@ -135,6 +138,7 @@ def issues_of(level: LevelFields) -> list[Issue]:
         from babyrobot_levels.language.thing_checks import check_things
 
         _collect(issues, check_things(level, blocked))
+    _collect(issues, _check_expectations(level))
     return issues
 
 
@@ -310,3 +314,35 @@ def _check_wind(level: LevelFields) -> Iterator[Issue]:
                 f"for {count} {line}{'s' * (count != 1)}",
                 f"give one for each {line}",
             )
+
+
+def _check_expectations(level: LevelFields) -> Iterator[Issue]:
+    """Yield what cannot be true of any level, or not of one like this, without its tables."""
+    if level.expect is None:
+        return
+    if level.maze is not None and level.maze.seed == "random":
+        message = "nothing can be said of a maze that is not drawn yet (`seed: random`)"
+        yield Issue("BR326", Key(("expect",)), message, "give the maze a seed, or remove `expect`")
+        return
+    for name, value in level.expect.stated.items():
+        route = ("expect", name)
+        if name in THINGS and not level.has_things:
+            message = f"only levels with things have `{name}`, and this one has none"
+            yield Issue("BR326", Key(route), message, f"remove `{name}`")
+        elif name == "needs":
+            yield from _unknown_needs(level, value)
+        elif name != "lint":
+            least, most = bounds(value)
+            if least is most is None:
+                yield Issue("BR326", route, "a range needs `min`, `max` or both")
+            elif None not in (least, most) and least > most:
+                message = f"the range is upside down: {least:g} is above {most:g}"
+                yield Issue("BR326", route, message, f"write `{name}: {most:g}..{least:g}`")
+
+
+def _unknown_needs(level: LevelFields, names: tuple[str, ...]) -> Iterator[Issue]:
+    known = [*(item.name for item in level.items), *(switch.name for switch in level.switches)]
+    for number, name in enumerate(names):
+        if name not in known:
+            message = f"there is no item or switch `{name}`{did_you_mean(name, known)}"
+            yield Issue("BR326", ("expect", "needs", number), message)

@@ -44,6 +44,7 @@ from babyrobot_levels.language.cells import (
     Wind,
 )
 from babyrobot_levels.language.drawing import RESERVED
+from babyrobot_levels.language.expectations import Expect
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import Display, ThemeLike
 from babyrobot_levels.language.things import (
@@ -97,6 +98,8 @@ class Role(Enum):
     """How far an episode, or a return, looks ahead."""
     LOOK = auto()
     """How the level is shown."""
+    EXPECTATION = auto()
+    """What its author says of it, to be held to that."""
 
 
 DRAWN: Literal["drawn"] = "drawn"
@@ -189,6 +192,8 @@ class LevelFields(Model):
     """Colours and widths: the name of a theme, or a mapping."""
     display: Annotated[Display, Role.LOOK] = Field(default_factory=cache(Display.model_construct))
     """What pictures show besides the level itself."""
+    expect: Annotated[Expect | None, Role.EXPECTATION] = None
+    """What must be true of the level, which is checked: its metrics, as figures or ranges."""
 
     _drawn: dict[str, int] = PrivateAttr(default_factory=dict)
 

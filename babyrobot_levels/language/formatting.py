@@ -10,7 +10,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, get_args, get_origin
@@ -18,6 +18,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel
 
 from babyrobot_levels.language.documents import check_document, is_suite
+from babyrobot_levels.language.expectations import Facts
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.suite_list import AnySuite, suite_model
@@ -41,8 +42,12 @@ class KeptAsIs(Exception):
     """A text is written in a way that the formatter leaves alone; the message says which."""
 
 
-def canonical(node: Node) -> Scalar:
+def canonical(node: Node, *, keeps_zeros: bool = False) -> Scalar:
     """Return a value as it is to be written.
+
+    Args:
+        node: the value.
+        keeps_zeros: whether zeros at the end of a number say how exact it is.
 
     Raises:
         KeptAsIs: it is written in a way that is left alone.
@@ -61,7 +66,7 @@ def canonical(node: Node) -> Scalar:
         return _folded(lines)
     if not isinstance(data, str):
         is_number = isinstance(data, int | float) and not isinstance(data, bool)
-        text = _number(raw, data) if is_number else scalar(data)
+        text = _number(raw, data, keeps_zeros) if is_number else scalar(data)
         return Scalar(text, text, is_number=is_number)
     return Scalar(_text(raw, data), _text(raw, data, in_flow=True))
 
@@ -94,14 +99,14 @@ def _text(raw: str, data: str, *, in_flow: bool = False) -> str:
     return raw
 
 
-def _number(raw: str, data: float) -> str:
+def _number(raw: str, data: float, keeps_zeros: bool) -> str:
     match = _NUMBER.fullmatch(raw)
     if match is None:
         return raw
     if isinstance(data, int):
         return str(data)
     sign, whole, fraction, exponent = match.groups()
-    fraction = (fraction or "").rstrip("0")
+    fraction = (fraction or "") if keeps_zeros else (fraction or "").rstrip("0")
     text = ("-" if sign == "-" else "") + (whole or "0")
     if fraction or exponent is None:
         text += f".{fraction or '0'}"
@@ -149,10 +154,12 @@ class Fields:
     Attributes:
         inner: the fields in their order, each with what is known of its value.
         others: what is known of the values of all other keys.
+        keeps_zeros: whether zeros at the end of a number say how exact it is.
     """
 
     inner: dict[str, Fields] = field(default_factory=dict)
     others: Fields | None = None
+    keeps_zeros: bool = False
 
     def of(self, key: str) -> Fields:
         """Return what is known of a key's value."""
@@ -174,6 +181,8 @@ def fields_of(model: type[BaseModel]) -> Fields:
     inner = {
         info.alias or name: _fields_in(info.annotation) for name, info in model.model_fields.items()
     }
+    if issubclass(model, Facts):
+        inner = {name: replace(fields, keeps_zeros=True) for name, fields in inner.items()}
     return Fields(inner)
 
 
@@ -322,7 +331,7 @@ class _Builder:
             entry.behind = entry.behind or self._take()
         self.seen.append((node.first, node.last))
         self.line = self._line(node.first + len(self.text[node.first : node.last].rstrip()))
-        return canonical(node)
+        return canonical(node, keeps_zeros=fields.keeps_zeros)
 
     def _sort(self, container: Container, node: Node, fields: Fields) -> None:
         if container.is_mapping and self.sorts:

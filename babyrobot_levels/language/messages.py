@@ -103,6 +103,15 @@ OTHER_NAMES = {
     "base": "background bg ground floor",
     "text_fg": "text foreground fg",
     "border": "outline frame",
+    # Of what is expected.
+    "best_return": "return value score reward optimal_return optimum",
+    "best_steps": "step expected_step optimal_step",
+    "random_return": "random",
+    "path_length": "path length distance shortest_path",
+    "success": "exit exit_probability win goal solvable",
+    "states": "num_state size",
+    "cells": "num_cell",
+    "difficulty": "hardness",
 }
 """What other programs and everyday speech call a field, for `did you mean`; without a last `s`."""
 
@@ -361,7 +370,8 @@ def _unknown(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> Complai
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
     other = _other_name(word, fields) or next(iter(nearest(field, fields, 1)), None)
     if other is None:
-        return "BR201", message, known
+        metrics = "`expect` takes the metrics that `babyrobot show` shows, and `lint`"
+        return "BR201", message, metrics if "lint" in fields else known
     return "BR201", f"{message}; did you mean `{other}`?", known or _example(other, value, fields)
 
 

@@ -18,6 +18,7 @@ import zlib
 from collections.abc import Mapping
 from typing import Any
 
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import MAX_BYTES
 
@@ -161,10 +162,13 @@ def is_code(text: str) -> bool:
 def encode(fields: Mapping[str, Any]) -> str:
     """Return the code of a level's fields: one line of letters, digits, `.`, `_` and `-`.
 
+    What the level states of itself in `expect` is no part of it.
+
     Raises:
         LevelError: the level is larger than a level file may be.
     """
-    data = _json(fields).encode("utf-8")
+    unstated = fields_with(Role.EXPECTATION)
+    data = _json({k: v for k, v in fields.items() if k not in unstated}).encode("utf-8")
     if len(data) > MAX_BYTES:
         raise LevelError(
             message=f"the level is too large for a share code: {len(data):,} bytes, "

@@ -8,130 +8,22 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from babyrobot_levels.language.base import (
-    Integer,
-    Model,
-    Number,
-    Probability,
-    Size,
-    Slug,
-    Text,
-    form,
-    forms,
-)
+from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
 from babyrobot_levels.language.cells import Algorithm, Rewards
 from babyrobot_levels.language.fields import whole_version
 from babyrobot_levels.language.looks import ThemeLike
+from babyrobot_levels.language.ranges import (
+    Counts,
+    Numbers,
+    PuddleCounts,
+    Shares,
+    Sizes,
+    bounds,
+    empty_ranges,
+)
 from babyrobot_levels.language.things import Hit
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import InvalidDocument
-
-
-class CountRange(Model):
-    """Whole numbers from `min` to `max`, both included; without one of them, open there."""
-
-    min: Annotated[Integer, Field(ge=0)] = 0
-    """The least."""
-    max: Annotated[Integer, Field(ge=0)] | None = None
-    """The most."""
-
-
-class NumberRange(Model):
-    """Numbers from `min` to `max`, both included; without one of them, open there."""
-
-    min: Number = 0.0
-    """The least."""
-    max: Number | None = None
-    """The most."""
-
-
-class PuddleRange(Model):
-    """Whole numbers from `min` to `max`, both included."""
-
-    min: Annotated[Integer, Field(ge=0)] = 0
-    """The least."""
-    max: Annotated[Integer, Field(ge=0)]
-    """The most."""
-
-
-class ShareRange(Model):
-    """Shares from `min` to `max`, both included, in steps of a hundredth."""
-
-    min: Probability = 0.0
-    """The least."""
-    max: Probability
-    """The most."""
-
-
-class SizeRange(Model):
-    """Sizes from `min` to `max`: width and height are drawn each for itself."""
-
-    min: Size
-    """The smallest width and height."""
-    max: Size
-    """The largest width and height."""
-
-
-def _number_or_mapping(value: Any) -> str:
-    return "mapping" if isinstance(value, dict | Model) else "number"
-
-
-def _size_or_mapping(value: Any) -> str:
-    return "mapping" if isinstance(value, dict | Model) else "size"
-
-
-Counts = Annotated[
-    Annotated[Annotated[Integer, Field(ge=0)], form("number")]
-    | Annotated[CountRange, form("mapping")],
-    forms("an integer, or a mapping with `min` and `max`", _number_or_mapping),
-]
-Numbers = Annotated[
-    Annotated[Number, form("number")] | Annotated[NumberRange, form("mapping")],
-    forms("a number, or a mapping with `min` and `max`", _number_or_mapping),
-]
-PuddleCounts = Annotated[
-    Annotated[Annotated[Integer, Field(ge=0)], form("number")]
-    | Annotated[PuddleRange, form("mapping")],
-    forms("an integer, or a mapping with `min` and `max`", _number_or_mapping),
-]
-Shares = Annotated[
-    Annotated[Probability, form("number")] | Annotated[ShareRange, form("mapping")],
-    forms("a share from 0 to 1, or a mapping with `min` and `max`", _number_or_mapping),
-]
-Sizes = Annotated[
-    Annotated[Size, form("size")] | Annotated[SizeRange, form("mapping")],
-    forms("`[width, height]`, or a mapping with `min` and `max`", _size_or_mapping),
-]
-
-
-def bounds(value: Any) -> tuple[Any, Any]:
-    """Return the least and the most of a range; None for a most that is open."""
-    is_range = isinstance(value, Model)
-    return (value.min, value.max) if is_range else (value, value)
-
-
-def shown(value: Any) -> str:
-    """Return a range in the way of the command line: `20`, `20..30`, `20..`, `..30`."""
-    least, most = bounds(value)
-    texts = ["" if bound is None else f"{bound:g}" for bound in (least, most)]
-    if least == most:
-        return texts[0]
-    return f"{texts[0] if least or most is None else ''}..{texts[1]}"
-
-
-def empty_ranges(model: Model) -> Iterator[Issue]:
-    """Yield an error for each range of a model whose `min` is above its `max`."""
-    for name, value in model:
-        if not isinstance(value, Model) or {"min", "max"} != type(value).model_fields.keys():
-            continue
-        least, most = bounds(value)
-        is_pair = isinstance(least, tuple)
-        pairs = zip(least, most, strict=True) if is_pair else [(least, most)]
-        if any(high is not None and low > high for low, high in pairs):
-            shown_least, shown_most = (list(least), list(most)) if is_pair else (least, most)
-            message = f"`min` ({shown_least}) is above `max` ({shown_most})"
-            yield Issue("BR205", (name, "min"), message)
-
 
 MAX_COUNT = 10**9
 MAX_DRAWN = 256

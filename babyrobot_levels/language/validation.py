@@ -229,7 +229,7 @@ class _Rest:
 
     def causes(self, issue: Issue) -> bool:
         """Tell whether an issue may only be there because invalid entries were left out."""
-        if issue.code == "BR321":
+        if issue.code in ("BR321", "BR326"):
             return not self.without.isdisjoint(kind.field for kind in NAMED)
         # A drawn door without an entry.
         is_drawn = issue.code == "BR314" and isinstance(issue.location, Mark)

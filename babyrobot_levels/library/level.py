@@ -87,7 +87,8 @@ class Level(Pictured, GridWorld):
     def share_code(self) -> str:
         """Return the level as a share code: one line, `brl1.…`, that `brl.load` takes.
 
-        It holds all fields, the name and a theme of the level's own included, but no comments.
+        It holds all fields but `expect`, the name and a theme of the level's own included, but no
+        comments.
         It has a checksum, and only characters that may stand in an address.
 
         Raises:

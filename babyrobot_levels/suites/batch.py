@@ -16,7 +16,8 @@ from babyrobot_levels.generation.candidates import Maker
 from babyrobot_levels.generation.search import Found, UnsatisfiableError, find_level
 from babyrobot_levels.language.names import SLUG
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.suite import SuiteFields, bounds, split_ranges
+from babyrobot_levels.language.ranges import bounds
+from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.parallel.executor import Executor, Failure
 from babyrobot_levels.text.errors import BabyRobotError

@@ -15,7 +15,8 @@ from babyrobot_levels.generation.candidates import Maker
 from babyrobot_levels.generation.locks import GUARD_CELLS
 from babyrobot_levels.generation.search import find_level
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.suite import SuiteFields, bounds
+from babyrobot_levels.language.ranges import bounds
+from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import AnySuite
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.configurations import MAX_STATES, largest_radices

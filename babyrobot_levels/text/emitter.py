@@ -10,7 +10,7 @@ from typing import Any
 
 from babyrobot_levels.text.scalars import is_plain_string
 
-_PLAIN = re.compile(r"[^\W_](?:[^\n\r\t]*\S)?")
+_PLAIN = re.compile(r"(?:\.\.)?(?:-(?=[0-9]))?[^\W_](?:[^\n\r\t]*\S)?")
 _UNUSUAL = re.compile(r"[^ !#-\[\]-~]")
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 

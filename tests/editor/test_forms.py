@@ -9,7 +9,7 @@ from support.gestures import done, places, send
 
 from babyrobot_levels.editor.forms import forms
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.language.kinds import KINDS
 
 pytestmark = pytest.mark.usefixtures("put_off")
@@ -143,6 +143,7 @@ def test_forms_are_those_of_everything_that_can_be_selected() -> None:
 
 def test_level_has_all_fields_but_those_that_are_drawn() -> None:
     drawn = {field for kind in KINDS for field in kind.fields} | {"map", "legend", "version"}
+    drawn |= {*fields_with(Role.EXPECTATION)}
     shown = {each["route"][0] for each in forms()["level"]}
     assert shown == {*LevelFields.model_fields} - drawn
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.analysis.solver.model import Core, Model, attractor
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import ExactSolution, NotExactError, Solution
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
@@ -140,7 +141,7 @@ def exactly(number: float) -> Fraction:
 
 def denominators(level: GridWorld) -> tuple[int, int]:
     """Return a denominator of all probabilities of a level, and one of all rewards."""
-    numbers = _decimals(level.model_dump())
+    numbers = _decimals(level.model_dump(exclude={*fields_with(Role.EXPECTATION)}))
     unit = lcm(*(number.denominator for number in numbers))
     wanderers = sum(mover.within is not None for mover in level.movers)
     ways = lcm(*range(1, NUM_ACTIONS + 1)) ** wanderers
