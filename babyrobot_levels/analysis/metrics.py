@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.hardness import Needs, longest_chain, needs_of
 from babyrobot_levels.analysis.paths import (
     PossibleSteps,
     connected_components,
@@ -20,9 +21,17 @@ from babyrobot_levels.analysis.paths import (
 )
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.language import kinds
-from babyrobot_levels.language.metric_names import PATHS, SHAPE, SOLVED, THINGS, UNLIMITED
+from babyrobot_levels.language.metric_names import (
+    NEEDS,
+    PATHS,
+    SHAPE,
+    SOLVED,
+    THINGS,
+    UNLIMITED,
+)
 from babyrobot_levels.mdp.graph import MANY
 from babyrobot_levels.mdp.gridworld import world_of
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
@@ -50,12 +59,15 @@ class Metrics(Shown):
     """The metrics of a level. Each is computed when it is first read.
 
     - Shape: `cells`, `dead_ends`, `corridors`, `junctions`, `loops`. A wall of glass is a wall.
-    - Paths: `reachable`, `path_length`, `path`, `turns`.
+    - Paths: `states`, `reachable`, `path_length`, `path`, `turns`.
     - Things, only of levels that have some: `items`, `doors`, `switches`, `movers`,
       `configurations`, `detour`.
-    - Returns: `best_return`, `best_steps`, `random_return`, `random_steps`, `wet_share`,
-      `difficulty`. Only for these the level is solved. None stands for an undefined return and
-      for episodes that are too long (`brl.UndefinedReturnError`, `brl.EpisodeTooLongError`).
+    - Returns: `best_return`, `best_steps`, `random_return`, `random_steps`, `success`,
+      `wet_share`, `difficulty`. Only for these the level is solved. None stands for an undefined
+      return and for episodes that are too long (`brl.UndefinedReturnError`,
+      `brl.EpisodeTooLongError`).
+    - What is needed, only of levels with things: `needs`, `dependencies`. For these, the level is
+      compiled once for each thing that doors or exits name.
 
     Attributes:
         level: the level.
@@ -70,10 +82,11 @@ class Metrics(Shown):
         from babyrobot_levels.render.words.phrases import with_limit
 
         level = self.level
-        columns, rows = level.size
-        states = level.compile().num_states if level.has_things else columns * rows
-        numbers = self.to_dict(solve=states <= MAX_SOLVED)
-        texts = {name: number(value) for name, value in numbers.items()}
+        numbers = self.to_dict(solve=self.states <= MAX_SOLVED)
+        texts = {
+            name: (", ".join(value) or "nothing") if isinstance(value, tuple) else number(value)
+            for name, value in numbers.items()
+        }
         for name in texts.keys() & UNLIMITED:
             texts[name] = with_limit(texts[name], None, level.max_steps)
         told = [(name.replace("_", " "), text) for name, text in texts.items()]
@@ -83,10 +96,11 @@ class Metrics(Shown):
         """Return all numbers by their names, those about things for levels that have some.
 
         Args:
-            solve: whether to include those for which the level must be solved.
+            solve: whether to include those for which the level must be solved, or compiled more
+                than once.
         """
-        things = THINGS if self.level.has_things else ()
-        names = SHAPE + PATHS + things + (SOLVED if solve else ())
+        things, needs = (THINGS, NEEDS) if self.level.has_things else ((), ())
+        names = SHAPE + PATHS + things + (SOLVED + needs if solve else ())
         return {name: getattr(self, name) for name in names}
 
     def __repr__(self) -> str:
@@ -135,6 +149,11 @@ class Metrics(Shown):
         return sum(bits.count(sides) for sides in range(1, 16) if sides.bit_count() == number)
 
     # -- paths -----------------------------------------------------------------------------
+
+    @cached_property
+    def states(self) -> int:
+        """The number of states that can occur: in which episodes begin, go on, or end."""
+        return int((np.array(self._steps.reached) >= 0).sum())
 
     @cached_property
     def reachable(self) -> float:
@@ -260,6 +279,14 @@ class Metrics(Shown):
         return None if self._random is None else self._random.expected_steps
 
     @cached_property
+    def success(self) -> float | None:
+        """The probability that the optimal policy reaches an exit; None without an exit."""
+        if self.solution is None or not self.level.exits:
+            return None
+        found = self.solution.exit_probability
+        return None if math.isnan(found) else found
+
+    @cached_property
     def wet_share(self) -> float | None:
         """The share of puddles among the cells of the optimal trajectory, both ends included.
 
@@ -330,6 +357,33 @@ class Metrics(Shown):
         try:
             return evaluation_of(self.level, "random")
         except (UndefinedReturnError, EpisodeTooLongError):
+            return None
+
+    # -- what is needed --------------------------------------------------------------------
+
+    @cached_property
+    def needs(self) -> tuple[str, ...] | None:
+        """The names of the items and switches without which no exit can be reached, sorted.
+
+        If such an item could not be taken, or such a switch not be flipped, no path would lead to
+        an exit from some start. None if from some start none does in any case, and if more states
+        could occur then than a level may have.
+        """
+        return None if self._needs is None else (*self._needs,)
+
+    @cached_property
+    def dependencies(self) -> int | None:
+        """How many of `needs` must be had one after the other, at most; None as there.
+
+        A thing comes after another if it can be had from no start without the other.
+        """
+        return None if self._needs is None else longest_chain(self._needs)
+
+    @cached_property
+    def _needs(self) -> Needs | None:
+        try:
+            return needs_of(self.level) if self._lengths else None
+        except LevelError:
             return None
 
     def _trajectory(self, start: int) -> list[int]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.pictures import FORMATS, SUFFIXES
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
+from babyrobot_levels.language.metric_names import NEEDS, SOLVED
 from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TablesTooLargeError
 from babyrobot_levels.mdp.gridworld import LevelLike, world_of
 
@@ -135,20 +136,23 @@ class Facts(Shown, dict[str, Any]):
             if name not in ("drawing", "metrics")
         }
         for name, value in (self["metrics"] or {}).items():
-            texts[name] = self._why_none(name) if value is None else text_of(value)
+            texts[name] = self._why_none(name) if value is None else text_of(value) or "nothing"
         if self.left_out:
             texts["digest"] = texts["metrics"] = self.left_out
         if self["metrics"] and "difficulty" not in self["metrics"]:
-            texts["difficulty"] = f"not computed above {MAX_SOLVED:,} states, nor are returns"
+            names = (*SOLVED, *NEEDS) if "items" in self["metrics"] else SOLVED
+            texts |= dict.fromkeys(names, f"not computed above {MAX_SOLVED:,} states")
         return texts
 
     def _why_none(self, name: str) -> str:
         found = self["metrics"]
-        if name in ("path_length", "turns", "detour", "difficulty"):
+        if name in ("path_length", "turns", "detour", "success", "difficulty", *NEEDS):
             if not self["exits"]:
                 return "none: there is no exit"
-            if found["path_length"] is None:
+            if found["path_length"] is None and name != "success":
                 return "none: from a start, no path to an exit is known"
+        if name in NEEDS:
+            return "none: too many states to compute what is needed"
         if name == "difficulty" and None not in (found["best_return"], found["random_return"]):
             return "none: the best policy does not go to an exit"
         return "none: undefined, or episodes are too long to compute"
@@ -224,17 +228,14 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
         return found
     mdp = level.compile()
     happens = mdp.probability > 0
-    found["states"] = int((~level.grid().blocked).sum())
-    found["outcomes"] = int(happens.sum())
-    if level.has_things:
-        # Of the pairs of configuration and cell, those that an episode reaches.
-        reached = ~space_of(level, "all").without_value
-        found["states"], found["outcomes"] = int(reached.sum()), int(happens[reached].sum())
+    # Of the pairs of configuration and cell, those that an episode reaches.
+    reached = ~space_of(level, "all").without_value
+    found["outcomes"] = int((happens[reached] if level.has_things else happens).sum())
     found["chance"] = bool(happens[~mdp.is_terminal].sum(axis=2).max(initial=0) > 1)
     found["digest"] = level.digest
     measured = metrics(level)
-    states = mdp.num_states if level.has_things else measured.cells
-    is_solved = states <= MAX_SOLVED
+    found["states"] = measured.states
+    is_solved = measured.states <= MAX_SOLVED
     numbers = measured.to_dict(solve=is_solved)
     found["metrics"] = {name: _number(value) for name, value in numbers.items()}
     found["ending"] = measured.ending if is_solved else None
@@ -243,7 +244,9 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
 
 
 def _number(value: Any) -> Any:
-    """Return a number for JSON: strings for infinities."""
+    """Return a metric for JSON: strings for infinities."""
+    if isinstance(value, tuple):
+        return list(value)
     if not isinstance(value, float):
         return value
     # Nine digits are the same on every platform; the last ones are not.

@@ -207,7 +207,8 @@ class _Csv(_Lines):
         self._rows.writeheader()
 
     def put(self, row: dict[str, Any]) -> None:
-        self._rows.writerow(row)
+        texts = {name: " ".join(value) for name, value in row.items() if isinstance(value, list)}
+        self._rows.writerow({**row, **texts})
 
 
 class _Table(_Lines):

@@ -8,8 +8,8 @@ outcomes there may be.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
 from typing import Any
@@ -159,6 +159,10 @@ class Configuration:
 class Things:
     """The things of a level, and what their values mean.
 
+    Args:
+        level: the level.
+        inert: the names of items and switches at which arrivals change nothing.
+
     Attributes:
         names: the name of each thing, each another: `exit` for a drawn exit; movers without a name
             are `mover-1`, `mover-2`, …. Where a thing has this name, they begin with `the-`.
@@ -169,9 +173,13 @@ class Things:
 
     __module__ = "babyrobot_levels"
 
-    def __init__(self, level: LevelFields):
+    def __init__(self, level: LevelFields, inert: Collection[str] = ()):
         self.level = level
-        self._each = tuple(thing for make in _MAKERS for thing in make(level))
+        self._each = tuple(
+            replace(thing, after=(), at_start=False) if thing.name in inert else thing
+            for make in _MAKERS
+            for thing in make(level)
+        )
         taken = {thing.name for thing in self._each}
 
         def free(name: str) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import NAMED, space_of
+from babyrobot_levels.analysis.solver.policies import NAMED
 from babyrobot_levels.analysis.solver.results import (
     Evaluation,
     check_actions,
@@ -82,7 +82,7 @@ class LevelMetrics:
         index: the place of the level among the others, from 0.
         name: its name.
         digest: its digest.
-        states: the number of its states, without those that no episode can reach.
+        states: the number of its states, one of its metrics.
         metrics: its metrics by their names, as `Metrics.to_dict` has them.
         error: why there are none, with `keep_going`.
     """
@@ -344,12 +344,8 @@ def _values(found: Evaluation) -> dict[str, Any]:
 
 def _measured(max_states: int | None, level: Level) -> dict[str, Any]:
     found = metrics(level)
-    states = level.compile().num_states if level.has_things else found.cells
-    is_small = max_states is None or states <= max_states
-    return {
-        "states": int(np.count_nonzero(~space_of(level, "all").without_value)),
-        "metrics": found.to_dict(solve=is_small),
-    }
+    is_small = max_states is None or found.states <= max_states
+    return {"states": found.states, "metrics": found.to_dict(solve=is_small)}
 
 
 @dataclass(frozen=True, slots=True)

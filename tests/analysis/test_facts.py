@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import babyrobot_levels as brl
+from babyrobot_levels.language.metric_names import NEEDS, SOLVED
 
 
 def test_the_facts_are_plain_data() -> None:
@@ -51,5 +52,7 @@ def test_what_is_not_known_says_why() -> None:
     assert lure["ending"] == (
         "the optimal policy reaches an exit in 0 % of the episodes; 100 % end at [0, 0]"
     )
+    assert facts(exit="none")["success"] == "none: there is no exit"
     large = facts(size=[80, 80])
-    assert large["difficulty"] == "not computed above 5,000 states, nor are returns"
+    assert {large[name] for name in SOLVED} == {"not computed above 5,000 states"}
+    assert not large.keys() & {*NEEDS}

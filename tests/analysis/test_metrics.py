@@ -15,7 +15,7 @@ from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import metrics, paths
-from babyrobot_levels.language.metric_names import PATHS, SHAPE, SOLVED, THINGS
+from babyrobot_levels.language.metric_names import NEEDS, PATHS, SHAPE, SOLVED, THINGS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp import graph
 
@@ -421,7 +421,7 @@ def test_things_are_counted_and_the_path_leads_by_the_key() -> None:
     }
     assert found.path == ((1, 0), (0, 0), (1, 0), (2, 0), (3, 0))
     assert (found.path_length, found.turns, found.reachable) == (4, 1, 1.0)
-    assert list(found.to_dict()) == [*SHAPE, *PATHS, *THINGS, *SOLVED]
+    assert list(found.to_dict()) == [*SHAPE, *PATHS, *THINGS, *SOLVED, *NEEDS]
     assert list(found.to_dict(solve=False)) == [*SHAPE, *PATHS, *THINGS]
     # The coin is worth no step: the optimal path is the shortest one.
     assert (found.best_return, found.best_steps) == (-3, 4)
@@ -489,3 +489,78 @@ def test_each_is_worked_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("babyrobot_levels.analysis.metrics.straightest_path", None)
     assert (found.difficulty, found.path) == (difficult, path)
     assert found.wet_share == pytest.approx(4 / 18)
+
+
+# -- what is needed --------------------------------------------------------------------------
+
+
+def rooms(*doors: World, **fields: Any) -> Level:
+    """Return a corridor of rooms: a lever, a key and a coin on its first cells, the exit at last.
+
+    The key lies behind a door that the lever opens.
+    """
+    level = {
+        "version": 1,
+        "size": [6, 1],
+        "start": [0, 0],
+        "exit": [5, 0],
+        "switches": [{"name": "lever", "at": [1, 0]}],
+        "items": [{"name": "key", "at": [3, 0]}, {"name": "coin", "at": [4, 0], "reward": 1}],
+        "doors": [{"at": [2, 0], "side": "E", "needs": "lever"}, *doors],
+    }
+    return brl.load({**level, **fields})
+
+
+def test_what_is_needed_and_in_which_order() -> None:
+    found = brl.metrics(rooms())
+    assert (found.needs, found.dependencies) == (("lever",), 1)
+    locked_exit = brl.metrics(rooms(exit_needs="key"))
+    assert (locked_exit.needs, locked_exit.dependencies) == (("key", "lever"), 2)
+    # Two keys in one room need nothing of each other.
+    both = brl.metrics(rooms(doors=[], exit_needs=["key", "coin"]))
+    assert (both.needs, both.dependencies) == (("coin", "key"), 1)
+    bare = brl.metrics(rooms(doors=[]))
+    assert (bare.needs, bare.dependencies) == ((), 0)
+
+
+def test_what_is_needed_from_one_of_several_starts_is_needed() -> None:
+    found = brl.metrics(rooms(start=[[0, 0], [3, 0]]))
+    assert (found.needs, found.dependencies) == (("lever",), 1)
+
+
+def test_a_switch_that_closes_the_way_is_not_needed() -> None:
+    found = brl.metrics(rooms(doors=[{"at": [2, 0], "side": "E", "unless": "lever"}], start=[2, 0]))
+    assert found.needs == ()
+    # It can be passed only by flipping it, and it is on at first.
+    flipped = rooms(
+        doors=[{"at": [2, 0], "side": "E", "unless": "lever"}],
+        switches=[{"name": "lever", "at": [1, 0], "on": True}],
+    )
+    assert brl.metrics(flipped).needs == ("lever",)
+
+
+def test_without_a_path_nothing_is_known_to_be_needed() -> None:
+    shut = brl.metrics(rooms({"at": [4, 0], "side": "E", "needs": "key", "unless": "key"}))
+    assert (shut.path_length, shut.needs, shut.dependencies) == (None, None, None)
+
+
+def test_where_too_many_states_could_occur_it_is_not_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: Any, **__: Any) -> None:
+        raise brl.LevelError(message="too many states")
+
+    monkeypatch.setattr("babyrobot_levels.analysis.hardness.compile_things", refuse)
+    found = brl.metrics(rooms())
+    assert (found.needs, found.dependencies) == (None, None)
+
+
+def test_success_is_that_of_the_optimal_policy() -> None:
+    assert brl.metrics("frozen-lake").success == brl.solve("frozen-lake").exit_probability
+    assert brl.metrics("final-maze").success == 1
+    assert brl.metrics("treasure-chests").success is None
+
+
+def test_states_are_those_that_occur() -> None:
+    # The cell behind the exit never does.
+    assert brl.metrics({"version": 1, "size": [4, 1], "exit": [2, 0]}).states == 3
+    # While the lever is off, the robot is before the door.
+    assert brl.metrics(rooms(items=[])).states == 3 + 6

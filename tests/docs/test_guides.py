@@ -24,7 +24,7 @@ from babyrobot_levels.cli.convert import PICTURES, WRITTEN
 from babyrobot_levels.convert.formats import FORMATS, MODELS
 from babyrobot_levels.convert.setups import _PLAYING, KEYWORDS
 from babyrobot_levels.language.json_schema import SCHEMAS
-from babyrobot_levels.language.metric_names import PATHS, SHAPE, SOLVED, THINGS
+from babyrobot_levels.language.metric_names import METRICS
 from babyrobot_levels.language.share_code import DICTIONARY_1
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.level import load_code
@@ -144,7 +144,7 @@ def test_algorithms_and_metrics_are_explained_in_order() -> None:
     for path in (DOCS / "images" / "mazes").iterdir():
         assert f"images/mazes/{path.name}" in text
     named = re.findall(r"^\| `(\w+)` \|", text[text.index("## Metrics") :], flags=re.MULTILINE)
-    assert [name for name in named if name != "path"] == [*SHAPE, *PATHS, *THINGS, *SOLVED]
+    assert [name for name in named if name != "path"] == [*METRICS]
 
 
 def test_the_examples_and_difficulties_of_mazes_are_right() -> None:

@@ -6,7 +6,7 @@ the movers; branches are expanded in parts, merged and sorted as those of other 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log10, prod
@@ -50,15 +50,20 @@ SMALL = 1 << 18
 """Up to so many states, tables are made when a level is checked: most will be asked for."""
 
 
-def compile_things(level: LevelFields, grid: Grid, most: int = MAX_WIDE_STATES) -> Mdp:
-    """Compile a level with things.
+def compile_things(
+    level: LevelFields,
+    grid: Grid,
+    most: int = MAX_WIDE_STATES,
+    inert: Collection[str] = (),
+) -> Mdp:
+    """Compile a level with things; arriving at those of some names changes nothing.
 
     Raises:
         TablesTooLargeError: there are more than `most` states times outcomes.
         UnplayableError: doors or paths are cut by walls; there are more than `MAX_STATES` states,
             or a row has more than `MAX_OUTCOMES` outcomes.
     """
-    return _Compiler(level, _layers(level, grid)).tables(most)
+    return _Compiler(level, _layers(level, Things(level, inert), grid)).tables(most)
 
 
 def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
@@ -66,16 +71,15 @@ def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
 
     Where there are many states it is enough to count them, unless rows may be too long.
     """
-    compiler = _Compiler(level, _layers(level, grid))
+    compiler = _Compiler(level, _layers(level, Things(level), grid))
     states, outcomes = len(compiler.configurations) * compiler.size, most_outcomes(level)
     if states > SMALL and outcomes <= MAX_OUTCOMES and states * outcomes <= MAX_WIDE_STATES:
         return None
     return compiler.tables(MAX_WIDE_STATES)
 
 
-def _layers(level: LevelFields, grid: Grid) -> Layers:
+def _layers(level: LevelFields, things: Things, grid: Grid) -> Layers:
     check_placement(level, grid)
-    things = Things(level)
     try:
         return Layers(level, grid, things)
     except TooManyStates:
