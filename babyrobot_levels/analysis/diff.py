@@ -24,8 +24,9 @@ from babyrobot_levels.language.cells import SkidRule, as_skid
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.kinds import LISTED, LOOKS, THINGS, Kind
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
+from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
+from babyrobot_levels.mdp.ground import RULES
 from babyrobot_levels.mdp.tables import Ints
 from babyrobot_levels.render.words.phrases import with_limit
 

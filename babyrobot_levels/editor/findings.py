@@ -15,10 +15,9 @@ from babyrobot_levels.editor.answers import Answers
 from babyrobot_levels.language.kinds import KINDS
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, marked_at
-from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import find, select
-from babyrobot_levels.linter.runner import Report, findings_in, names_of
+from babyrobot_levels.linter.runner import Report, applicable, findings_in, names_of
 from babyrobot_levels.render.page import MAX_CELLS
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
@@ -175,13 +174,14 @@ class Linter:
     def _linted(self, report: Report, path: Path | None, answers: Answers) -> Linting:
         if report.level is None or report.document is None:
             return Linting(report)
-        context = LintContext(report.level, report.document, path, names_of(self._rules))
+        rules = applicable(self._rules)
+        context = LintContext(report.level, report.document, path, names_of(rules))
         _share(answers, context)
         # The last rule checks which suppressions the others used.
-        last = self._rules[-1].code
+        last = rules[-1].code
         late = self._late | {last} if self._late else self._late
-        waiting = [rule for rule in self._rules if answers.waits or rule.code in late]
-        ready = [rule for rule in self._rules if rule not in waiting]
+        waiting = [rule for rule in rules if answers.waits or rule.code in late]
+        ready = [rule for rule in rules if rule not in waiting]
         found = findings_in(context, ready, max_cells=MAX_CELLS)
         # What the first run takes is also what it loads.
         if not self._is_first:
@@ -229,7 +229,11 @@ def _share(answers: Answers, context: LintContext) -> None:
     if answers.reach is not None:
         context.reach = answers.reach
     solution = None if answers.optimum is None else answers.optimum.solution
-    if solution is not None and context.mdp.num_states <= MAX_SOLVED:
+    if solution is None:
+        return
+    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
+
+    if context.mdp.num_states <= MAX_SOLVED:
         context.solution = solution
 
 

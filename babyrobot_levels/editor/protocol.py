@@ -25,7 +25,7 @@ instead, and `from`, its number. Questions change nothing:
 - `answers`, with `revision`: the state again, or its changes, with the optimum and all findings,
   however long that takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
-  `policy.worth_of`. The reply has `policy`;
+  `worth.worth_of`. The reply has `policy`;
 - `filled`, with `revision` and the fields of the gesture `fill`: the `cells` that it paints;
 - `levels`: what can be opened by name, and from texts, see `sources.known`;
 - `copy`: the level in a `form` (`editor/sources.py`). The reply has `copy`;
@@ -42,7 +42,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from babyrobot_levels.editor.answers import worth_of
 from babyrobot_levels.editor.changes.cells import filled
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.forms import forms
@@ -50,6 +49,7 @@ from babyrobot_levels.editor.gestures import Cell, Fill, Gesture, gesture_of
 from babyrobot_levels.editor.session import ConflictError, Session
 from babyrobot_levels.editor.sources import FORMS, copied, known, opened
 from babyrobot_levels.editor.state import state_of, themes_beside
+from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
 from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
@@ -98,6 +98,10 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
         reply |= {"error": str(error), "conflict": {"text": error.found}}
     except RefusedError as error:
         reply["error"] = str(error)
+    except ModuleNotFoundError:
+        if is_numeric():
+            raise
+        reply["error"] = NEEDS_NUMPY
     return reply if is_question else reply | session.shown.reply(state_of(session), has)
 
 
@@ -186,6 +190,8 @@ def _filled(session: Session, fields: dict[str, Any]) -> list[Cell]:
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:
+    from babyrobot_levels.editor.worth import worth_of
+
     revision = session.revision
     session.answers.catch_up()
     optimum = session.answers.optimum

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from babyrobot_levels.analysis.guides import guide_of
-from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 from babyrobot_levels.convert.conversion import ConversionError, file_text
 from babyrobot_levels.convert.formats import FORMATS, guess
 from babyrobot_levels.editor.changes.draft import RefusedError
@@ -207,6 +206,8 @@ def _python(text: str) -> str:
 
 
 def _link(level: Level) -> str:
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+
     played = level.with_maze_seed(0) if level.has_random_maze else level
     fragment = link_fragment(level, played)
     with suppress(UndefinedReturnError, TooLargeError):

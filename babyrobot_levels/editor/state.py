@@ -15,6 +15,7 @@ from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.documents import read_theme, theme_folders, theme_names
 from babyrobot_levels.language.kinds import KINDS, NEEDED, Where
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
+from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, contrast
 from babyrobot_levels.render.page import common_data, common_module
 from babyrobot_levels.render.page_format import TooLargeError
@@ -27,6 +28,7 @@ def state_of(session: Session) -> dict[str, Any]:
 
     The keys: `revision`, `text`, `name`, `path`, `is_made`, whether there is a file of that path,
     `is_valid`, `is_saved`, `can_undo`, `can_redo`;
+    `lacks`, why nothing is solved or played here, empty where it is;
     `maze_regrown`, whether the last gesture made the maze grow anew, which `keep_maze` undoes;
     `findings`, see `findings_of`; `findings_pending`, whether some are still to be looked for,
     which the question `answers` does; and of the level of the text or, if the text is invalid, of
@@ -66,6 +68,7 @@ def state_of(session: Session) -> dict[str, Any]:
         "is_saved": session.is_saved,
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
+        "lacks": "" if is_numeric() else NEEDS_NUMPY,
         "maze_regrown": session.is_maze_regrown,
         "findings": findings_of(session.linting, size),
         "findings_pending": bool(session.linting.waiting),

@@ -37,6 +37,8 @@ class Needs(Enum):
 
     LEVEL = auto()
     """The level and its text."""
+    ARRAYS = auto()
+    """The same, and NumPy."""
     TABLES = auto()
     """The compiled tables, which a level with random mazes does not have."""
     SIZE = auto()

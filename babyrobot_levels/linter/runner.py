@@ -11,6 +11,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.linter.rule import Rule
+from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.suites.checking import check_document
 from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix, Issue, Severity
 from babyrobot_levels.text.document import Document
@@ -37,8 +38,10 @@ class Report:
 
     @property
     def digest(self) -> str | None:
-        """The level's digest; None if the text has errors or the level has no tables."""
-        return None if self.level is None or self.level.has_random_maze else self.level.digest
+        """The level's digest; None if the text has errors or there are no tables."""
+        if self.level is None or self.level.has_random_maze or not is_numeric():
+            return None
+        return self.level.digest
 
     @property
     def fingerprint(self) -> int | None:
@@ -94,8 +97,14 @@ def lint_document(
     if not isinstance(level, Level):
         # Rules check levels; a suite only has errors.
         return Report(source, errors, document=document)
+    rules = applicable(rules)
     context = LintContext(level, document, path, names_of(rules))
     return Report(source, findings_in(context, rules, max_cells=max_cells), level, document)
+
+
+def applicable(rules: Iterable[Rule]) -> list[Rule]:
+    """Return the rules that can be applied: without NumPy, those that need only the level."""
+    return [rule for rule in rules if rule.needs is Needs.LEVEL or is_numeric()]
 
 
 def names_of(rules: Iterable[Rule]) -> frozenset[str]:
@@ -115,7 +124,7 @@ def findings_in(
     has_tables = is_small and not context.level.has_random_maze
     found = []
     for rule in rules:
-        if rule.check is None or (rule.needs is not Needs.LEVEL and not has_tables):
+        if rule.check is None or (rule.needs in (Needs.TABLES, Needs.SIZE) and not has_tables):
             continue
         if rule.needs is Needs.TABLES and context.too_large:
             continue

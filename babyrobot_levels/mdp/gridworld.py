@@ -25,6 +25,7 @@ from babyrobot_levels.mdp.grid import (
     grid_with_doors,
     placement_issues,
 )
+from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError, UnplayableError
 
@@ -226,7 +227,10 @@ def check_world(
 
 
 def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
-    """Refuse a level that cannot be compiled, where its fields leave that open by trying it."""
+    """Refuse a level that cannot be compiled, where its fields leave that open by trying it.
+
+    Without NumPy that is not tried.
+    """
     level = checked.value
     if level is None or level.has_random_maze:
         return checked
@@ -234,7 +238,7 @@ def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
     from babyrobot_levels.mdp.configurations import surely_fits
 
     try:
-        if not surely_fits(level):
+        if is_numeric() and not surely_fits(level):
             from babyrobot_levels.mdp.compiler import checked_mdp
 
             if (mdp := checked_mdp(level, level.grid())) is not None:

@@ -29,7 +29,8 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
-from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.actions import HEADINGS, Action
+from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.page_format import (
     CHEER,
@@ -40,7 +41,6 @@ from babyrobot_levels.render.page_format import (
     TooLargeError,
     hexadecimal,
     pack,
-    playable,
     rounded,
     runs_of,
     short,
@@ -60,7 +60,7 @@ from babyrobot_levels.render.scene.shapes import Scene, Shape, toned
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.scene.things import CORNERS, SMALL
-from babyrobot_levels.render.situation import Pose
+from babyrobot_levels.render.situation import Pose, effects_of
 from babyrobot_levels.render.svg import element, number, to_svg
 from babyrobot_levels.render.templates import as_html, embedded_json, html, put_together
 from babyrobot_levels.render.words.describe import describe, goal_of
@@ -258,7 +258,7 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {width} x {height} cells is too large for a page; "
             f"the limit is {MAX_CELLS:,} cells"
         )
-    states = level.compile().num_states if level.has_things else 0
+    states = level.compile().num_states if level.has_things and is_numeric() else 0
     if states > MAX_STATES:
         raise TooLargeError(
             f"a level of {states:,} states is too large for a page; "
@@ -305,7 +305,7 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
         "title": title_of(level),
         "description": (level.description or "").strip(),
         "facts": list(facts(level)),
-        **playable(level),
+        **_played(level),
         # Those that differ between themes, in the order of `common_data`.
         "robot": [
             *(hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS),
@@ -366,6 +366,31 @@ def common_data() -> dict[str, Any]:
     }
 
 
+def _played(level: GridWorld) -> dict[str, Any]:
+    """Return what the page's script plays; lengths are those of the scene.
+
+    Without NumPy there are no tables: the level can be shown as it begins, and not be played.
+    """
+    width, height = level.size
+    data = {
+        "width": width,
+        "height": height,
+        "margin": short(layout_of(level).margin),
+        "speed": short(level.display.robot.speed),
+        "starts": [y * width + x for x, y in level.starts],
+        "exits": [y * width + x for x, y in level.exits],
+        "max_steps": level.max_steps,
+        "discount": short(level.discount),
+        "good_ends": sorted(y * width + x for x, y in effects_of(level).good_ends),
+    }
+    if is_numeric():
+        from babyrobot_levels.render.page_tables import tables_of
+
+        return data | tables_of(level)
+    possible = [1 << Action.STAY | bits << Action.NORTH for bits in level.grid().open_bits]
+    return data | {"possible": possible}
+
+
 def title_of(level: GridWorld) -> str:
     """Return the heading of a level's page."""
     return level.title or level.name or "Level"
@@ -381,7 +406,7 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
         "Source": level.source,
         "License": level.license,
         "Time limit": f"{level.max_steps} steps" if level.max_steps is not None else None,
-        "Digest": level.digest,
+        "Digest": level.digest if is_numeric() else None,
     }
     yield from ((name, text) for name, text in values.items() if text)
 

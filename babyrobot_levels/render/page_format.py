@@ -1,4 +1,4 @@
-"""What a page's script reads, as compact JSON data: shapes, and the tables that are played.
+"""What a page's script reads, as compact JSON data: shapes, colours and numbers.
 
 A layer is a list of groups `[x, y, shapes]`, whose shapes are relative to the point (x, y), so
 that equal cells give equal text. Lengths are tenths of a pixel, opacities are percentages, and a
@@ -24,14 +24,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-
-from babyrobot_levels.mdp.actions import DELTAS, Action
-from babyrobot_levels.mdp.tables import Event, events_of, hits_by_mover
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import gray, rgba
-from babyrobot_levels.render.scene.layout import CELL, layout_of
+from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Ellipse,
@@ -42,16 +39,8 @@ from babyrobot_levels.render.scene.shapes import (
     Text,
     smooth,
 )
-from babyrobot_levels.render.situation import STANDING, Mood, Pose, effects_of, pose_of
+from babyrobot_levels.render.situation import STANDING, Mood, Pose
 from babyrobot_levels.render.svg import number
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.mdp.tables import Mdp
-
-    _Ints = NDArray[np.int64]
 
 RECT, ELLIPSE, PATH, TEXT, AGAIN, BAR = range(6)
 """The kinds of shapes."""
@@ -251,7 +240,7 @@ def _joined(steps: Iterable[tuple[int, int]]) -> str:
     return " ".join(str(number) for step in steps for number in step).replace(" -", "-")
 
 
-# -- tables: the distinct rows, and what happens in each outcome -----------------------------------
+# -- what is the same for all levels ---------------------------------------------------------------
 
 EVENTS = ("stay", "move", "carried", "bump", "skid", "bounce")
 """The events of a step: warps and wind carry the robot, walls bump it, glass bounces it.
@@ -277,144 +266,8 @@ HEADING_POSES = [
 ]
 """The indices of the poses of a robot that turns, by heading: calm, and slipping."""
 
-MAX_NUMBERS = 2_000_000
-"""The most numbers of the distinct rows of a page's tables."""
 
-_FAR = len(Action)
-"""The number of a displacement that is not to a neighbouring cell; others are an `Action`."""
-
-
-def playable(level: GridWorld) -> dict[str, Any]:
-    """Return what the page's script plays: the tables, and the event and pose of each outcome.
-
-    `rows` and `table` are those of `rows_of`. `possible` has a bit for each action. Lengths are
-    those of the scene.
-
-    Args:
-        level: the level; a maze needs a seed.
-
-    Raises:
-        LevelError: the maze has no seed yet (`seed: random`).
-    """
-    mdp = level.compile()
-    rows, table = rows_of(level)
-    numbers = sum(map(len, rows))
-    if numbers > MAX_NUMBERS:
-        raise TooLargeError(
-            f"the tables of the level are too large for a page: their rows have {numbers:,} "
-            f"numbers, and the limit is {MAX_NUMBERS:,}"
-        )
-    return {
-        "width": mdp.width,
-        "height": mdp.height,
-        "margin": short(layout_of(level).margin),
-        "speed": short(level.display.robot.speed),
-        "starts": mdp.start.nonzero()[0].tolist(),
-        "exits": [y * mdp.width + x for x, y in level.exits],
-        "max_steps": level.max_steps,
-        "discount": short(level.discount),
-        "good_ends": sorted(y * mdp.width + x for x, y in effects_of(level).good_ends),
-        "rows": rows,
-        "table": table,
-        "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),
-    }
-
-
-def rows_of(level: GridWorld) -> tuple[list[list[float | int]], list[int]]:
-    """Return the distinct outcome distributions, and the row of each state and action.
-
-    A row has six numbers for each outcome: probability, next state minus state, reward, terminal,
-    and the indices of event and pose. The row of a terminal state is -1.
-
-    Args:
-        level: the level; a maze needs a seed.
-    """
-    mdp = level.compile()
-    (state,) = np.nonzero(~mdp.is_terminal)
-    is_used = mdp.probability[state] > 0
-    columns = [table[is_used] for table in _columns(level, mdp, state)]
-    code = np.zeros(len(columns[0]), np.int64)
-    for column in columns:
-        # One number for what the columns so far have in common.
-        distinct, place = np.unique(column, return_inverse=True)
-        code = np.unique(code * len(distinct) + place, return_inverse=True)[1]
-    first = np.unique(code, return_index=True)[1]
-    listed = [column[first].tolist() for column in columns]
-    outcomes = [[short(value) for value in values] for values in zip(*listed, strict=True)]
-    numbers = np.full(is_used.shape, -1, np.int32)
-    numbers[is_used] = code
-    rows: dict[bytes, int] = {}
-    table = np.full((mdp.num_states, mdp.num_actions), -1, np.int32)
-    table[state] = [
-        [rows.setdefault(row.tobytes(), len(rows)) for row in of_state] for of_state in numbers
-    ]
-    distinct_rows = (np.frombuffer(row, np.int32) for row in rows)
-    return [
-        [value for number in row[row >= 0].tolist() for value in outcomes[number]]
-        for row in distinct_rows
-    ], table.ravel().tolist()
-
-
-def _columns(level: GridWorld, mdp: Mdp, state: _Ints) -> Iterator[NDArray[Any]]:
-    """Yield the six numbers of outcomes, each `[states, actions, outcomes]`."""
-    next_state = mdp.next_state[state]
-    yield mdp.probability[state]
-    yield next_state - state[:, None, None]
-    yield mdp.reward[state]
-    yield mdp.terminal[state]
-    kind, shift = events_of(mdp)[state], _displacements(mdp, state, next_state)
-    action = np.arange(mdp.num_actions)[:, None]
-    event = np.where(shift == action, EVENTS.index("move"), EVENTS.index("carried"))
-    event[shift == Action.STAY] = EVENTS.index("stay")
-    for code, name in (
-        (Event.BUMPED, "bump"),
-        (Event.SKIDDED, "skid"),
-        (Event.BOUNCED, "bounce"),
-    ):
-        event[kind == code] = EVENTS.index(name)
-    yield event + len(EVENTS) * _hits(level, mdp)[state]
-    yield _POSE_NUMBERS[shift, action, (kind == Event.SKIDDED).astype(int)]
-
-
-def _displacements(mdp: Mdp, state: _Ints, next_state: NDArray[np.int32]) -> _Ints:
-    """Return the move from cell to cell, as an `Action`; `_FAR` for none of them."""
-    before_y, before_x = np.divmod(state[:, None, None] % mdp.cells, mdp.width)
-    y, x = np.divmod(next_state % mdp.cells, mdp.width)
-    shift = np.full(next_state.shape, _FAR)
-    shift[(x == before_x) & (y == before_y)] = Action.STAY
-    for action, (dx, dy) in DELTAS.items():
-        shift[(x - before_x == dx) & (y - before_y == dy)] = action
-    return shift
-
-
-def _hits(level: GridWorld, mdp: Mdp) -> NDArray[np.int8]:
-    """Return the number of the mover that hits the robot, counted from 1; 0 for none."""
-    numbers = np.zeros(mdp.next_state.shape, np.int8)
-    for mover, is_hit in enumerate(hits_by_mover(level, mdp), 1):
-        numbers[is_hit & (numbers == 0)] = mover
-    return numbers
-
-
-def _pose_numbers() -> _Ints:
-    """Return the indices of poses by displacement, action and whether the robot skidded."""
-    width = 5
-    centre = 2 * width + 2
-    ends = [centre + dx + width * dy for dx, dy in ((0, 0), *DELTAS.values(), (2, 0))]
-    return np.array(
-        [
-            [
-                [
-                    POSES.index(pose_of(centre, end, action, width, skidded=skidded))
-                    for skidded in (False, True)
-                ]
-                for action in Action
-            ]
-            for end in ends
-        ]
-    )
-
-
-_POSE_NUMBERS = _pose_numbers()
+# -- numbers ---------------------------------------------------------------------------------------
 
 
 def rounded(value: float) -> str:

@@ -9,15 +9,14 @@ that show the same.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.grid import door_name, door_sides
+from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.page_format import BAR, Group, Palette, length, pack
 from babyrobot_levels.render.scene.build import (
@@ -40,7 +39,7 @@ from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import busy_cells, form_of, number_shapes
 from babyrobot_levels.render.scene.things import Piece, mover_shapes, pieces, thing_label
-from babyrobot_levels.render.situation import look_of, situation_of
+from babyrobot_levels.render.situation import look_of, situation_at
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.geometry import Cell
@@ -166,6 +165,8 @@ class Marks:
 
 Thing = dict[str, Any]
 
+_Value = TypeVar("_Value", bound=Hashable)
+
 _ONE_CELL = Layout(1, 1, 0.0, 0.0, 0.0)
 
 
@@ -197,30 +198,37 @@ def things_data(
 class _Things:
     def __init__(self, level: GridWorld, layout: Layout, palette: Palette) -> None:
         self.level, self.layout, self.palette = level, layout, palette
-        self.things, self.configurations = level.things(), level.compile().configurations
+        self.things = level.things()
+        # Without NumPy, the level is shown as it begins.
+        self.configurations = (
+            level.compile().configurations.tolist()
+            if is_numeric()
+            else [list(next(self.things.draws()))]
+        )
         self.looks: list[list[Group]] = []
         self.pieces: dict[tuple[Any, ...], tuple[int, Piece]] = {}
         # Doors and exits depend on what is held and on, and not on movers.
-        static = self.configurations[:, : self.things.static]
-        _, first, place = np.unique(static, axis=0, return_index=True, return_inverse=True)
-        self.found = [self.level.configuration(number) for number in first.tolist()]
-        self.place = place.ravel()
+        static = [tuple(values[: self.things.static]) for values in self.configurations]
+        first = _first(static)
+        self.found = [self.things.at(self.configurations[number]) for number in first.values()]
+        numbers = {values: number for number, values in enumerate(first)}
+        self.place = [numbers[values] for values in static]
         self.exits = list(dict.fromkeys(map(_exit_of, self.found)))
-        self.add_looks(first)
+        self.add_looks([*first.values()])
 
-    def add_looks(self, first: Any) -> None:
+    def add_looks(self, first: Sequence[int]) -> None:
         """Add the pieces of some configurations that show everything that there is."""
-        shown = set()
-        for column in self.configurations.T:
-            shown.update(np.unique(column, return_index=True)[1].tolist())
+        shown: set[int] = set()
+        for column in zip(*self.configurations, strict=True):
+            shown.update(_first(column).values())
         seen: set[Any] = set()
-        for number, configuration in zip(first.tolist(), self.found, strict=True):
+        for number, configuration in zip(first, self.found, strict=True):
             kinds = {*enumerate(configuration.doors), _exit_of(configuration)}
             if not kinds <= seen:
                 seen |= kinds
                 shown.add(number)
         for number in sorted(shown):
-            situation = situation_of(self.level, number)
+            situation = situation_at(self.level, self.things.at(self.configurations[number]))
             for piece in pieces(self.level, self.layout, situation):
                 if piece.name not in self.pieces:
                     self.pieces[piece.name] = self.add(piece.shapes), piece
@@ -275,20 +283,19 @@ class _Things:
             yield {
                 "kind": thing.kind,
                 "name": thing.name,
-                "values": self.configurations[:, column].tolist(),
+                "values": self.column(column),
                 "looks": [self.find((thing.kind, number, is_on)) for is_on in (False, True)],
                 "cells": [[self.number_of(thing.entry.at)]] * 2,
                 "icon": self.icon((thing.kind, number, True)),
             }
 
     def items(self) -> Iterator[Thing]:
-        columns = self.configurations[:, self.things.items].T.tolist()
-        for number, (item, values) in enumerate(zip(self.level.items, columns, strict=True)):
+        for number, item in enumerate(self.level.items):
             looks = [self.find(("item", number, cell, False)) for cell in item.places]
             yield {
                 "kind": "item",
                 "name": item.name,
-                "values": values,
+                "values": self.column(self.things.items.start + number),
                 "looks": [*looks, []],
                 "cells": [*([self.number_of(cell)] for cell in item.places), []],
                 "icon": self.icon(("held", number, True)),
@@ -319,7 +326,7 @@ class _Things:
             yield {
                 "kind": "mover",
                 "name": self.things.names[static + number],
-                "values": self.configurations[:, static + number].tolist(),
+                "values": self.column(static + number),
                 "looks": [[figures[way]] for way in ways],
                 "cells": [[self.number_of(cell)] for cell in mover.phases],
                 "label": self.add(label) if label else -1,
@@ -327,11 +334,22 @@ class _Things:
 
     def listed(self, values: list[int]) -> list[int]:
         """Return the value in each configuration of something that movers do not change."""
-        listed: list[int] = np.array(values)[self.place].tolist()
-        return listed
+        return [values[place] for place in self.place]
+
+    def column(self, number: int) -> list[int]:
+        """Return the value of a thing in each configuration."""
+        return [values[number] for values in self.configurations]
 
     def number_of(self, cell: Cell) -> int:
         return cell[1] * self.layout.columns + cell[0]
+
+
+def _first(values: Iterable[_Value]) -> dict[_Value, int]:
+    """Return the different ones of some values, each with the place of the first of its kind."""
+    first: dict[_Value, int] = {}
+    for place, value in enumerate(values):
+        first.setdefault(value, place)
+    return first
 
 
 def _exit_of(configuration: Configuration) -> tuple[tuple[Cell, ...], bool]:

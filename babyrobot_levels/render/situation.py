@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.mdp.ground import build_ground
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.things import Mover
+    from babyrobot_levels.mdp.configurations import Configuration
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 STRENGTHS = 3
@@ -77,18 +79,14 @@ def effects_of(level: GridWorld) -> Effects:
     """
     if not (level.areas or level.warps or level.wind is not None or level.skid is not None):
         return Effects()
-    # It imports NumPy, which a picture of a plain level does without.
-    from babyrobot_levels.mdp.compiler.terrain import build_terrain
-
-    terrain, blocked = build_terrain(level, level.grid()), level.grid().blocked_cells
+    ground, blocked = build_ground(level), level.grid().blocked_cells
     width, height = level.size
     free = [(x, y) for y in range(height) for x in range(width) if not blocked[y * width + x]]
 
-    def told(values: Iterable[float]) -> dict[Cell, float]:
-        numbers = list(values)
-        return {(x, y): numbers[y * width + x] for x, y in free}
+    def told(values: Sequence[float]) -> dict[Cell, float]:
+        return {(x, y): values[y * width + x] for x, y in free}
 
-    is_end, reward = told(terrain.ends.tolist()), told(terrain.reward.tolist())
+    is_end, reward = told(ground.ends), told(ground.reward)
     # Nobody stays there.
     passed = {warp.at for warp in level.warps if warp.when == "enter"}
     exits = {*level.exits}
@@ -100,7 +98,7 @@ def effects_of(level: GridWorld) -> Effects:
     paid = {cell: reward[cell] for cell in plain}
     paid |= {warp.at: warp.reward for warp in level.warps if warp.reward is not None}
     pays, costs = _strengths(paid, step)
-    skid = told(terrain.skid.tolist())
+    skid = told(ground.skid)
     south, east = shifts(level.wind, width, height)
     pushes = {(x, y): (east[y], south[x]) for x, y in free if (x, y) in left}
     return Effects(
@@ -262,7 +260,11 @@ def situation_of(level: GridWorld, configuration: int | None) -> Situation:
     count = level.compile().num_configurations
     if not 0 <= configuration < count:
         raise ValueError(f"configuration {configuration} is not one of the level's {count}")
-    found = level.configuration(configuration)
+    return situation_at(level, level.configuration(configuration))
+
+
+def situation_at(level: GridWorld, found: Configuration) -> Situation:
+    """Return what is where in a configuration of a level with things."""
     return Situation(
         exits=found.exits,
         is_locked=not found.exit_is_open,

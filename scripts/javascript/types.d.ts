@@ -61,8 +61,9 @@ interface LevelData {
   max_steps: number | null;
   discount?: number;
   good_ends?: number[];
-  rows: number[][];
-  table: number[];
+  /** Without NumPy there are no tables, and nothing is played. */
+  rows?: number[][];
+  table?: number[];
   possible: number[];
   robot: string[];
   picture: PictureData;
@@ -135,6 +136,7 @@ interface EditorState {
   is_saved: boolean;
   can_undo: boolean;
   can_redo: boolean;
+  lacks: string;
   maze_regrown: boolean;
   findings: Finding[];
   findings_pending: boolean;

@@ -24,7 +24,7 @@ from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import MAX_LINK, Guide, facts, link_fragment, page_data, to_html
-from babyrobot_levels.render.page_format import CHEER, EVENTS, POSES, TooLargeError, playable
+from babyrobot_levels.render.page_format import CHEER, EVENTS, POSES, TooLargeError
 from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.situation import Mood, Pose, pose_of
@@ -176,7 +176,7 @@ def events(world: Any, state: int, action: Action) -> dict[int, str]:
     """Return what can come of an action: what happened, by the state that it led to."""
     return {
         state + shift: EVENTS[event]
-        for _, shift, _, _, event, _ in outcomes(playable(world), state, action)
+        for _, shift, _, _, event, _ in outcomes(page_data(world), state, action)
     }
 
 
@@ -206,7 +206,7 @@ def test_who_is_sent_to_a_start_by_chance_is_carried_there() -> None:
 
 def test_every_outcome_has_the_pose_of_the_pictures() -> None:
     world = level(size=[3, 3], start=[1, 1], exit=[2, 2], puddles=[{"at": [1, 1]}])
-    data = playable(world)
+    data = page_data(world)
     seen = set()
     for action in Action:
         for _, shift, _, _, event, number in outcomes(data, 4, action):

@@ -17,7 +17,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.tables import hits_of
 from babyrobot_levels.render import page as pages
-from babyrobot_levels.render import page_format
+from babyrobot_levels.render import page_tables
 from babyrobot_levels.render.page import Guide, link_fragment, page_data, to_html
 from babyrobot_levels.render.page_format import EVENTS, TooLargeError
 from babyrobot_levels.render.scene.heat import STEPS
@@ -261,7 +261,7 @@ def test_a_level_of_too_many_states_is_refused(monkeypatch: pytest.MonkeyPatch) 
 
 def test_tables_that_are_too_large_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     numbers = sum(map(len, told()["rows"]))
-    monkeypatch.setattr(page_format, "MAX_NUMBERS", numbers - 1)
+    monkeypatch.setattr(page_tables, "MAX_NUMBERS", numbers - 1)
     with pytest.raises(TooLargeError, match=f"their rows have {numbers:,} numbers"):
         page_data(VAULT)
 

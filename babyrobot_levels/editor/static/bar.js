@@ -15,9 +15,7 @@ export class Bar {
     this.name = html("strong", { class: "name", id: "level-name" });
     this.file = html("span", { class: "file-state" });
     title.append(this.name, this.file);
-    this.modes = MODES.map(([mode, text]) =>
-      toolButton({ text, "data-mode": mode }, () => editor.set("mode", { mode })),
-    );
+    this.modes = MODES.map(([mode, text]) => toolButton({ text, "data-mode": mode }, () => editor.enter(mode)));
     modes.append(...this.modes);
     this.undo = toolButton({ title: "Undo (Ctrl+Z)", icon: "M9 5L4 10l5 5M4 10h10a5.5 5.5 0 0 1 0 11h-3" }, () =>
       editor.send({ do: "undo" }),

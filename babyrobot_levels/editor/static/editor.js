@@ -1,5 +1,6 @@
 // The editor: what is shown, and the messages that change it. Everything else listens to it.
 
+import { capital } from "../../render/static/game.js";
 import { changed } from "./differences.js";
 import { isSameCell } from "./spots.js";
 import { DEFAULT_OPTIONS, sameRoute } from "./tools.js";
@@ -74,6 +75,13 @@ export class Editor {
   toggle(name) {
     const others = Object.fromEntries(Object.keys(this.modifiers).map((each) => [each, false]));
     this.set("tool", { modifiers: { ...others, [name]: !this.modifiers[name] } });
+  }
+
+  /** Choose a mode. Without the tables of levels, one can only edit. */
+  enter(mode) {
+    const lacks = this.state?.lacks ?? "";
+    if (mode === "edit" || lacks === "") this.set("mode", { mode });
+    else this.say(`${capital(lacks)}.`, "refused");
   }
 
   /** Select an entry of `state.places`; null selects the level itself. */

@@ -10,12 +10,14 @@ export class Findings {
     this.problem = problem;
     this.heading = html("h2", {});
     this.list = html("ul", { class: "finding-list" });
-    place.append(this.heading, this.list);
+    this.lacking = html("p", { class: "lacking" }, "Rules of play are not checked: they need the exact tables.");
+    place.append(this.heading, this.list, this.lacking);
     editor.on("state", () => this.show());
   }
 
   show() {
-    const { findings, findings_pending: hasMore } = this.editor.state;
+    const { findings, findings_pending: hasMore, lacks } = this.editor.state;
+    this.lacking.hidden = lacks === "";
     const key = JSON.stringify([findings, hasMore]);
     if (key === this.key) return; // The focus stays where it is.
     this.key = key;

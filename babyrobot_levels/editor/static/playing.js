@@ -68,7 +68,7 @@ export class Playing {
 
   /** Play, or edit again. */
   toggle() {
-    this.editor.set("mode", { mode: this.isOn ? "edit" : "play" });
+    this.editor.enter(this.isOn ? "edit" : "play");
   }
 
   changeMode() {

@@ -347,7 +347,7 @@ def unused_puddle_type(context: LintContext) -> Iterator[Finding]:
             )
 
 
-@rule("BR527", needs=Needs.LEVEL)
+@rule("BR527", needs=Needs.ARRAYS)
 def blocked_without_effect(context: LintContext) -> Iterator[Finding]:
     """Entry of `blocked` whose cells are all blocked by other entries.
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs, cells_text, count_drawn
 from babyrobot_levels.linter.fixes import removal
 from babyrobot_levels.linter.rule import rule
-from babyrobot_levels.mdp.tables import Flags
 from babyrobot_levels.text.words import listed
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.tables import Flags
 
 
 @rule("BR528")

@@ -11,15 +11,9 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.cells import PRECEDENCE, Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
-from babyrobot_levels.mdp.compiler.terrain import (
-    OPEN_RULE,
-    OTHERS_RULE,
-    SIDES_RULE,
-    Moves,
-    Terrain,
-    Warps,
-)
+from babyrobot_levels.mdp.compiler.terrain import Moves, Terrain, Warps
 from babyrobot_levels.mdp.graph import differs
+from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
 RANKS = {name: np.int8(rank) for rank, name in enumerate(PRECEDENCE)}

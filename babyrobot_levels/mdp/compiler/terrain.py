@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,14 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.language.cells import SkidLike, SkidRule, Warp, as_skid, shifts
+from babyrobot_levels.language.cells import Warp, shifts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.ground import build_ground
 from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Flags
-
-RULES = tuple(SkidRule)
-OPEN_RULE, SIDES_RULE, OTHERS_RULE = range(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,57 +44,29 @@ class Terrain:
 def build_terrain(
     level: LevelFields, grid: Grid, exits: tuple[tuple[int, int], ...] | None = None
 ) -> Terrain:
-    """Paint the level's properties: those of the whole level, then areas in order, then puddles.
+    """Return what the ground, the exits and blocked cells do.
 
     Args:
         level: the level.
         grid: its grid.
         exits: the exits, if they are not those of the level.
     """
-    shape = (grid.height, grid.width)
-    skid, rule = np.zeros(shape), np.zeros(shape, np.int8)
-    reward = np.full(shape, level.rewards.step)
-    ends = np.zeros(shape, bool)
-    if level.skid is not None:
-        skid[:], rule[:] = _skid(level.skid)
-    for area in level.areas:
-        (x, y), (columns, rows) = area.at, area.size
-        where = (slice(y, y + rows), slice(x, x + columns))
-        if area.reward is not None:
-            reward[where] = area.reward
-        if area.skid is not None:
-            skid[where], rule[where] = _skid(area.skid)
-        if area.ends is not None:
-            ends[where] = area.ends
-    for size in ("small", "large"):
-        kind = getattr(level.puddle_types, size)
-        rows_, columns_ = _index(puddle.at for puddle in level.puddles if puddle.size == size)
-        reward[rows_, columns_] = kind.reward
-        skid[rows_, columns_], rule[rows_, columns_] = _skid(kind.skid)
+    ground = build_ground(level)
+    ends = np.frombuffer(ground.ends, bool) | grid.blocked.ravel()
     shaped = level.rewards.closer is not None or level.rewards.farther is not None
     exit_cells = level.exits if exits is None else exits
-    is_exit = np.zeros(shape, bool)
-    is_exit[_index(exit_cells)] = True
+    is_exit = np.zeros((grid.height, grid.width), bool)
+    for x, y in exit_cells:
+        is_exit[y, x] = True
     return Terrain(
-        skid.ravel(),
-        rule.ravel(),
-        reward.ravel(),
+        np.frombuffer(ground.skid),
+        np.frombuffer(ground.rule, np.int8),
+        np.frombuffer(ground.reward),
         is_exit.ravel(),
-        (ends | grid.blocked).ravel(),
-        (ends | is_exit | grid.blocked).ravel(),
+        ends,
+        ends | is_exit.ravel(),
         _squared_distance(is_exit).ravel() if exit_cells and shaped else None,
     )
-
-
-def _skid(value: SkidLike) -> tuple[float, int]:
-    skid = as_skid(value)
-    return skid.probability, RULES.index(SkidRule(skid.to))
-
-
-def _index(cells: Iterable[tuple[int, int]]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return cells `(x, y)` as an index into arrays `[height, width]`."""
-    pairs = np.array(list(cells), np.intp).reshape(-1, 2)
-    return pairs[:, 1], pairs[:, 0]
 
 
 def _squared_distance(exits: NDArray[np.bool_]) -> NDArray[np.int64]:

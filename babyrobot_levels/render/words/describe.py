@@ -12,6 +12,7 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Item
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
+from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.rules import grounds_of, item_count, spoken
 from babyrobot_levels.text.words import listed
@@ -241,6 +242,14 @@ def _needed(level: GridWorld) -> frozenset[str]:
     """Return what is held or on in each configuration in which an episode ends at an exit."""
     if not any(kind.of(level) for kind in NEEDED):
         return frozenset()
+    things = level.things()
+    begins = [things.met(each) for each in things.draws()]
+    return _met_at_exits(level) - frozenset.intersection(*begins)
+
+
+def _met_at_exits(level: GridWorld) -> frozenset[str]:
+    if not is_numeric():
+        return frozenset(level.exit_keys)
     import numpy as np
 
     mdp, things = level.compile(), level.things()
@@ -252,6 +261,4 @@ def _needed(level: GridWorld) -> frozenset[str]:
     numbers = np.unique(reached // mdp.cells)
     values = mdp.configurations[numbers].tolist()
     met = [things.met(each) for each in values if things.exit_is_open(each)]
-    begins = [things.met(each) for each in things.draws()]
-    always = frozenset.intersection(*met) if met else frozenset()
-    return always - frozenset.intersection(*begins)
+    return frozenset.intersection(*met) if met else frozenset()

@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import compress, islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.cells import Skid, Told, Warp, as_skid, shifts
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.grid import door_name
+from babyrobot_levels.mdp.ground import rows_of
 from babyrobot_levels.render.situation import End, effects_of
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.text.words import listed
@@ -59,30 +60,28 @@ def grounds_of(level: GridWorld) -> Iterator[Ground]:
     """
     if not (level.areas or level.warps):
         return
-    # Levels without areas need no NumPy for their words.
-    import numpy as np
-
     width, height = level.size
-    table = np.full((len(_PROPERTIES) + 1, height, width), -1)
+    # For each property, and for warps, the number of the last entry that gives it in a cell.
+    layers = [[-1] * (width * height) for _ in range(len(_PROPERTIES) + 1)]
     for number, area in enumerate(level.areas):
-        (x, y), (columns, rows) = area.at, area.size
         given = [getattr(area, name) is not None for name in _PROPERTIES]
-        table[:-1, y : y + rows, x : x + columns][given] = number
+        for cells in rows_of(area.at, area.size, width):
+            for layer in compress(layers, given):
+                layer[cells] = [number] * area.size[0]
     for number, warp in enumerate(level.warps):
-        table[-1, warp.at[1], warp.at[0]] = number
-    flat = table.reshape(len(table), -1)
-    left_out = np.frombuffer(level.grid().blocked_cells, np.uint8).astype(bool)
-    left_out[[y * width + x for x, y in level.exits]] = True
-    places = np.flatnonzero((flat >= 0).any(axis=0) & ~left_out)
-    kinds, kind = np.unique(flat[:, places], axis=1, return_inverse=True)
-    by_kind = np.argsort(kind.ravel(), kind="stable")
-    ends = np.cumsum(np.bincount(kind.ravel()))[:-1]
-    cells = [tuple(places[part].tolist()) for part in np.split(by_kind, ends)]
+        layers[-1][warp.at[1] * width + warp.at[0]] = number
+    left_out = bytearray(level.grid().blocked_cells)
+    for x, y in level.exits:
+        left_out[y * width + x] = 1
+    places: dict[tuple[int, ...], list[int]] = {}
+    for cell, kind in enumerate(zip(*layers, strict=True)):
+        if not left_out[cell] and any(number >= 0 for number in kind):
+            places.setdefault(kind, []).append(cell)
     told = effects_of(level).ends
     wet = {y * width + x for x, y in (puddle.at for puddle in level.puddles)}
-    for index in sorted(range(kinds.shape[1]), key=lambda index: cells[index][0]):
-        *areas, warp = kinds[:, index].tolist()
-        ground = _ground(level, cells[index], areas, warp, told)
+    for kind, found in places.items():
+        *areas, last = kind
+        ground = _ground(level, tuple(found), areas, last, told)
         if ground.end or ground.cells[0] not in wet:
             yield ground
 
