@@ -106,6 +106,8 @@ from .scoring.plays import read_plays as read_plays
 from .scoring.results import LevelScore as LevelScore
 from .scoring.results import Scores as Scores
 from .scoring.score import score as score
+from .scoring.text_world import GradedMove as GradedMove
+from .scoring.text_world import TextWorld as TextWorld
 from .scoring.verify import Replays as Replays
 from .scoring.verify import Verification as Verification
 from .scoring.verify import replay as replay

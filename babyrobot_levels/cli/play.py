@@ -18,6 +18,7 @@ from babyrobot_levels.cli.keyboard import NextKey, keyboard
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.render.terminal import colors_of
+from babyrobot_levels.render.words.happenings import bump, changes, hitter
 from babyrobot_levels.render.words.phrases import counted, with_limit
 from babyrobot_levels.text.source import printable
 
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     import os
 
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.configurations import Configuration
 
 
 class PlayActions(StrEnum):
@@ -237,9 +237,10 @@ class _Game:
         self._return += self._reward * self._level.discount**self._steps
         self._taken.append(action)
         self._is_hinted = False
-        told = list(self._changes(then))
+        level = self._level
+        told = list(changes(level, then, self._now))
         if info.get("hit"):
-            told.insert(0, f"The {self._hitter(before, action)} hits the robot!")
+            told.insert(0, f"The {hitter(level, self._mdp, before, action, state)} hits the robot!")
         style = _WARNING if info.get("hit") else {}
         if over and not info.get("hit") and self._is_at_exit():
             self._end, style = "reached the exit", _GOOD
@@ -255,7 +256,7 @@ class _Game:
             told.insert(0, "Whoops, the robot skids!")
         elif not possible:
             style = _WARNING
-            told.insert(0, self._bump(before, action, then))
+            told.insert(0, bump(level, self._mdp, before, self._move(before, action), then))
         elif not info["target_reached"]:
             style = _WARNING
             told.insert(0, "The glass throws the robot back.")
@@ -336,52 +337,9 @@ class _Game:
         best = self._best if self._end else ""
         return [*([f"best average {best}"] if best else []), *([f"help: {help_}"] if help_ else [])]
 
-    def _changes(self, then: Configuration) -> Iterator[str]:
-        """Yield what has changed since a configuration."""
-        from babyrobot_levels.mdp.grid import door_name
-
-        level, now = self._level, self._now
-        yield from (f"Took the {name}." for name in now.held if name not in then.held)
-        things = level.things()
-        for column, before, after in zip(things.fixed, then.on, now.on, strict=True):
-            if before != after:
-                yield f"The {things.names[column]} is {'on' if after else 'off'}."
-        for door, before, after in zip(level.doors, then.doors, now.doors, strict=True):
-            if before != after:
-                yield f"The {door_name(door)} {'closes' if after else 'opens'}."
-        if then.exit_is_open != now.exit_is_open:
-            yield f"The exit is {'open' if now.exit_is_open else 'closed'}."
-
-    def _hitter(self, before: int, action: int) -> str:
-        """Return the name of the mover that hit the robot in the last step."""
-        from babyrobot_levels.mdp.tables import hits_by_mover
-
-        is_outcome = (self._mdp.probability[before, action] > 0) & (
-            self._mdp.next_state[before, action] == self._state
-        )
-        names = self._level.things().names[self._level.things().static :]
-        hits = hits_by_mover(self._level, self._mdp, slice(before, before + 1))
-        return next(
-            name
-            for name, by_mover in zip(names, hits, strict=True)
-            if by_mover[0, action][is_outcome].any()
-        )
-
-    def _bump(self, before: int, action: int, then: Configuration) -> str:
-        """Return what refused the last move."""
-        from babyrobot_levels.language.base import SIDES
-        from babyrobot_levels.mdp.grid import door_sides
-
-        move = self._mdp.heading(before) + Action.NORTH if self._turns else action
-        cell, side = before % self._mdp.cells, SIDES[move - Action.NORTH]
-        doors = door_sides(self._level, self._level.grid())
-        is_door = any((cell, side) == (at, of) and then.doors[number] for at, of, number in doors)
-        where = Action(move).name.lower()
-        return (
-            f"Bump! The door in the {where} is closed."
-            if is_door
-            else (f"Bump! A wall in the {where}.")
-        )
+    def _move(self, state: int, action: int) -> int:
+        """Return the move that an action is: forward is the one in the robot's direction."""
+        return self._mdp.heading(state) + Action.NORTH if self._turns else action
 
     def _is_at_exit(self) -> bool:
         return self._now.exit_is_open and self._mdp.cell(self._state) in self._now.exits

@@ -134,6 +134,30 @@ def return_of(rewards: list[float], discount: float) -> float:
     return total
 
 
+def play_of(level: Level, code: str, *, rewards: list[float], **fields: Any) -> Play:
+    """Return an episode of an environment as a play.
+
+    Args:
+        level: the level.
+        code: its share code.
+        rewards: the reward of each step.
+        fields: the other fields that do not follow from these.
+    """
+    return Play.model_validate(
+        {
+            "name": level.name,
+            "digest": level.digest,
+            "code": code,
+            "discount": level.discount,
+            "seed_kind": "environment",
+            "rewards": rewards,
+            "return": return_of(rewards, level.discount),
+            "made_by": program(),
+            **fields,
+        }
+    )
+
+
 class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Appends each episode of an environment to a file, as a line, when it ends.
 
@@ -250,25 +274,18 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         level = self._level
         if self._coded is None or self._coded[0] is not level:
             self._coded = level, level.share_code()
-        play = Play.model_validate(
-            {
-                "name": level.name,
-                "digest": level.digest,
-                "code": self._coded[1],
-                "action_set": self._base.action_set,
-                "discount": level.discount,
-                "max_steps": self._limit,
-                "seed": self._seed,
-                "seed_kind": "environment",
-                "start": self._start,
-                "states": self._states,
-                "actions": self._actions,
-                "rewards": self._rewards,
-                "return": return_of(self._rewards, level.discount),
-                "end": end,
-                "hints": self.hints,
-                "undone": self._undone,
-                "made_by": program(),
-            }
+        play = play_of(
+            level,
+            self._coded[1],
+            action_set=self._base.action_set,
+            max_steps=self._limit,
+            seed=self._seed,
+            start=self._start,
+            states=self._states,
+            actions=self._actions,
+            rewards=self._rewards,
+            end=end,
+            hints=self.hints,
+            undone=self._undone,
         )
         append_play(self._path, play)

@@ -51,7 +51,7 @@ def describe(level: GridWorld, state: int | None = None, *, robot: bool = True) 
         cell = place % columns, place // columns
     subject = "The robot is" if robot else "A start is" if len(level.starts) > 1 else "The start is"
     for sentence in (
-        f"{subject} at {show_cell(cell)}, {_around(level, cell, now)}.",
+        f"{subject} at {show_cell(cell)}, {around(level, cell, now)}.",
         *_sentences(level, cell, now),
     ):
         if len(text) + 1 + len(sentence) > MOST_CHARACTERS:
@@ -63,14 +63,14 @@ def describe(level: GridWorld, state: int | None = None, *, robot: bool = True) 
 def _sentences(level: GridWorld, cell: Cell, now: Configuration | None) -> Iterator[str]:
     if now is not None and now.held:
         yield f"It holds the {spoken(now.held)}."
-    yield _exits(level, cell, now)
+    yield way_to_exit(level, cell, now)
     if ends := _ends(level):
         yield f"The episode {'also ' if level.exits else ''}ends in {ends}."
     if found := [*_things(level, now), *_features(level)]:
         yield f"On the grid: {listed(found)}."
 
 
-def _around(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
+def around(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
     """Return what closes the sides of a cell: walls, glass and closed doors."""
     grid = level.grid()
     place = cell[1] * grid.width + cell[0]
@@ -102,7 +102,8 @@ def _closed(level: GridWorld, now: Configuration | None) -> Sequence[bool]:
     return level.things().closed(met)
 
 
-def _exits(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
+def way_to_exit(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
+    """Return where the nearest exit is from a cell, as a sentence."""
     exits = level.exits if now is None else now.exits
     if not exits:
         return "There is no exit."

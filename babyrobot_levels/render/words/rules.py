@@ -147,23 +147,27 @@ class Rule(NamedTuple):
 Rules = Iterator[Rule]
 
 
-def rules_of(level: GridWorld) -> tuple[Rule, ...]:
-    """Return the rules of a level, the most important first, at most `MOST`.
+def rules_of(level: GridWorld, *, drawn: bool = True) -> tuple[Rule, ...]:
+    """Return the rules of a level, the most important first.
 
-    Where there are more, the last one says how many.
+    Args:
+        level: the level; a maze needs a seed.
+        drawn: whether they stand beside a picture, which shows the doors and warps that are meant,
+            and has room for `MOST`: where there are more, the last one says how many. If not, the
+            rules say where doors stand and warps lead, and all are told.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
     """
-    rules = tuple(_told(level))
-    if len(rules) <= MOST:
+    rules = tuple(_told(level, drawn))
+    if len(rules) <= MOST or not drawn:
         return rules
     rest = rules[MOST - 1 :]
     cells = tuple(sorted({cell for rule in rest for cell in rule.cells}))
     return (*rules[: MOST - 1], Rule("", f"and {len(rest):,} further rules", cells))
 
 
-def _told(level: GridWorld) -> Rules:
+def _told(level: GridWorld, drawn: bool) -> Rules:
     grounds = [*grounds_of(level)]
     ends = sorted(
         (ground for ground in grounds if ground.end is not None), key=lambda ground: -ground.reward
@@ -172,15 +176,15 @@ def _told(level: GridWorld) -> Rules:
         (ground for ground in grounds if ground.end is None), key=lambda ground: -abs(ground.reward)
     )
     yield from _exits(level)
-    yield from _grounds(level, ends)
+    yield from _grounds(level, ends, drawn)
     yield Rule("ground", f"each step: {phrases.reward(level.rewards.step)}")
-    yield from (Rule(sample, text) for sample, text in thing_rules(level))
+    yield from (Rule(sample, text) for sample, text in thing_rules(level, drawn))
     if level.skid is not None:
         yield Rule("ground", f"each move: {phrases.skidding(as_skid(level.skid))}")
     yield from _puddles(level)
-    yield from _grounds(level, others)
+    yield from _grounds(level, others, drawn)
     yield from _wind(level)
-    yield from _glass(level)
+    yield from _glass(level, drawn)
     yield from _step_rewards(level)
     if level.max_steps is not None:
         yield Rule("", f"the episode ends after {phrases.counted(level.max_steps, 'step')}")
@@ -219,16 +223,16 @@ def _puddles(level: GridWorld) -> Rules:
             yield Rule(f"puddle-{size}", text, _numbers(level, cells))
 
 
-def _grounds(level: GridWorld, grounds: list[Ground]) -> Rules:
+def _grounds(level: GridWorld, grounds: list[Ground], drawn: bool) -> Rules:
     """Yield what kinds of ground do; those of the same name that do the same once."""
-    arrows = sum(ground.name == "warp" for ground in grounds) > 1
+    arrows = drawn and sum(ground.name == "warp" for ground in grounds) > 1
     told: dict[str, list[int]] = defaultdict(list)
     for ground in grounds:
         effects = list(_effects(level, ground, arrows=arrows))
         if effects:
             told[f"{ground.name}: {', '.join(effects)}"] += ground.cells
     kinds = iter(told.items())
-    for text, cells in islice(kinds, _MOST_GROUNDS):
+    for text, cells in islice(kinds, _MOST_GROUNDS if drawn else None):
         y, x = divmod(cells[0], level.size[0])
         yield Rule(f"cell:{x},{y}", text, tuple(sorted(cells)))
     if more := list(kinds):
@@ -289,17 +293,35 @@ def _pushes(places: dict[int, list[int]], side: str, lines: str) -> str:
     return ", ".join(parts)
 
 
-def _glass(level: GridWorld) -> Rules:
+def _glass(level: GridWorld, drawn: bool) -> Rules:
     passes = {*level.grid().glass.values()}
     if not passes:
         return
     least, most = min(passes), max(passes)
+    if least != most and not drawn:
+        yield from _each_glass(level)
+        return
     often = phrases.chance(least)
     if least != most:
         often = f"{100 * least:.3g} to {100 * most:.3g} % of the time"
     bounce = level.rewards.bounce
     more = f", a bounce {phrases.reward(bounce)} more" if bounce else ""
     yield Rule("glass", f"glass wall: lets through {often}{more}")
+
+
+def _each_glass(level: GridWorld) -> Rules:
+    """Yield one rule for each strength of glass, with its walls; each is known to both cells."""
+    walls: dict[float, list[str]] = defaultdict(list)
+    for (cell, side), passing in sorted(level.grid().glass.items()):
+        if side in "ES":
+            y, x = divmod(cell, level.size[0])
+            way = "east" if side == "E" else "south"
+            walls[passing].append(f"{way} of {phrases.cells([(x, y)])}")
+    bounce = level.rewards.bounce
+    more = f", a bounce {phrases.reward(bounce)} more" if bounce else ""
+    for passing, places in walls.items():
+        often = f"lets through {phrases.chance(passing)}{more}"
+        yield Rule("glass", f"glass wall {listed(places)}: {often}")
 
 
 def _step_rewards(level: GridWorld) -> Rules:
@@ -325,14 +347,14 @@ def item_count(count: int, shape: str) -> str:
     return phrases.counted(count, shape, "boxes" if shape == "box" else None)
 
 
-def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
+def thing_rules(level: GridWorld, drawn: bool) -> Iterator[tuple[str, str]]:
     """Yield what the things of a level do, movers last: each as a sample's name and a text."""
-    acts = _acts(level)
+    acts = _acts(level, drawn)
     pays = {item.name: item.reward for item in level.items if item.reward is not None}
     told = {(name,) for name in pays} | {*acts}
     for (shape, _), items in _by_look(level.items).items():
         lone = [item.name for item in items if item.name in pays and (item.name,) not in acts]
-        if len(lone) > 1:
+        if len(lone) > 1 and (drawn or len({pays[name] for name in lone}) == 1):
             each = phrases.rewards(pays[name] for name in lone)
             yield f"item:{lone[0]}", f"{item_count(len(lone), shape)}: each {each}"
             told -= {(name,) for name in lone}
@@ -350,7 +372,7 @@ def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
     yield from _movers(level)
 
 
-def _acts(level: GridWorld) -> dict[Names, list[tuple[str, str]]]:
+def _acts(level: GridWorld, drawn: bool) -> dict[Names, list[tuple[str, str]]]:
     """Return what things that belong together open and close, each as a verb and its object."""
     doors: dict[tuple[str, Names], list[Door]] = defaultdict(list)
     for door in level.doors:
@@ -360,14 +382,16 @@ def _acts(level: GridWorld) -> dict[Names, list[tuple[str, str]]]:
             doors["closes", (name,)].append(door)
     acts: dict[Names, list[tuple[str, str]]] = defaultdict(list)
     for (verb, names), found in doors.items():
-        acts[names].append((verb, _doors(level, found)))
+        acts[names].append((verb, _doors(level, found, drawn)))
     if level.exit_keys:
         acts[level.exit_keys].append(("opens", "the exit" if len(level.exits) == 1 else "exits"))
     return acts
 
 
-def _doors(level: GridWorld, doors: Sequence[Door]) -> str:
+def _doors(level: GridWorld, doors: Sequence[Door], drawn: bool) -> str:
     """Return how doors are called: by their colour, if no other door has it."""
+    if not drawn:
+        return listed([f"the {door_name(door)}" for door in doors])
     if len(level.doors) == len(doors) == 1:
         return "the door"
     if len(doors) > 1:

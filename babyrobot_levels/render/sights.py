@@ -1,0 +1,363 @@
+"""What a player sees who gets a level as text: its rules, and the state of an episode.
+
+There are three sights: the whole drawing (`map`), what can be seen around the robot (`view`), or
+only sentences about the cells beside it (`words`).
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import SIDE_NAMES
+from babyrobot_levels.language.cells import as_skid
+from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.mdp.grid import BIT, door_sides
+from babyrobot_levels.render.situation import look_of
+from babyrobot_levels.render.text import PLAIN_ROBOT, TextPainter
+from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER, drawing_without_things
+from babyrobot_levels.render.words import phrases
+from babyrobot_levels.render.words.describe import around, goal_of, way_to_exit
+from babyrobot_levels.render.words.rules import Rule, rules_of, spoken
+from babyrobot_levels.text.words import listed
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.configurations import Configuration
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+SIGHTS = ("map", "view", "words")
+
+RADIUS = 3
+"""How many cells far a view goes, and movers are told of in words."""
+
+MAX_MAP = 64 * 64
+"""The most cells of a level whose whole drawing is shown."""
+
+_FEW = 8
+"""So many cells of a kind are told one by one; more are told row by row."""
+
+Seen = Callable[[int], frozenset[Cell]]
+"""Returns the cells that the robot sees in a state."""
+
+_SKIDS = {
+    "open": "goes in another direction that is open, each equally often",
+    "sides": "goes to the left or to the right of its direction, each equally often",
+    "others": "goes in one of the three other directions, each equally often",
+}
+
+
+class Narrator:
+    """Tells the rules of a level, and the states of its episodes.
+
+    Args:
+        level: the level; a maze needs a seed.
+        sight: one of `SIGHTS`.
+        seen: for `view`, which cells the robot sees.
+
+    Raises:
+        ValueError: the level is too large for its drawing to be shown.
+    """
+
+    def __init__(self, level: GridWorld, sight: str, seen: Seen) -> None:
+        columns, rows = level.size
+        if sight == "map" and columns * rows > MAX_MAP:
+            raise ValueError(
+                f"a level of {columns} x {rows} cells is too large for sight='map', which has "
+                f"{MAX_MAP:,} cells at most; use sight='view'"
+            )
+        self._level, self._sight, self._seen = level, sight, seen
+        self._painter = TextPainter(level, plain=True)
+        self._rules = rules_of(level, drawn=False)
+        self._grounds = dict(self._named_cells())
+
+    # -- rules -----------------------------------------------------------------------------
+
+    def rules(self) -> str:
+        """Return what there is to know of the level before an episode."""
+        level = self._level
+        columns, rows = level.size
+        lines = [
+            f"A robot on a grid of {phrases.counted(columns, 'column')} and "
+            f"{phrases.counted(rows, 'row')}. Cells are [x, y]: x is the column, counted from 0 in "
+            "the west, and y the row, counted from 0 in the north.",
+            f"Goal: {goal_of(level)} What counts is the sum of all rewards{self._discounted()}.",
+            "In each step the robot moves north, east, south or west, or waits.",
+            "Rules:",
+            *(f"- {each}" for each in self._told_rules()),
+        ]
+        if self._sight != "words":
+            lines += ["Signs:", *(f"- {sign}  {what}" for sign, what in self._signs().items())]
+        return "\n".join(lines)
+
+    def _discounted(self) -> str:
+        rate = self._level.discount
+        return "" if rate == 1 else f", each {rate:g} times what it would be one step earlier"
+
+    def _told_rules(self) -> Iterator[str]:
+        level = self._level
+        for rule in self._rules:
+            is_ground = rule.sample.startswith("cell:")
+            if self._sight == "map" and is_ground:
+                yield f"{rule.text} ({self._places(rule)})"
+            elif rule.sample != "start" and not rule.text.startswith("discount "):
+                yield rule.text
+        yield self._precedence()
+        what = "a wall or a closed door" if level.doors else "a wall"
+        yield f"{what} refuses a move: the robot stays, and it counts as a step"
+        given = [level.skid, *(area.skid for area in level.areas)]
+        given += [getattr(level.puddle_types, each.size).skid for each in level.puddles]
+        skids = [as_skid(skid) for skid in given if skid is not None]
+        kinds = {skid.to for skid in skids if skid.probability}
+        for kind in sorted(kinds):
+            yield f"a move that skids{' sideways' * (kind == 'sides')} {_SKIDS[kind]}"
+        if kinds:
+            yield "whether a move skids depends on the cell that the robot leaves"
+        if level.wind is not None:
+            yield "the wind of the cell that the robot leaves pushes every move on"
+        if level.items:
+            yield "the robot takes what lies in a cell by coming there"
+        if level.switches:
+            yield "the robot flips a switch by coming to its cell"
+        if level.movers:
+            yield (
+                "the robot meets who is in its cell after a step, and with whom it has changed "
+                "places in it"
+            )
+        yield from self._ways()
+
+    def _precedence(self) -> str:
+        """Return which of several rewards counts."""
+        level, rewards = self._level, self._level.rewards
+        known = {
+            "meeting a mover": level.movers,
+            "a warp": any(warp.reward is not None for warp in level.warps),
+            "the exit": level.exits,
+            "an item": any(item.reward is not None for item in level.items),
+            "waiting": rewards.stay is not None,
+            "a refused move": rewards.bump is not None,
+            "coming closer or going farther": (rewards.closer, rewards.farther) != (None, None),
+        }
+        told = [what for what, is_there in known.items() if is_there]
+        order = [f"that of {what}" for what in told] + ["that of the cell in which it ends"]
+        return f"a step has one reward, the first that applies: {', else '.join(order)}"
+
+    def _ways(self) -> Iterator[str]:
+        """Yield where movers go."""
+        for mover, name in zip(self._level.movers, self._mover_names(), strict=True):
+            if mover.within is not None:
+                (x, y), (columns, rows) = mover.within.at, mover.within.size
+                yield (
+                    f"{name} stays in columns {x} to {x + columns - 1} and rows {y} to "
+                    f"{y + rows - 1}: in each step it stays or goes to a cell beside it, each "
+                    "equally often"
+                )
+            elif self._sight == "map":
+                yield f"{name} walks {phrases.cells(mover.phases)}, and again from the first cell"
+
+    def _signs(self) -> dict[str, str]:
+        """Return what the characters of drawings mean."""
+        level = self._level
+        drawing = drawing_without_things(level)
+        used = {sign for row in drawing.cells for sign in row}
+        signs = {PLAIN_ROBOT: "the robot"}
+        if level.exits:
+            signs[d.EXIT] = "the exit" if len(level.exits) == 1 else "an exit"
+        if level.exit_keys:
+            signs[LOCKED] = "an exit that is still locked"
+        known = {d.START: "a start", d.SMALL: "a small puddle", d.LARGE: "a large puddle"}
+        known[d.BLOCKED] = "a blocked cell"
+        signs |= {sign: words for sign, words in known.items() if sign in used}
+        for rule in self._rules:
+            found = {drawing.cells[y][x] for x, y in self._cells(rule)}
+            is_own = len(found) == 1 and not found & {d.PLAIN, *known}
+            if is_own and rule.sample.startswith("cell:"):
+                signs.setdefault(found.pop(), _a(self._grounds[rule.cells[0]][0]))
+        items: dict[str, list[str]] = defaultdict(list)
+        for item in level.items:
+            items[ITEMS[item.picture][1]].append(item.name)
+        signs |= {sign: f"the {spoken(names)}" for sign, names in items.items()}
+        if level.switches:
+            signs |= {"0": "a switch that is off", "1": "a switch that is on"}
+        if level.movers:
+            pictures = dict.fromkeys(_a(mover.picture) for mover in level.movers)
+            signs[MOVER[1]] = listed([*pictures], "or")
+        signs["| ---"] = "a wall"
+        if level.grid().glass:
+            signs[": - -"] = "a glass wall"
+        if level.doors:
+            signs["/ -/-"] = "a closed door"
+            also = " or a glass wall" if level.grid().glass else ""
+            signs[": - -"] = f"an open door{also}"
+        if self._sight == "view":
+            signs["?"] = "a cell that is not seen"
+        return signs
+
+    def _places(self, rule: Rule) -> str:
+        """Return where cells are: one by one, or row by row."""
+        cells = self._cells(rule)
+        if len(cells) <= _FEW:
+            return f"at {phrases.cells(cells)}"
+        rows: dict[int, list[int]] = defaultdict(list)
+        for x, y in cells:
+            rows[y].append(x)
+        return "; ".join(f"row {y}: columns {phrases.ranges(xs)}" for y, xs in rows.items())
+
+    def _cells(self, rule: Rule) -> list[Cell]:
+        width = self._level.size[0]
+        return [(cell % width, cell // width) for cell in rule.cells]
+
+    def _named_cells(self) -> Iterator[tuple[int, list[str]]]:
+        """Yield the cells that are not plain, with the names of what is there from the start."""
+        told = [rule for rule in self._rules if rule.cells and rule.sample not in ("start", "exit")]
+        names = Counter(rule.text.partition(":")[0] for rule in told)
+        found: dict[int, list[str]] = defaultdict(list)
+        for rule in told:
+            name, _, effects = rule.text.partition(": ")
+            is_clear = names[name] == 1 and name != "some cells"
+            called = {"some cells": "cell", "blocked": "blocked cell"}.get(name, name)
+            for cell in rule.cells:
+                found[cell].append(called if is_clear else f"{called} ({effects})")
+        yield from found.items()
+
+    # -- states ----------------------------------------------------------------------------
+
+    def scene(self, state: int) -> str:
+        """Return what the robot sees in a state.
+
+        Args:
+            state: the configuration and the cell of the robot, as in `level.compile()`.
+        """
+        level, mdp = self._level, self._level.compile()
+        now, cell = level.configuration(mdp.configuration(state)), mdp.cell(state)
+        if self._sight == "map":
+            lines = [
+                *self._place(cell, now),
+                *self._painter.lines(state, held=False),
+                *self._movers(now, lambda _: True),
+            ]
+        elif self._sight == "view":
+            seen = self._seen(state)
+            lines = [
+                *self._place(cell, now),
+                *self._window(state, cell, seen),
+                *self._in_view(now, cell, seen),
+                *self._movers(now, seen.__contains__),
+            ]
+        else:
+            x, y = cell
+            lines = [
+                *self._beside(cell, now),
+                *self._movers(now, lambda at: abs(at[0] - x) + abs(at[1] - y) <= RADIUS),
+            ]
+        lines.append(way_to_exit(level, cell, now))
+        told = level.things().told(now.values)
+        lines += [f"{met}: {listed(names) or 'nothing'}" for met, names in told.items()]
+        return "\n".join(lines)
+
+    def _place(self, cell: Cell, now: Configuration) -> Iterator[str]:
+        """Yield where the robot is, and what it hides in a drawing."""
+        yield f"The robot is at {show_cell(cell)}, {around(self._level, cell, now)}."
+        if here := self._contents(cell, now):
+            yield f"here: {listed(here)}"
+
+    def _mover_names(self) -> list[str]:
+        """Return what movers are called: by their names, else by their kinds and numbers."""
+        pictures = Counter(mover.picture for mover in self._level.movers)
+        return [
+            f"the {spoken([mover.name])}"
+            if mover.name
+            else f"{mover.picture} {number}"
+            if pictures[mover.picture] > 1
+            else f"the {mover.picture}"
+            for number, mover in enumerate(self._level.movers, 1)
+        ]
+
+    def _movers(self, now: Configuration, is_told: Callable[[Cell], bool]) -> Iterator[str]:
+        """Yield where movers are, and where those on a path go next."""
+        level = self._level
+        phases = now.values[level.things().static :]
+        movers = zip(level.movers, self._mover_names(), now.movers, phases, strict=True)
+        for mover, name, at, phase in movers:
+            if not is_told(at):
+                continue
+            ahead = ""
+            if mover.within is None:
+                dx, dy = look_of(mover, phase)
+                ahead = f", next at {show_cell((at[0] + dx, at[1] + dy))}"
+            yield f"{name} is at {show_cell(at)}{ahead}"
+
+    def _contents(self, cell: Cell, now: Configuration) -> list[str]:
+        """Return what is in a cell, the robot and movers left out; nothing for a plain one."""
+        level, things = self._level, self._level.things()
+        found = []
+        if cell in now.exits:
+            is_open = now.exit_is_open or not level.exit_keys
+            found.append("the exit" if is_open else "the locked exit")
+        for item, at in zip(level.items, now.items, strict=True):
+            if at == cell:
+                found.append(f"the {spoken([item.name])}")
+        for column, is_on in zip(things.fixed, now.on, strict=True):
+            if things[column].entry.at == cell:
+                found.append(f"the {spoken([things.names[column]])} ({'on' if is_on else 'off'})")
+        return [*found, *map(_a, self._grounds.get(cell[1] * level.size[0] + cell[0], ()))]
+
+    def _beside(self, cell: Cell, now: Configuration) -> Iterator[str]:
+        """Yield what is in the robot's cell, and on its four sides."""
+        level, grid = self._level, self._level.grid()
+        place = cell[1] * grid.width + cell[0]
+        doors = {side: now.doors[door] for at, side, door in door_sides(level, grid) if at == place}
+        yield f"The robot is at {show_cell(cell)}."
+        yield f"here: {listed(self._contents(cell, now)) or 'nothing'}"
+        for name, side in SIDE_NAMES.items():
+            before, other = "", grid.neighbour(place, side)
+            if doors.get(side):
+                yield f"{name}: a closed door"
+                continue
+            if (place, side) in grid.glass:
+                before = "a glass wall, and behind it "
+            elif other is None or not grid.open_bits[place] & BIT[side]:
+                yield f"{name}: a wall"
+                continue
+            elif side in doors:
+                before = "an open door, and behind it "
+            assert other is not None
+            y, x = divmod(other, grid.width)
+            yield f"{name}: {before}{listed(self._contents((x, y), now)) or 'a free cell'}"
+
+    def _window(self, state: int, cell: Cell, seen: frozenset[Cell]) -> Iterator[str]:
+        """Yield the part of the drawing that is seen."""
+        ranges = [
+            range(max(0, at - RADIUS), min(size, at + RADIUS + 1))
+            for at, size in zip(cell, self._level.size, strict=True)
+        ]
+        columns, rows = ranges
+        yield f"columns {columns[0]} to {columns[-1]}, rows {rows[0]} to {rows[-1]}:"
+        lines = self._painter.lines(state, held=False)
+        for row in range(2 * rows.start, 2 * rows.stop + 1):
+            ys = {(row - 1) // 2, row // 2}
+            text = ""
+            for column in range(4 * columns.start, 4 * columns.stop + 1):
+                xs = {(column - 1) // 4, column // 4}
+                is_seen = any((x, y) in seen for x in xs for y in ys)
+                hidden = "?" if row % 2 and column % 4 == 2 else " "
+                text += lines[row][column] if is_seen else hidden
+            if text.strip():
+                yield text.rstrip()
+
+    def _in_view(self, now: Configuration, cell: Cell, seen: Iterable[Cell]) -> Iterator[str]:
+        """Yield what is in the cells that are seen, but for plain ones."""
+        places: dict[str, list[Cell]] = defaultdict(list)
+        for each in sorted(seen, key=lambda at: (at[1], at[0])):
+            for what in self._contents(each, now):
+                places[what].append(each)
+        if places:
+            yield "seen: " + "; ".join(
+                f"{what} at {phrases.cells(cells)}" for what, cells in places.items()
+            )
+
+
+def _a(name: str) -> str:
+    """Return a name with its article."""
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"

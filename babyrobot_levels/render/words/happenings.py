@@ -1,0 +1,70 @@
+"""What a step has changed, in words: things, doors, walls that refused, and who hit the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.grid import door_name, door_sides
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.configurations import Configuration
+    from babyrobot_levels.mdp.gridworld import GridWorld
+    from babyrobot_levels.mdp.tables import Mdp
+
+
+def changes(level: GridWorld, then: Configuration, now: Configuration) -> Iterator[str]:
+    """Yield what has changed since a configuration, a sentence each; not where movers are."""
+    yield from (f"Took the {name}." for name in now.held if name not in then.held)
+    things = level.things()
+    for column, before, after in zip(things.fixed, then.on, now.on, strict=True):
+        if before != after:
+            yield f"The {things.names[column]} is {'on' if after else 'off'}."
+    for door, before, after in zip(level.doors, then.doors, now.doors, strict=True):
+        if before != after:
+            yield f"The {door_name(door)} {'closes' if after else 'opens'}."
+    if then.exit_is_open != now.exit_is_open:
+        yield f"The exit is {'open' if now.exit_is_open else 'closed'}."
+
+
+def hitter(level: GridWorld, mdp: Mdp, before: int, action: int, after: int) -> str:
+    """Return the name of the mover that hit the robot in a step.
+
+    Args:
+        level: the level.
+        mdp: its tables, or those of a robot that turns.
+        before: the state before the step.
+        action: the action, as these tables number it.
+        after: the state after it.
+    """
+    from babyrobot_levels.mdp.tables import hits_by_mover
+
+    is_outcome = (mdp.probability[before, action] > 0) & (mdp.next_state[before, action] == after)
+    names = level.things().names[level.things().static :]
+    hits = hits_by_mover(level, mdp, slice(before, before + 1))
+    return next(
+        name
+        for name, by_mover in zip(names, hits, strict=True)
+        if by_mover[0, action][is_outcome].any()
+    )
+
+
+def bump(level: GridWorld, mdp: Mdp, state: int, move: int, then: Configuration) -> str:
+    """Return what refuses a move, as a sentence.
+
+    Args:
+        level: the level.
+        mdp: its tables, or those of a robot that turns.
+        state: the state before the move.
+        move: the move, an `Action`.
+        then: what is where before the move.
+    """
+    cell, side = state % mdp.cells, SIDES[move - Action.NORTH]
+    doors = door_sides(level, level.grid())
+    is_door = any((cell, side) == (at, of) and then.doors[number] for at, of, number in doors)
+    where = Action(move).name.lower()
+    if is_door:
+        return f"Bump! The door in the {where} is closed."
+    return f"Bump! A wall in the {where}."
