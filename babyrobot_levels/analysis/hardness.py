@@ -1,4 +1,4 @@
-"""What makes a level hard: what its exits need, and in which order it can be had."""
+"""What makes a level hard: what exits need, what mistakes cost, and where something is decided."""
 
 from __future__ import annotations
 
@@ -6,10 +6,19 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.evaluation import evaluation_of, weights_of
+from babyrobot_levels.analysis.solver.optimum import TOLERANCE, solve
+from babyrobot_levels.analysis.solver.policies import space_of
+from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.mdp.compiler.things import compile_things
+from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.mdp.states import Reach, reach_of
-from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.mdp.states import Reach, ends_by_hit, reach_of, transitions
+from babyrobot_levels.mdp.tables import Flags, Mdp
+from babyrobot_levels.text.errors import LevelError
+
+MISTAKES = 0.1
+"""How often the player of `fragility` takes any action."""
 
 Needs = Mapping[str, frozenset[str]]
 """By the names of things that are needed: those of them that are needed to have it."""
@@ -70,3 +79,87 @@ def longest_chain(needs: Needs) -> int:
     for name in sorted(needs, key=lambda name: len(needs[name])):
         length[name] = 1 + max((length[other] for other in needs[name]), default=0)
     return max(length.values(), default=0)
+
+
+def idle_things(solution: Solution) -> list[str]:
+    """Return the items and switches that can be had, and without which the optimum is no lower.
+
+    They are tried from last to first, and those without which it is no lower stay without effect:
+    it is no lower without all of them.
+
+    Args:
+        solution: the solution of a level, with a finite return.
+    """
+    level, best = solution.level, solution.expected_return
+    assert level is not None
+    least = best - TOLERANCE * max(1.0, abs(best))
+    mdp, idle = level.compile(), list[str]()
+    had = _had(level, mdp, reach_of(level, mdp))
+    for name in reversed(level.things().needed):
+        if name in had:
+            try:
+                without = solve(without_effect(level, {*idle, name}), solution.discount)
+            except (ArithmeticError, LevelError):
+                continue
+            if without.expected_return >= least:
+                idle.append(name)
+    return idle
+
+
+# -- optimal policies, and mistakes ----------------------------------------------------------
+
+
+def optimal_states(solution: Solution) -> Flags:
+    """Return which states episodes of optimal policies come to, ties included, `[states]`."""
+    assert solution.level is not None
+    mdp = solution.level.compile()
+    best = solution.greedy.reshape(mdp.num_states, -1) & ~mdp.is_terminal[:, None]
+    happens = (mdp.probability > 0) & best[..., None] & ~ends_by_hit(mdp)
+    states, actions, outcomes = happens.nonzero()
+    ways = Graph(mdp.num_states, states, mdp.next_state[states, actions, outcomes])
+    found: Flags = ways.distances(mdp.start.nonzero()[0]) >= 0
+    return found
+
+
+def lost_share(mdp: Mdp, optimal: Flags) -> float:
+    """Return the share, of the states that occur, from which no path leads to an optimal one.
+
+    Args:
+        mdp: the tables of a level.
+        optimal: its optimal states, `[states]`.
+    """
+    paths = transitions(mdp)
+    occurs = paths.distances(np.flatnonzero(mdp.start)) >= 0
+    lost = paths.reversed().distances(np.flatnonzero(optimal)) < 0
+    return int((occurs & lost).sum()) / int(occurs.sum())
+
+
+def decisions_of(mdp: Mdp, optimal: Flags) -> int:
+    """Return in how many optimal states a valid action may lead elsewhere, or to a hit that ends.
+
+    Args:
+        mdp: the tables of a level.
+        optimal: its optimal states, `[states]`.
+    """
+    leaves = (mdp.probability > 0) & (~optimal[mdp.next_state] | ends_by_hit(mdp))
+    decides = ((mdp.action_mask > 0) & leaves.any(axis=2)).any(axis=1)
+    return int((decides & optimal & ~mdp.is_terminal).sum())
+
+
+def loss_by_mistakes(solution: Solution) -> float:
+    """Return how much less is expected of a player who errs than of the optimal policy.
+
+    With probability `MISTAKES` the player takes any of the valid actions, each equally probable.
+
+    Args:
+        solution: the solution of a level, for all actions, with a finite return.
+
+    Raises:
+        UndefinedReturnError: rewards cancel out for ever after a mistake.
+        EpisodeTooLongError: on average, the player takes more than 10^10 steps.
+    """
+    assert solution.level is not None
+    space = space_of(solution.level, "all")
+    weights = (1 - MISTAKES) * weights_of(solution, space) + MISTAKES * weights_of("random", space)
+    erring = evaluation_of(solution.level, weights, solution.discount)
+    return solution.expected_return - erring.expected_return

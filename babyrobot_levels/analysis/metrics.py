@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.hardness import Needs, longest_chain, needs_of
 from babyrobot_levels.analysis.paths import (
     PossibleSteps,
     connected_components,
@@ -22,6 +21,7 @@ from babyrobot_levels.analysis.paths import (
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.language import kinds
 from babyrobot_levels.language.metric_names import (
+    MISTAKES,
     NEEDS,
     PATHS,
     SHAPE,
@@ -34,9 +34,10 @@ from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
+    from babyrobot_levels.analysis.hardness import Needs
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.mdp.tables import Mdp
+    from babyrobot_levels.mdp.tables import Flags, Mdp
 
 
 def metrics(level: Any) -> Metrics:
@@ -66,8 +67,10 @@ class Metrics(Shown):
       `wet_share`, `difficulty`. Only for these the level is solved. None stands for an undefined
       return and for episodes that are too long (`brl.UndefinedReturnError`,
       `brl.EpisodeTooLongError`).
-    - What is needed, only of levels with things: `needs`, `dependencies`. For these, the level is
-      compiled once for each thing that doors or exits name.
+    - Mistakes: `irreversible`, `decisions`, `fragility`. None as well if the optimal return is
+      infinite.
+    - What is needed, only of levels with things: `needs`, `dependencies`, `distractors`. For these,
+      the level is compiled, and for the last one solved, once more for each thing.
 
     Attributes:
         level: the level.
@@ -102,6 +105,27 @@ class Metrics(Shown):
         things, needs = (THINGS, NEEDS) if self.level.has_things else ((), ())
         names = SHAPE + PATHS + things + (SOLVED + needs if solve else ())
         return {name: getattr(self, name) for name in names}
+
+    def why_none(self, name: str) -> str:
+        """Return why a metric has no value, in words.
+
+        Args:
+            name: the name of a metric that is None.
+        """
+        if name in (*PATHS, "detour", "success", "difficulty", "needs", "dependencies"):
+            if not self.level.exits:
+                return "there is no exit"
+            if self.path_length is None and name != "success":
+                return "from a start, no path to an exit is known"
+        if name in ("needs", "dependencies"):
+            return "without the effect of a thing, there would be too many states"
+        if name in (*MISTAKES, "distractors") and self.best_return is not None:
+            if not math.isfinite(self.best_return):
+                return "the optimal return is infinite"
+            return "after a mistake, returns are undefined, or episodes too long to compute"
+        if name == "difficulty" and None not in (self.best_return, self.random_return):
+            return "the best policy does not go to an exit"
+        return "undefined, or episodes are too long to compute"
 
     def __repr__(self) -> str:
         numbers = (f"{name}={value!r}" for name, value in self.to_dict(solve=False).items())
@@ -359,6 +383,60 @@ class Metrics(Shown):
         except (UndefinedReturnError, EpisodeTooLongError):
             return None
 
+    # -- mistakes --------------------------------------------------------------------------
+
+    @cached_property
+    def irreversible(self) -> float | None:
+        """The share, of the states that can occur, from which the optimum is lost for ever.
+
+        From these no path leads to a state to which some optimal policy comes.
+        """
+        from babyrobot_levels.analysis.hardness import lost_share
+
+        found = self._optimal_states
+        return None if found is None else lost_share(self.level.compile(), found)
+
+    @cached_property
+    def decisions(self) -> int | None:
+        """In how many states that optimal policies come to a valid action may lead elsewhere.
+
+        Elsewhere is where no optimal policy comes to; and a hit that ends the episode.
+        """
+        from babyrobot_levels.analysis.hardness import decisions_of
+
+        found = self._optimal_states
+        return None if found is None else decisions_of(self.level.compile(), found)
+
+    @cached_property
+    def fragility(self) -> float | None:
+        """How much return a player loses who takes, in one of ten steps, any valid action.
+
+        It is the optimal expected return less that of this player, who follows the optimal policy
+        otherwise; inf if a mistake can cost for ever.
+        """
+        from babyrobot_levels.analysis.hardness import loss_by_mistakes
+        from babyrobot_levels.analysis.solver.results import (
+            EpisodeTooLongError,
+            UndefinedReturnError,
+        )
+
+        try:
+            return None if self._optimum is None else loss_by_mistakes(self._optimum)
+        except (UndefinedReturnError, EpisodeTooLongError):
+            return None
+
+    @property
+    def _optimum(self) -> Solution | None:
+        """The solution, if the optimal return is finite."""
+        is_finite = self.best_return is not None and math.isfinite(self.best_return)
+        return self.solution if is_finite else None
+
+    @cached_property
+    def _optimal_states(self) -> Flags | None:
+        from babyrobot_levels.analysis.hardness import optimal_states
+
+        return None if self._optimum is None else optimal_states(self._optimum)
+
     # -- what is needed --------------------------------------------------------------------
 
     @cached_property
@@ -377,10 +455,24 @@ class Metrics(Shown):
 
         A thing comes after another if it can be had from no start without the other.
         """
+        from babyrobot_levels.analysis.hardness import longest_chain
+
         return None if self._needs is None else longest_chain(self._needs)
 
     @cached_property
+    def distractors(self) -> int | None:
+        """The number of items and switches that can be had and are of no use for the optimum.
+
+        From last to first, things stay without effect if that does not lower the optimal return.
+        """
+        from babyrobot_levels.analysis.hardness import idle_things
+
+        return None if self._optimum is None else len(idle_things(self._optimum))
+
+    @cached_property
     def _needs(self) -> Needs | None:
+        from babyrobot_levels.analysis.hardness import needs_of
+
         try:
             return needs_of(self.level) if self._lengths else None
         except LevelError:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import math
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
@@ -136,26 +137,13 @@ class Facts(Shown, dict[str, Any]):
             if name not in ("drawing", "metrics")
         }
         for name, value in (self["metrics"] or {}).items():
-            texts[name] = self._why_none(name) if value is None else text_of(value) or "nothing"
+            texts[name] = self._reasons.get(name) or text_of(value) or "nothing"
         if self.left_out:
             texts["digest"] = texts["metrics"] = self.left_out
         if self["metrics"] and "difficulty" not in self["metrics"]:
             names = (*SOLVED, *NEEDS) if "items" in self["metrics"] else SOLVED
             texts |= dict.fromkeys(names, f"not computed above {MAX_SOLVED:,} states")
         return texts
-
-    def _why_none(self, name: str) -> str:
-        found = self["metrics"]
-        if name in ("path_length", "turns", "detour", "success", "difficulty", *NEEDS):
-            if not self["exits"]:
-                return "none: there is no exit"
-            if found["path_length"] is None and name != "success":
-                return "none: from a start, no path to an exit is known"
-        if name in NEEDS:
-            return "none: too many states to compute what is needed"
-        if name == "difficulty" and None not in (found["best_return"], found["random_return"]):
-            return "none: the best policy does not go to an exit"
-        return "none: undefined, or episodes are too long to compute"
 
     def __repr__(self) -> str:
         rows = {name: text for name, text in self.lines().items() if text}
@@ -170,6 +158,8 @@ class Facts(Shown, dict[str, Any]):
         return beside(image(level_picture(self._level, WIDTH)), facts(rows))
 
     _level: GridWorld
+    _reasons: Mapping[str, str]
+    """Why the level does not have some of the metrics."""
 
 
 def show(level: LevelLike) -> Facts:
@@ -238,6 +228,9 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
     is_solved = measured.states <= MAX_SOLVED
     numbers = measured.to_dict(solve=is_solved)
     found["metrics"] = {name: _number(value) for name, value in numbers.items()}
+    found._reasons = {
+        name: f"none: {measured.why_none(name)}" for name, value in numbers.items() if value is None
+    }
     found["ending"] = measured.ending if is_solved else None
     found["drawing"] = level.draw()
     return found

@@ -8,10 +8,13 @@ THINGS = ("items", "doors", "switches", "movers", "configurations", "detour")
 UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps")
 """What is expected of episodes without a limit."""
 
-SOLVED = (*UNLIMITED, "success", "wet_share", "difficulty")
+MISTAKES = ("irreversible", "decisions", "fragility")
+"""What is lost by leaving what optimal policies do."""
+
+SOLVED = (*UNLIMITED, "success", "wet_share", "difficulty", *MISTAKES)
 """Those for which the level is solved."""
 
-NEEDS = ("needs", "dependencies")
+NEEDS = ("needs", "dependencies", "distractors")
 """Those for which it is compiled without the effect of some things; only levels with things."""
 
 METRICS = (*SHAPE, *PATHS, *THINGS, *SOLVED, *NEEDS)

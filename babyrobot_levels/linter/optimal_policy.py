@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.hardness import optimal_states
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
@@ -201,13 +202,9 @@ class Optimum:
         if solution is None or not np.isfinite(solution.expected_return):
             raise ArithmeticError
         self.expected_return = solution.expected_return
-        best = solution.greedy.reshape(mdp.num_states, -1)
-        taken = best & ~mdp.is_terminal[:, None]
-        happens = (mdp.probability > 0) & taken[..., None]
-        states, actions, outcomes = (happens & ~ends_by_hit(mdp)).nonzero()
-        ways = Graph(mdp.num_states, states, mdp.next_state[states, actions, outcomes])
-        reached = ways.distances(mdp.start.nonzero()[0]) >= 0
-        rows = happens & reached[:, None, None]
+        best, reached = solution.greedy.reshape(mdp.num_states, -1), optimal_states(solution)
+        taken = best & (reached & ~mdp.is_terminal)[:, None]
+        rows = (mdp.probability > 0) & taken[..., None]
         self.facts: list[NDArray[Any]] = []
         # Numbers of configurations may differ, so states are told by the values of things.
         for numbers in (np.flatnonzero(reached), mdp.next_state[rows]):

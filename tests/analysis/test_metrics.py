@@ -15,7 +15,7 @@ from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import metrics, paths
-from babyrobot_levels.language.metric_names import NEEDS, PATHS, SHAPE, SOLVED, THINGS
+from babyrobot_levels.language.metric_names import MISTAKES, NEEDS, PATHS, SHAPE, SOLVED, THINGS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp import graph
 
@@ -551,6 +551,7 @@ def test_where_too_many_states_could_occur_it_is_not_told(monkeypatch: pytest.Mo
     monkeypatch.setattr("babyrobot_levels.analysis.hardness.compile_things", refuse)
     found = brl.metrics(rooms())
     assert (found.needs, found.dependencies) == (None, None)
+    assert "too many states" in found.why_none("needs")
 
 
 def test_success_is_that_of_the_optimal_policy() -> None:
@@ -564,3 +565,65 @@ def test_states_are_those_that_occur() -> None:
     assert brl.metrics({"version": 1, "size": [4, 1], "exit": [2, 0]}).states == 3
     # While the lever is off, the robot is before the door.
     assert brl.metrics(rooms(items=[])).states == 3 + 6
+
+
+# -- mistakes --------------------------------------------------------------------------------
+
+
+def test_where_the_optimum_is_lost_and_where_something_is_decided() -> None:
+    # To the west of the start is a hole; the cell after the start leads back to it.
+    level = {"version": 1, "size": [4, 1], "start": [1, 0], "areas": [{"at": [0, 0], "ends": True}]}
+    level["exit"] = [3, 0]
+    found = brl.metrics({**level, "rewards": {"exit": 5}})
+    assert (found.irreversible, found.decisions) == (1 / 4, 1)
+    # Without the hole, all mistakes can be mended.
+    bare = brl.metrics({**level, "areas": []})
+    assert (bare.irreversible, bare.decisions) == (0, 1)
+    # If all ways are as good, nothing is decided.
+    assert brl.metrics({"version": 1, "size": [2, 2]}).decisions == 0
+
+
+def test_a_room_without_a_way_back_is_lost_with_all_that_is_done_there() -> None:
+    level = {
+        "version": 1,
+        "size": [3, 2],
+        "start": [0, 0],
+        "exit": [2, 0],
+        "warps": [{"at": [0, 1], "to": [1, 1]}],
+        "walls": [{"at": [1, 0], "side": "S", "length": 2}],
+    }
+    found = brl.metrics(level)
+    # The warp's own cell is never one of a state, and leads back into the room.
+    assert (found.states, found.irreversible, found.decisions) == (5, 2 / 5, 1)
+    # A mistake costs for ever.
+    assert found.fragility == math.inf
+
+
+def test_fragility_is_what_one_mistake_in_ten_steps_costs() -> None:
+    # A mistake is to stay, every other time: a step more, which happens with probability 1/20.
+    level = {"version": 1, "size": [2, 1], "rewards": {"stay": -4}}
+    assert brl.metrics(level).fragility == pytest.approx(4 / 19)
+
+
+def test_things_of_no_use_are_distractors() -> None:
+    assert brl.metrics(locked()).distractors == 1
+    # Now the coin is worth its two steps; what cannot be had distracts nobody.
+    rich = locked(items=[{"name": "coin", "at": [1, 1], "reward": 9}], doors=[])
+    assert brl.metrics(rich).distractors == 0
+    shut = [{"name": "gem", "at": [3, 1]}]
+    walls = [{"at": [1, 1], "side": "E"}, {"at": [3, 0], "side": "S"}]
+    assert brl.metrics(locked(items=shut, doors=[], walls=walls)).distractors == 1
+    walls = [{"at": [2, 1], "side": "E"}, {"at": [3, 0], "side": "S"}]
+    assert brl.metrics(locked(items=shut, doors=[], walls=walls)).distractors == 0
+    # Of two keys one is enough, and the first one stays.
+    keys = [{"name": name, "at": at} for name, at in (("key", [0, 0]), ("spare", [0, 1]))]
+    either = locked(items=keys, doors=[{"at": [1, 0], "side": "E", "needs": "key"}])
+    assert brl.metrics(either).distractors == 1
+
+
+def test_without_a_finite_optimum_mistakes_have_no_price() -> None:
+    endless = brl.metrics({"version": 1, "size": [2, 1], "rewards": {"stay": 1}})
+    assert endless.best_return == math.inf
+    for name in (*MISTAKES, "distractors"):
+        assert getattr(endless, name) is None
+        assert endless.why_none(name) == "the optimal return is infinite"

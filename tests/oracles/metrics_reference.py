@@ -1,15 +1,21 @@
 """Metrics computed a second time, slowly and by their definitions, from `things_reference`.
 
-A state is a pair of configuration and cell. A path is one of states: each can follow the one before
-it, with whatever probability, unless that step ends the episode by a hit.
+Optimal values are those of many sweeps, for levels with a discount well below 1. A state is a pair
+of configuration and cell. A path is one of states: each can follow the one before it, with whatever
+probability, unless that step ends the episode by a hit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from functools import cached_property
 from typing import Any
 
-from oracles.things_reference import Cell, Configuration, Pair, Reference
+from oracles.things_reference import Cell, Configuration, Pair, Reference, Result
+
+SWEEPS = 120
+TOLERANCE = 2e-9
+"""Which values are the same; actual ones that differ by less are rare."""
 
 
 class Inert(Reference):
@@ -117,3 +123,115 @@ class SlowMetrics:
             return 1 + max((length(other) for other in before[name] if other != name), default=0)
 
         return max(map(length, needs), default=0)
+
+    def distractors(self) -> int:
+        """Return how many things that are had can stay without effect, from last to first."""
+        idle: list[str] = []
+        had, best = self.had(), self.optimum()
+        for thing in reversed(self.things):
+            name = thing["name"]
+            without = SlowMetrics(self.fields, [*idle, name]).optimum()
+            if name in had and without >= best - TOLERANCE * max(1, abs(best)):
+                idle.append(name)
+        return len(idle)
+
+    # -- optimal policies, and mistakes ------------------------------------------------------
+
+    def expected(self, results: Iterable[Result], values: Mapping[Pair, float]) -> float:
+        """Return what is expected of an action, by the values of states."""
+        discount = self.fields["discount"]
+        return sum(
+            each.probability * (each.reward + (0 if each.over else discount * values[each.pair]))
+            for each in results
+        )
+
+    @cached_property
+    def values(self) -> dict[Pair, float]:
+        """The optimal value of each state from which an episode goes on."""
+        table = self.level.results
+        values = dict.fromkeys(table, 0.0)
+        for _ in range(SWEEPS):
+            values = {
+                pair: max(self.expected(each, values) for each in table[pair]) for pair in table
+            }
+        return values
+
+    def at_start(self, values: Mapping[Pair, float]) -> float:
+        """Return what is expected of an episode, by the values of states."""
+        chances = self.level.start
+        return sum(chances[state] * values.get(self.level.pair(state), 0.0) for state in chances)
+
+    def optimum(self) -> float:
+        """Return the optimal return."""
+        return self.at_start(self.values)
+
+    def best_actions(self, pair: Pair) -> list[int]:
+        """Return the optimal actions in a state, ties included."""
+        ahead = [self.expected(results, self.values) for results in self.level.results[pair]]
+        return [action for action, value in enumerate(ahead) if value >= max(ahead) - TOLERANCE]
+
+    def optimal_states(self) -> set[Pair]:
+        """Return the states that some optimal policy comes to."""
+        found, waiting = {*self.starts}, [*self.starts]
+        table = self.level.results
+        while waiting:
+            pair = waiting.pop()
+            for action in self.best_actions(pair) if pair in table else ():
+                for result in table[pair][action]:
+                    goes_there = not result.over or result.pair not in table
+                    if goes_there and result.pair not in found:
+                        found.add(result.pair)
+                        waiting.append(result.pair)
+        return found
+
+    def irreversible(self) -> float:
+        """Return the share of states from which no path leads to one of an optimal policy."""
+        optimal, occurring = self.optimal_states(), self.occurring()
+        lost = [pair for pair in occurring if not self.from_some([pair]) & optimal]
+        return len(lost) / len(occurring)
+
+    def decisions(self) -> int:
+        """Return in how many states of optimal policies a valid action may lead elsewhere."""
+        optimal, table = self.optimal_states(), self.level.results
+        return sum(
+            any(
+                result.pair not in optimal or (result.over and result.pair in table)
+                for action in self.level.allowed(self.level.state(pair))
+                for result in table[pair][action]
+            )
+            for pair in optimal
+            if pair in table
+        )
+
+    def fragility(self, policy: Mapping[Pair, int]) -> float:
+        """Return what a policy loses if one of ten steps is any valid one."""
+        table = self.level.results
+        valid = {pair: self.level.allowed(self.level.state(pair)) for pair in table}
+        values = dict.fromkeys(table, 0.0)
+        for _ in range(SWEEPS):
+            ahead = {
+                pair: [self.expected(each, values) for each in results]
+                for pair, results in table.items()
+            }
+            values = {
+                pair: 0.9 * ahead[pair][policy[pair]]
+                + 0.1 * sum(ahead[pair][action] for action in valid[pair]) / len(valid[pair])
+                for pair in table
+            }
+        return self.optimum() - self.at_start(values)
+
+    def success(self, policy: Mapping[Pair, int], steps: int) -> tuple[float, float]:
+        """Return how likely a policy is at an exit after some steps, and how likely still going."""
+        going = {self.level.pair(state): chance for state, chance in self.level.start.items()}
+        arrived = 0.0
+        for _ in range(steps):
+            after: dict[Pair, float] = {}
+            for pair, chance in going.items():
+                for result in self.level.results[pair][policy[pair]] if pair in policy else ():
+                    share = chance * result.probability
+                    if self.level.exit_open(*result.pair):
+                        arrived += share
+                    elif not result.over:
+                        after[result.pair] = after.get(result.pair, 0.0) + share
+            going = after
+        return arrived, sum(going.values())
