@@ -5,6 +5,8 @@ from .analysis.diff import Difference as Difference
 from .analysis.diff import diff as diff
 from .analysis.environments import Certificate as Certificate
 from .analysis.environments import ComparisonError as ComparisonError
+from .analysis.expectations import BrokenExpectation as BrokenExpectation
+from .analysis.expectations import broken_expectations as broken_expectations
 from .analysis.learning.algorithms import monte_carlo as monte_carlo
 from .analysis.learning.algorithms import policy_evaluation as policy_evaluation
 from .analysis.learning.algorithms import policy_iteration as policy_iteration

@@ -17,6 +17,7 @@ from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, marked_at
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import find, select
+from babyrobot_levels.linter.rules.expectations import BROKEN_EXPECTATION
 from babyrobot_levels.linter.runner import Report, applicable, findings_in, names_of
 from babyrobot_levels.render.page import MAX_CELLS
 from babyrobot_levels.text.diagnostics import Diagnostic
@@ -177,9 +178,9 @@ class Linter:
         rules = applicable(self._rules)
         context = LintContext(report.level, report.document, path, names_of(rules))
         _share(answers, context)
-        # The last rule checks which suppressions the others used.
-        last = rules[-1].code
-        late = self._late | {last} if self._late else self._late
+        # One rule looks at what all others find, the last one at which suppressions they used.
+        last = {BROKEN_EXPECTATION, rules[-1].code}
+        late = self._late | last if self._late else self._late
         waiting = [rule for rule in rules if answers.waits or rule.code in late]
         ready = [rule for rule in rules if rule not in waiting]
         found = findings_in(context, ready, max_cells=MAX_CELLS)
@@ -198,11 +199,12 @@ class Linter:
             context = linting.context
             _share(answers, context)
             began = thread_time()
-            late = findings_in(context, linting.waiting, max_cells=MAX_CELLS)
+            known = linting.report.diagnostics
+            late = findings_in(context, linting.waiting, max_cells=MAX_CELLS, known=known)
             # Together, since one rule computes what others then have.
             if thread_time() - began <= LONG:
                 self._late.clear()
-            found = [*linting.report.diagnostics, *late]
+            found = [*known, *late]
             found.sort(key=lambda each: (each.line, each.column, each.code))
             linting.report = replace(linting.report, diagnostics=found)
             linting.waiting = linting.outdated = ()

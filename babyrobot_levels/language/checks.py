@@ -15,7 +15,7 @@ from babyrobot_levels.language.geometry import (
     painted,
     show_cell,
 )
-from babyrobot_levels.language.metric_names import THINGS
+from babyrobot_levels.language.metric_names import NEEDS, THINGS
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.words import did_you_mean
@@ -326,7 +326,7 @@ def _check_expectations(level: LevelFields) -> Iterator[Issue]:
         return
     for name, value in level.expect.stated.items():
         route = ("expect", name)
-        if name in THINGS and not level.has_things:
+        if name in (*THINGS, *NEEDS) and not level.has_things:
             message = f"only levels with things have `{name}`, and this one has none"
             yield Issue("BR326", Key(route), message, f"remove `{name}`")
         elif name == "needs":

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 from pydantic import PrivateAttr, model_validator
 
 from babyrobot_levels.language.checks import issues_of
+from babyrobot_levels.language.expectations import decimals_in
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
@@ -16,6 +17,7 @@ from babyrobot_levels.text.errors import InvalidDocument, LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.drawing import Drawing
+    from babyrobot_levels.text.document import Document
     from babyrobot_levels.text.source import SourceFile
 
 
@@ -97,6 +99,23 @@ class LevelSpec(LevelFields):
                 if not data[field]:
                     del data[field]
         return {name: data[name] for name in type(self).model_fields if name in data}
+
+    def stated_decimals(self, document: Document | None = None) -> dict[str, int]:
+        """Return with how many decimals the figures in `expect` are written, by their names.
+
+        Args:
+            document: the text of the level; by default it is read again, if there is one.
+        """
+        from babyrobot_levels.text.reader import read
+
+        stated = {} if self.expect is None else self.expect.stated
+        if document is None and self._origin is not None:
+            document = read(self._origin)
+        return {
+            name: decimals_in(document, name, value)
+            for name, value in stated.items()
+            if isinstance(value, float)
+        }
 
     def to_yaml(self, *, comments: bool = False) -> str:
         """Return the level as canonical YAML: fields in order, each in one form.

@@ -18,3 +18,6 @@ NEEDS = ("needs", "dependencies", "distractors")
 """Those for which it is compiled without the effect of some things; only levels with things."""
 
 METRICS = (*SHAPE, *PATHS, *THINGS, *SOLVED, *NEEDS)
+
+SHARES = ("reachable", "success", "wet_share", "irreversible")
+"""Shares and probabilities: of these, 0 and 1 are never rounded."""

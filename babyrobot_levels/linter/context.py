@@ -22,6 +22,7 @@ from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile, Span
 
 if TYPE_CHECKING:
+    from babyrobot_levels.analysis.metrics import Metrics
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.linter.optimal_policy import Necessity
     from babyrobot_levels.linter.terrain import AreaEffect, Barriers, TerrainEffects
@@ -240,6 +241,17 @@ class LintContext:
         from babyrobot_levels.linter.optimal_policy import solution_of
 
         return solution_of(self.level)
+
+    @cached_property
+    def metrics(self) -> Metrics:
+        """The metrics, which have the solution that other rules read."""
+        from babyrobot_levels.analysis.metrics import Metrics
+        from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
+
+        found = Metrics(self.level)
+        if self.mdp.num_states <= MAX_SOLVED:
+            vars(found)["solution"] = self.solution
+        return found
 
     @cached_property
     def necessity(self) -> Necessity:

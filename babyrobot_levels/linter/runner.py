@@ -11,6 +11,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.linter.rule import Rule
+from babyrobot_levels.linter.rules.expectations import BROKEN_EXPECTATION, not_clean
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.suites.checking import check_document
 from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix, Issue, Severity
@@ -57,8 +58,8 @@ class Report:
 
     @property
     def is_valid(self) -> bool:
-        """Whether the text has no errors."""
-        return not any(each.severity is Severity.ERROR for each in self.diagnostics)
+        """Whether the text has no errors that keep it from loading."""
+        return self.level is not None or not self.diagnostics
 
 
 def lint_source(
@@ -113,16 +114,23 @@ def names_of(rules: Iterable[Rule]) -> frozenset[str]:
 
 
 def findings_in(
-    context: LintContext, rules: Sequence[Rule], *, max_cells: int | None = None
+    context: LintContext,
+    rules: Sequence[Rule],
+    *,
+    max_cells: int | None = None,
+    known: Sequence[Diagnostic] = (),
 ) -> list[Diagnostic]:
     """Return the findings of rules in a level, sorted by position; see `lint_source`.
 
-    Rules are in the order of their codes: the last one checks which suppressions were used.
+    `known` are those of other rules, which are found already.
+
+    Rules are in the order of their codes: the last one checks which suppressions were used. What
+    a level that expects to be clean has is told once all is found.
     """
     columns, rows = context.level.size
     is_small = max_cells is None or columns * rows <= max_cells
     has_tables = is_small and not context.level.has_random_maze
-    found = []
+    found: list[Diagnostic] = []
     for rule in rules:
         if rule.check is None or (rule.needs in (Needs.TABLES, Needs.SIZE) and not has_tables):
             continue
@@ -130,6 +138,12 @@ def findings_in(
             continue
         diagnostics = [diagnostic_of(rule, finding, context) for finding in rule.check(context)]
         found += [each for each in diagnostics if not is_suppressed(rule, each, context)]
+    for rule in rules if context.level.expect is not None else ():
+        if rule.code == BROKEN_EXPECTATION:
+            others = [each for each in (*known, *found) if each.code != rule.code]
+            findings = not_clean(context, [each for each in others if not is_note(each)])
+            diagnostics = [diagnostic_of(rule, finding, context) for finding in findings]
+            found += [each for each in diagnostics if not is_suppressed(rule, each, context)]
     return sorted(found, key=lambda each: (each.line, each.column, each.code))
 
 

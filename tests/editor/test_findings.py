@@ -202,3 +202,21 @@ def test_rules_that_became_quick_are_applied_at_once_again(
     state = ask(session, do="set", route=["title"], value="Two")
     assert not state["findings_pending"]
     assert found(state)
+
+
+def test_broken_facts_are_told_live_at_their_lines() -> None:
+    session = Session("version: 1\nsize: [4, 1]\nexpect:\n  path_length: 3\n  lint: clean\n")
+    assert found(ask(session, do="answers")) == []
+    ask(session, do="resize", size=[5, 1], shift=[0, 0])
+    told = [(each["line"], each["message"]) for each in found(ask(session, do="answers"))]
+    assert told == [(4, "`path_length` is 4, not 3")]
+    assert "expect:\n  path_length: 3\n" in session.text
+
+
+def test_a_level_is_not_clean_for_what_is_found_late(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(findings, "LONG", 0.0)
+    session = Session("version: 1\nsize: [4, 1]\nexpect: {lint: clean}\nmax_steps: 9\n")
+    for steps in (8, 2):
+        ask(session, do="set", route=["max_steps"], value=steps)
+        late = {each["code"] for each in found(ask(session, do="answers"))}
+    assert late >= {"BR511", "BR540"}

@@ -16,6 +16,7 @@ from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile
 
+DEFAULT = select(None)
 PLAY = [rule for rule in all_rules() if rule.code.startswith("BR5") and rule.check is not None]
 
 
@@ -177,3 +178,52 @@ def test_the_first_field_out_of_order_is_reported(names: list[str], message: str
     values = {"version": "1", "title": "x", "size": "[3, 3]", "start": "[0, 0]", "exit": "[2, 2]"}
     text = "".join(f"{name}: {values[name]}\n" for name in names)
     assert [each.message for each in found(text, "BR604")] == ([message] if message else [])
+
+
+# -- expectations ------------------------------------------------------------------------------
+
+EXPECTING = "version: 1\nsize: [4, 1]\nexpect:\n  path_length: 3\n  lint: clean\n"
+
+
+def told(text: str) -> list[tuple[str, int]]:
+    return [
+        (each.code, each.line)
+        for each in lint_source(SourceFile("x.yaml", text), DEFAULT).diagnostics
+    ]
+
+
+def test_a_level_without_other_findings_is_clean() -> None:
+    assert told(EXPECTING) == []
+    # Notes do not count.
+    assert told("version: 1\nsize: [6, 6]\nmaze: {seed: 1}\nexpect: {lint: clean}\n") == [
+        ("BR502", 3)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("field", "code"),
+    [("walls: []", "BR609"), ("max_steps: 2", "BR511"), ("skid: 0.0", "BR522")],
+)
+def test_findings_of_other_rules_are_told_where_none_are_expected(field: str, code: str) -> None:
+    assert told(f"{EXPECTING}{field}\n")[:1] == [("BR540", 5)]
+    assert code in {each for each, _ in told(f"{EXPECTING}{field}\n")}
+
+
+def test_another_broken_fact_is_told_once() -> None:
+    assert told(EXPECTING.replace("3", "2")) == [("BR540", 4)]
+
+
+def test_broken_facts_can_be_ignored() -> None:
+    text = EXPECTING.replace("3", "2  # babyrobot: ignore[broken-expectation] later")
+    assert told(text) == []
+    assert told(text.replace("2  #", "3  #")) == [("BR699", 4), ("BR540", 5)]
+
+
+def test_fixes_are_applied_beside_broken_facts() -> None:
+    fixed = fix(SourceFile("x.yaml", f"{EXPECTING.replace('3', '2')}walls: []\n"), DEFAULT)
+    assert fixed.text == EXPECTING.replace("3", "2")
+
+
+def test_facts_of_the_largest_levels_are_told_not_to_be_checked() -> None:
+    large = EXPECTING.replace("[4, 1]", "[1024, 1024]\nskid: 0.2")
+    assert told(large) == [("BR539", 2), ("BR540", 4)]

@@ -122,13 +122,12 @@ def documents() -> dict[str, str]:
 
 def as_markdown(rule: Rule) -> str:
     """Return a page of the documentation."""
-    kind = {
-        Severity.ERROR: "Error: the level does not load.",
-        Severity.WARNING: "Rule of play, severity `warning`.",
-        Severity.INFO: "Rule of style, severity `info`.",
-    }[rule.severity]
-    if rule.code.startswith("BR7"):
-        kind = "Error: no pack is written."
+    kind = {"BR5": "Rule of play", "BR6": "Rule of style"}.get(rule.code[:3])
+    if kind is not None:
+        kind += f", severity `{rule.severity.value}`."
+    else:
+        is_of_pack = rule.code.startswith("BR7")
+        kind = f"Error: {'no pack is written' if is_of_pack else 'the level does not load'}."
     if not rule.default:
         kind += " Off by default."
     return f"# {rule.name} ({rule.code})\n\n{kind}\n\n{rule.page.rstrip()}\n"
@@ -141,16 +140,16 @@ def index() -> str:
         "`babyrobot validate` reports errors; `babyrobot lint` also reports what the rules find. "
         "`babyrobot rule CODE` shows a page in the terminal. See also [linting](../linting.md).\n"
     ]
-    for title, severity in (
-        ("Errors", Severity.ERROR),
-        ("Rules of play", Severity.WARNING),
-        ("Rules of style", Severity.INFO),
+    for title, codes in (
+        ("Errors", ("BR1", "BR2", "BR3", "BR4", "BR7")),
+        ("Rules of play", "BR5"),
+        ("Rules of style", "BR6"),
     ):
         parts.append(f"\n## {title}\n\n| Code | Name | Description |\n|---|---|---|\n")
         parts += [
             f"| [{rule.code}]({rule.name}.md) | `{rule.name}` | {rule.summary} |\n"
             for rule in all_pages()
-            if rule.severity is severity
+            if rule.code.startswith(codes)
         ]
     return "".join(parts)
 
