@@ -58,6 +58,8 @@ class LevelScore:
         low: the lower end of the 95 % confidence interval of the expected return; equal to it if
             the score is exact.
         high: the upper end.
+        invalid: of an agent that reads and writes, how many replies of an episode were invalid, on
+            average; else 0.
     """
 
     __module__ = "babyrobot_levels"
@@ -76,6 +78,12 @@ class LevelScore:
     episodes: int
     low: float
     high: float
+    invalid: float = 0.0
+
+    @property
+    def regret_interval(self) -> tuple[float, float]:
+        """The 95 % confidence interval of `regret`; both ends equal it if the score is exact."""
+        return self.optimum - self.high, self.optimum - self.low
 
     @property
     def share_interval(self) -> tuple[float, float]:
@@ -342,11 +350,13 @@ class Played:
         returns: `[episodes]`.
         lowest: the lowest return that there can be.
         highest: the highest.
+        invalid: how many replies of an episode were invalid, on average.
     """
 
     returns: Floats
     lowest: float
     highest: float
+    invalid: float = 0.0
 
     def interval(self) -> tuple[float, float]:
         """Return a 95 % confidence interval of the expected return."""

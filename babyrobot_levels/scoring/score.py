@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +27,9 @@ from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.render.sights import SIGHTS
 from babyrobot_levels.scoring.agents import Chooser, Player, Table, read_agent
+from babyrobot_levels.scoring.conversations import converse
 from babyrobot_levels.scoring.results import LevelScore, Played, Scores, extremes
 from babyrobot_levels.suites.suite import Suite, named_levels
 from babyrobot_levels.text.words import keywords_told
@@ -54,8 +57,11 @@ def score(
     actions: str = "all",
     deterministic: bool = True,
     batched: bool = False,
-    episodes: int = 1000,
+    episodes: int | None = None,
     seed: int = 0,
+    sight: str | None = None,
+    chat: bool = False,
+    record: str | os.PathLike[str] | None = None,
     **options: Any,
 ) -> Scores:
     """Return the scores of an agent: its expected return in each level, beside the best one.
@@ -63,6 +69,9 @@ def score(
     An agent without memory is turned into a table of what it does in each state, from which its
     expected return follows exactly, whatever it observes. One with memory plays episodes; if these
     are fewer than 100, a warning says so.
+
+    With a sight, the agent reads and writes: it plays episodes in `brl.TextWorld`s, and its
+    returns are told without the luck of the outcomes, which changes no mean.
 
     Args:
         agent: one of
@@ -75,7 +84,9 @@ def score(
               with `batched`, from many observations `[n, …]` at once (of JAX, for example);
             - a model of Stable-Baselines3 or sb3-contrib, or an `RLModule` of RLlib;
             - an object with memory: `reset()` begins an episode, and `act(observation, mask)`
-              returns an action.
+              returns an action;
+            - with `sight`, a function from a text to a reply; with `chat`, a chat model: a function
+              from messages, dicts with `role` and `content`, to the next reply.
         levels: a level, several, a folder, a pack or a suite: names, paths, mappings, `Level`s.
         split: the part of a suite that is scored.
         within: the number of steps after which episodes are truncated, or `"max_steps"`; by
@@ -86,15 +97,20 @@ def score(
         actions: the set of actions, as in environments.
         deterministic: whether a model takes its most likely action instead of sampling.
         batched: whether a function takes many observations at once.
-        episodes: the number of episodes in each level, for agents with memory.
+        episodes: the number of episodes in each level, for agents with memory (by default 1,000)
+            and for those that read and write (by default 10).
         seed: their seed.
+        sight: what an agent sees that reads and writes: `"map"`, `"view"` or `"words"`.
+        chat: whether it gets all messages so far, instead of the rules and what is seen now.
+        record: a file to which its episodes are appended as plays, such as `model.brlplay`.
         options: the other options of the observation.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value, or there is no limit and the optimum of
-            a level is infinite.
+            a level is infinite, or the agent reads and writes.
+        OSError: the file for plays cannot be written.
         EpisodeTooLongError: the limit of a level is so large that this takes too long.
         TypeError: the agent is none that scoring knows.
     """
@@ -112,15 +128,26 @@ def score(
         agent = {
             each.level.digest: solve(each.level, each.discount, actions=own) for each in problems
         }
-    taken = read_agent(
-        agent, ACTION_SETS[actions].num_actions, deterministic=deterministic, batched=batched
-    )
+    taken: Any = agent
+    if sight is None:
+        taken = read_agent(
+            agent, ACTION_SETS[actions].num_actions, deterministic=deterministic, batched=batched
+        )
+        episodes = 1000 if episodes is None else episodes
+    else:
+        check_choice("sight", sight, SIGHTS)
+        _check_reader(agent, actions, problems)
+        episodes = 10 if episodes is None else episodes
+    if episodes < 1:
+        raise ValueError(f"episodes must be at least 1, not {episodes}")
     best = _best(problems)
     chance = _worth(
         problems, [weights_by_step("random", each.space, each.limit) for each in problems]
     )
     played: list[Played] = []
-    if isinstance(taken, Player):
+    if sight is not None:
+        worth, played = _conversed(taken, problems, episodes, seed, sight, chat, record)
+    elif isinstance(taken, Player):
         worth, played = _played(taken, problems, chosen, extent, actions, episodes, seed)
     else:
         worth = _worth(problems, [_policy(taken, problem, chosen, extent) for problem in problems])
@@ -129,7 +156,7 @@ def score(
         for number, problem in enumerate(problems)
     ]
     scores = Scores(rows, played)
-    if scores.notice is not None:
+    if scores.notice is not None and sight is None:
         warnings.warn(scores.notice, stacklevel=3)
     return scores
 
@@ -224,20 +251,63 @@ def _played(
     seed: int,
 ) -> tuple[Worth, list[Played]]:
     """Return what an agent with memory earned on average, and in each episode."""
-    if episodes < 1:
-        raise ValueError(f"episodes must be at least 1, not {episodes}")
     rows, played = np.zeros((3, len(problems))), []
     for number, problem in enumerate(problems):
         env = _ScoredEnv(problem.level, observation, extent, actions)
-        # Seeded once: all episodes of a level are from one stream of random numbers. Each level has
-        # its own stream: what is common to all would not average out.
-        entropy = [seed, int(problem.level.digest.removeprefix("sha256:"), 16)]
-        (first,) = np.random.SeedSequence(entropy).generate_state(1).tolist()
-        seeds = [first, *[None] * (episodes - 1)]
+        # Seeded once: all episodes of a level are from one stream of random numbers.
+        seeds = [*_seeds(problem, seed, 1), *[None] * (episodes - 1)]
         runs = np.array([_episode(agent, env, problem, each) for each in seeds])
         rows[:, number] = runs.mean(axis=0)
         limits = extremes(problem.space, problem.limit or MAX_STEPS, problem.discount)
         played.append(Played(runs[:, 0], *limits))
+    return Worth(*rows), played
+
+
+def _seeds(problem: _Problem, seed: int, count: int) -> list[int]:
+    """Return seeds that no other level has: what is common to all would not average out."""
+    entropy = [seed, int(problem.level.digest.removeprefix("sha256:"), 16)]
+    found: list[int] = np.random.SeedSequence(entropy).generate_state(count).tolist()
+    return found
+
+
+def _check_reader(agent: Any, actions: str, problems: Sequence[_Problem]) -> None:
+    """Check that an agent reads and writes, in levels with a limit.
+
+    Raises:
+        TypeError: it is no function.
+        ValueError: there is no limit, or another set of actions.
+    """
+    if not callable(agent):
+        raise TypeError(f"an agent that reads and writes is a function, not {type(agent).__name__}")
+    if actions != "all":
+        raise ValueError(f"agents that read and write have actions='all', not {actions!r}")
+    for each in problems:
+        if each.limit is None:
+            name = each.level.name or each.level.digest
+            raise ValueError(f"{name} has no max_steps; give a number of steps, such as within=200")
+
+
+def _conversed(
+    agent: Callable[[Any], Any],
+    problems: Sequence[_Problem],
+    episodes: int,
+    seed: int,
+    sight: str,
+    chat: bool,
+    record: str | os.PathLike[str] | None,
+) -> tuple[Worth, list[Played]]:
+    """Return what an agent that reads and writes earned on average, and in each episode."""
+    rows, played = np.zeros((3, len(problems))), []
+    for number, problem in enumerate(problems):
+        level = problem.level
+        if problem.discount != level.discount:
+            level = level.replace(discount=problem.discount)
+        assert problem.limit is not None
+        seeds = _seeds(problem, seed, episodes)
+        rows[:, number], found = converse(
+            agent, level, sight, chat=chat, limit=problem.limit, seeds=seeds, record=record
+        )
+        played.append(found)
     return Worth(*rows), played
 
 
@@ -301,6 +371,7 @@ def _row(
         episodes=0 if played is None else len(played.returns),
         low=low,
         high=high,
+        invalid=0.0 if played is None else played.invalid,
     )
 
 

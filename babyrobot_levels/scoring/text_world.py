@@ -77,7 +77,6 @@ class TextWorld:
         optimum: the optimal expected return of an episode.
         done: whether the episode is over; True before the first `reset`.
         is_success: whether the episode ended at an exit.
-        moves: the steps of the episode so far, graded.
         invalid: how many calls could not be carried out in this episode: wrong directions, and
             moves after its end.
         seed: the seed of the episode.
@@ -177,24 +176,34 @@ class TextWorld:
     # -- grades ----------------------------------------------------------------------------
 
     @property
+    def moves(self) -> tuple[GradedMove, ...]:
+        """The steps of the episode so far, graded."""
+        return tuple(self._moves)
+
+    @property
     def state(self) -> int:
         """The present state, as `level.compile()` numbers it; -1 before the first `reset`."""
         return self._env.state
 
     @property
+    def largest_regret(self) -> float:
+        """A bound of the regret that an episode can have."""
+        return self._stage.values.largest_regret
+
+    @property
     def return_(self) -> float:
         """The discounted sum of the rewards so far."""
-        return self._sum([move.reward for move in self.moves])
+        return self._totals[0]
 
     @property
     def regret(self) -> float:
         """What the moves so far have lost: the discounted sum of their advantages, negated."""
-        return self._sum([-move.advantage for move in self.moves])
+        return self._totals[1]
 
     @property
     def luck(self) -> float:
         """What chance has added so far: by the start that it drew, and by all outcomes."""
-        return self._begun + self._sum([move.luck for move in self.moves])
+        return self._totals[2]
 
     @property
     def reward(self) -> float:
@@ -206,12 +215,12 @@ class TextWorld:
     @property
     def blunders(self) -> int:
         """How many moves were blunders."""
-        return sum(move.is_blunder for move in self.moves)
+        return sum(move.is_blunder for move in self._moves)
 
     @property
     def loops(self) -> int:
         """How many moves led to a state in which the episode had been before."""
-        return sum(move.is_loop for move in self.moves)
+        return sum(move.is_loop for move in self._moves)
 
     @property
     def play(self) -> Play:
@@ -220,7 +229,7 @@ class TextWorld:
         Raises:
             PlayError: there is no step yet.
         """
-        if not self.moves:
+        if not self._moves:
             raise PlayError("the episode has no step yet")
         end = "unfinished" if not self.done else "terminated" if self._ended else "truncated"
         return play_of(
@@ -230,15 +239,11 @@ class TextWorld:
             max_steps=self.within,
             seed=str(self.seed),
             start="drawn",
-            states=[*(move.state for move in self.moves), self.state],
-            actions=[Action[move.action.upper()].value for move in self.moves],
-            rewards=[move.reward for move in self.moves],
+            states=[*(move.state for move in self._moves), self.state],
+            actions=[Action[move.action.upper()].value for move in self._moves],
+            rewards=[move.reward for move in self._moves],
             end=end,
         )
-
-    def _sum(self, amounts: list[float]) -> float:
-        rate = self.level.discount
-        return sum((amount * rate**step for step, amount in enumerate(amounts)), 0.0)
 
     # -- episodes --------------------------------------------------------------------------
 
@@ -254,10 +259,11 @@ class TextWorld:
 
     def _begin(self) -> None:
         values, state = self._stage.values, self.state
-        self.moves: tuple[GradedMove, ...] = ()
+        self._moves: list[GradedMove] = []
         self.invalid, self.done, self._ended, self.is_success = 0, False, False, False
         self._visited = {state}
-        self._begun = values.value(state, self.within) - self.optimum if state >= 0 else 0.0
+        by_start = values.value(state, self.within) - self.optimum if state >= 0 else 0.0
+        self._totals = 0.0, 0.0, by_start
 
     def _step(self, action: Action) -> str:
         if self.done:
@@ -266,7 +272,7 @@ class TextWorld:
         values, before = self._stage.values, self.state
         possible = bool(self._env.action_masks()[action])
         _, reward, self._ended, _, info = self._env.step(int(action))
-        after, left = self.state, self.within - len(self.moves)
+        after, left = self.state, self.within - len(self._moves)
         found = values.action_values(before, left)
         lost = float(found.max() - found[action])
         if lost <= _EQUAL * float(np.abs(found).max()):
@@ -282,7 +288,14 @@ class TextWorld:
             is_loop=after in self._visited,
         )
         self._visited.add(after)
-        self.moves = (*self.moves, move)
+        factor = self.level.discount ** len(self._moves)
+        earned, missed, added = self._totals
+        self._totals = (
+            earned + factor * move.reward,
+            missed + factor * lost,
+            added + factor * move.luck,
+        )
+        self._moves.append(move)
         self.done = self._ended or left == 1
         self.is_success = self._ended and bool(values.space.exits[after])
         told = [*self._told(action, before, info, possible=possible)]
@@ -309,18 +322,18 @@ class TextWorld:
             yield f"The {hitter(level, mdp, before, action, after)} hits the robot!"
 
     def _count(self) -> str:
-        limit, steps = self.within, len(self.moves)
-        rewards = [move.reward for move in self.moves]
-        return f"Step {steps} of {limit}: reward {rewards[-1]:g}, together {self.return_:g}."
+        limit, steps = self.within, len(self._moves)
+        reward = self._moves[-1].reward
+        return f"Step {steps} of {limit}: reward {reward:g}, together {self.return_:g}."
 
     def _over(self) -> str:
-        if not self.moves:
+        if not self._moves:
             return "There is no episode: reset the world to begin one."
         where = "for want of steps"
         if self._ended:
             cell = self.level.compile().cell(self.state)
             where = "at the exit" if self.is_success else f"at {show_cell(cell)}"
-        steps = counted(len(self.moves), "step")
+        steps = counted(len(self._moves), "step")
         return f"The episode is over: it ended {where} after {steps}, with {self.return_:g} in all."
 
 
