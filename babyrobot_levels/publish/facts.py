@@ -7,17 +7,20 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from babyrobot_levels.analysis.metrics import metrics as metrics_of
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.language.kinds import KINDS, THINGS
+from babyrobot_levels.language.metric_names import MISTAKES, NEEDS
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.metrics import Metrics
     from babyrobot_levels.library.level import Level
+
+
+HARDNESS = ("success", *MISTAKES, *NEEDS)
+"""The metrics that tell why a level is hard."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,8 @@ class Facts:
         ending: how episodes of the optimal policy end that do not end at an exit; None if
             all do.
         maze_seed: the seed of the maze that is shown, if that of the level is random; else None.
+        hardness: the metrics of `HARDNESS` as in `brl.metrics`, None where undefined; empty in a
+            gallery without answers.
     """
 
     id: str
@@ -104,6 +109,7 @@ class Facts:
     license: str = ""
     ending: str | None = None
     maze_seed: int | None = None
+    hardness: dict[str, Any] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the facts as plain data, for `gallery.json`.
@@ -117,6 +123,8 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float):
         # Nine digits are the same on every platform; the last ones are not.
         return float(f"{value:.9g}") if math.isfinite(value) else str(value)
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
     return list(value) if isinstance(value, tuple) else value
 
 
@@ -126,7 +134,8 @@ def measured(level: Level) -> Metrics | None:
     Args:
         level: the level; a maze needs a seed.
     """
-    return metrics_of(level) if level.compile().num_states <= MAX_SOLVED else None
+    found = metrics_of(level)
+    return found if found.states <= MAX_SOLVED else None
 
 
 def facts_of(
@@ -163,7 +172,7 @@ def facts_of(
         split=split,
         digest=level.digest,
         size=level.size,
-        states=int(np.count_nonzero(reached)),
+        states=(metrics or metrics_of(level)).states,
         max_steps=level.max_steps,
         discount=level.discount,
         deterministic=bool(chances.max(initial=0) <= 1),
@@ -176,6 +185,7 @@ def facts_of(
         files=files,
         words=tuple(dict.fromkeys(_words(level))),
         ending=None if metrics is None else metrics.ending,
+        hardness={} if metrics is None else {name: getattr(metrics, name) for name in HARDNESS},
         maze_seed=maze_seed,
     )
 

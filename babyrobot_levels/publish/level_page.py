@@ -181,6 +181,7 @@ def _facts(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]:
         yield "Ending", facts.ending
     if facts.difficulty is not None:
         yield "Difficulty", rounded(facts.difficulty)
+    yield from _hardness(facts)
     if contents := (*facts.things, *facts.features):
         yield "Contains", ", ".join(contents)
     if facts.tags:
@@ -190,6 +191,14 @@ def _facts(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]:
     if facts.name:
         yield "Name", facts.name
     yield "Digest", facts.digest
+
+
+def _hardness(facts: Facts) -> Iterator[tuple[str, str]]:
+    """Yield why a level is hard, each reason with its name."""
+    for name, value in facts.hardness.items():
+        if value and name != "success":
+            told = ", ".join(value) if isinstance(value, tuple) else f"{value:.3g}"
+            yield name.capitalize(), told
 
 
 def _downloads(facts: Facts, sizes: Mapping[str, int]) -> Iterator[tuple[str, str, str, str]]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from urllib.parse import quote
 
+from babyrobot_levels.analysis.endings import SURE
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.play import program
@@ -17,6 +18,9 @@ from babyrobot_levels.render.templates import embedded_json, html, put_together
 
 DIFFICULTIES = (("easy", 5), ("medium", 7), ("hard", math.inf))
 """The words for difficulties, each with the difficulty below which it applies."""
+
+MANY_DECISIONS = 10
+"""More of them are many."""
 
 SIZES = (("small", 25), ("medium", 100), ("large", math.inf))
 """The words for sizes, each with the largest number of cells to which it applies."""
@@ -63,6 +67,8 @@ class Facet:
         values_of: its values of a level.
         values: all its values, in order; None if the most common one comes first.
         hints: what some of the values mean.
+        has_icons: whether each of its values has an icon.
+        tells: whether it tells something about the answers.
     """
 
     name: str
@@ -70,6 +76,8 @@ class Facet:
     values_of: Callable[[Facts], Iterable[str]]
     values: Sequence[str] | None = None
     hints: Mapping[str, str] = field(default_factory=dict)
+    has_icons: bool = False
+    tells: bool = False
 
 
 FACETS = (
@@ -79,6 +87,22 @@ FACETS = (
         lambda facts: filter(None, [_difficulty(facts)]),
         tuple(word for word, _ in DIFFICULTIES),
         {"easy": "below 5", "medium": "5 to 7", "hard": "7 and more"},
+        has_icons=True,
+        tells=True,
+    ),
+    Facet(
+        "hard",
+        "Hard by",
+        lambda facts: _hardships(facts),
+        ("mistakes", "decisions", "order", "distractors", "luck"),
+        {
+            "mistakes": "some are for ever",
+            "decisions": f"more than {MANY_DECISIONS}",
+            "order": "one thing for another",
+            "distractors": "things of no use",
+            "luck": "the best may fail",
+        },
+        tells=True,
     ),
     Facet(
         "size",
@@ -92,8 +116,15 @@ FACETS = (
         "Transitions",
         lambda facts: [_outcomes(facts)],
         ("deterministic", "stochastic"),
+        has_icons=True,
     ),
-    Facet("has", "Contains", lambda facts: (*facts.things, *facts.features), CONTENTS),
+    Facet(
+        "has",
+        "Contains",
+        lambda facts: (*facts.things, *facts.features),
+        CONTENTS,
+        has_icons=True,
+    ),
     Facet("split", "Split", lambda facts: filter(None, [facts.split])),
     Facet("tag", "Tags", lambda facts: facts.tags),
 )
@@ -111,7 +142,7 @@ def wall_html(
         key: whether it is the teacher's copy, which shows the answers from the start.
         home: the address that the page links back to; None for no link.
     """
-    facets = [each for each in FACETS if answers or each.name != "difficulty"]
+    facets = [each for each in FACETS if answers or not each.tells]
     options = {each.name: _options(each, facts) for each in facets}
     # A box is known by its place: a tile's row of data names the boxes that fit it.
     places = {
@@ -171,6 +202,21 @@ def _difficulty(facts: Facts) -> str | None:
     # As it is written: what is shown as 5.0 is not below 5.
     written = round(facts.difficulty, 1)
     return next(word for word, end in DIFFICULTIES if written < end or end == math.inf)
+
+
+def _hardships(facts: Facts) -> Iterator[str]:
+    """Yield why a level is hard, beside its difficulty."""
+    known = {name: value for name, value in facts.hardness.items() if value is not None}
+    if known.get("irreversible", 0) > 0:
+        yield "mistakes"
+    if known.get("decisions", 0) > MANY_DECISIONS:
+        yield "decisions"
+    if known.get("dependencies", 0) > 1:
+        yield "order"
+    if known.get("distractors", 0) > 0:
+        yield "distractors"
+    if known.get("success", 1) < 1 - SURE:
+        yield "luck"
 
 
 def _outcomes(facts: Facts) -> str:

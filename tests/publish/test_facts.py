@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
+from babyrobot_levels.publish.facts import HARDNESS, Facts, Files, facts_of, measured
 
 FILES = Files("a/index.html", "a/level.yaml", "a/a.svg", "a/a.png", "a/tile.png", None)
 
@@ -58,6 +58,7 @@ def test_numbers_are_those_of_the_metrics(name: str) -> None:
     for field in ("best_return", "best_steps", "random_return", "difficulty", "ending"):
         assert getattr(found, field) == getattr(metrics, field)
     assert found.states == next(brl.metrics_many([name])).states
+    assert found.hardness == {field: getattr(metrics, field) for field in HARDNESS}
     assert found.digest == brl.load(name).digest
 
 

@@ -208,6 +208,7 @@ def test_no_file_of_a_gallery_without_answers_contains_the_optimum(
     for each in made.levels:
         answers = ("best_return", "best_steps", "random_return", "difficulty")
         assert [each[name] for name in answers] == [None] * 4
+        assert each["hardness"] == {}
         assert each["files"]["film"] is None
         assert each["files"]["values"] is None
     best = brl.solve("final-maze").expected_return

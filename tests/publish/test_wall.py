@@ -101,6 +101,21 @@ def test_an_undefined_difficulty_is_not_shown_and_sorts_nowhere() -> None:
     assert [row[4] for row in page.rows()] == [None, 6.0]
 
 
+def test_levels_are_filtered_by_what_makes_them_hard() -> None:
+    easy = {"irreversible": 0.0, "decisions": 10, "dependencies": 1, "distractors": 0}
+    hard = {"irreversible": 0.1, "decisions": 11, "dependencies": 2, "distractors": 1}
+    facts = [
+        facts_of_wall("a", hardness={**easy, "success": 1.0}),
+        facts_of_wall("b", hardness={**hard, "success": 0.9}),
+        facts_of_wall("c", hardness=dict.fromkeys([*hard, "success"])),
+    ]
+    page = wall(facts)
+    values = ("mistakes", "decisions", "order", "distractors", "luck")
+    assert page.boxes()[:5] == [("hard", value) for value in values]
+    assert [row[0] for row in page.rows()] == [[], [0, 1, 2, 3, 4], []]
+    assert "hard" not in {name for name, _ in wall(facts, answers=False).boxes()}
+
+
 def test_filters_are_what_some_levels_have_but_not_all() -> None:
     facts = [
         facts_of_wall("a", size=(3, 3), tags=("maze", "easy"), things=("doors",), split="train"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from typing import Any
 
 from babyrobot_levels.publish.facts import Facts, Files
 
@@ -21,6 +22,7 @@ def facts_of_wall(
     best_steps: float | None = 4.0,
     difficulty: float | None = 2.0,
     film: bool = False,
+    hardness: dict[str, Any] | None = None,
 ) -> Facts:
     """Return the facts of a level that is deterministic."""
     return Facts(
@@ -52,4 +54,5 @@ def facts_of_wall(
             tile=f"{name}/tile.png",
             film=f"{name}/film.gif" if film else None,
         ),
+        hardness=hardness or {},
     )
