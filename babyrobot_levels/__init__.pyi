@@ -117,6 +117,7 @@ from .suites.batch import FolderError as FolderError
 from .suites.batch import Generated as Generated
 from .suites.checking import format as format
 from .suites.checking import validate as validate
+from .suites.expecting import expect as expect
 from .suites.generate import GeneratedLevels as GeneratedLevels
 from .suites.generate import generate as generate
 from .suites.suite import Suite as Suite

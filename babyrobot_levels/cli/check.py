@@ -132,7 +132,7 @@ def format_levels(
     changed = [path for path, outcome in outcomes.items() if outcome.differs]
     unwritten = 0
     if diff:
-        _show_changes((path, each.before, each.text) for path, each in outcomes.items())
+        show_changes((path, each.before, each.text) for path, each in outcomes.items())
     elif not check:
         unwritten = sum(not _write(path, outcomes[path]) for path in outcomes)
     # Standard output may hold formatted texts or diffs, and then nothing else.
@@ -180,7 +180,7 @@ def _write(path: Path, outcome: Outcome) -> bool:
     return True
 
 
-def _show_changes(changes: Iterable[tuple[Path, str, str]]) -> None:
+def show_changes(changes: Iterable[tuple[Path, str, str]]) -> None:
     """Write what changes in files, their texts before and after it, as unified diffs."""
     color = wants_color(sys.stdout)
     for path, before, after in changes:
@@ -297,7 +297,7 @@ def _lint(
     )
     if diff:
         changed = {path: each for path, each in outcomes.items() if each.text is not None}
-        _show_changes((path, each.before or "", each.text or "") for path, each in changed.items())
+        show_changes((path, each.before or "", each.text or "") for path, each in changed.items())
         return bool(changed)
     for path, outcome in outcomes.items():
         if options.fix:

@@ -45,6 +45,7 @@ COMMANDS = {
     "validate": Line("Check", "check:validate", "Check level files for errors."),
     "lint": Line("Check", "check:lint", "Check level files for errors and likely mistakes."),
     "format": Line("Check", "check:format_levels", "Format level files."),
+    "expect": Line("Check", "expect:expect", "State facts about levels in their files."),
     "rule": Line("Check", "check:rule", "Explain an error code or a lint rule."),
     "preview": Line("Look and play", "preview:preview", "Draw a level, or save a picture or page."),
     "play": Line("Look and play", "play:play", "Play a level in the terminal."),

@@ -22,6 +22,7 @@ COMMANDS = {
     "generate": "make build grow batch random",
     "list": "levels ls tags search",
     "list --packs": "packs",
+    "expect": "assert promise state claim",
     "list --suites": "suite suites",
     "rule": "rules explain error",
     "share": "link url code",

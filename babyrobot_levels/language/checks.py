@@ -316,13 +316,16 @@ def _check_wind(level: LevelFields) -> Iterator[Issue]:
             )
 
 
+RANDOM_MAZE = "nothing can be said of a maze that is not drawn yet (`seed: random`)"
+
+
 def _check_expectations(level: LevelFields) -> Iterator[Issue]:
     """Yield what cannot be true of any level, or not of one like this, without its tables."""
     if level.expect is None:
         return
     if level.maze is not None and level.maze.seed == "random":
-        message = "nothing can be said of a maze that is not drawn yet (`seed: random`)"
-        yield Issue("BR326", Key(("expect",)), message, "give the maze a seed, or remove `expect`")
+        help_text = "give the maze a seed, or remove `expect`"
+        yield Issue("BR326", Key(("expect",)), RANDOM_MAZE, help_text)
         return
     for name, value in level.expect.stated.items():
         route = ("expect", name)

@@ -36,12 +36,26 @@ def flow(value: Any) -> str:
     return on_one_line(_value(value)) or ""
 
 
+class Figure(float):
+    """A number that has a text of its own: `-7.00`."""
+
+    def __new__(cls, text: str) -> Figure:
+        """Return the number that a text says."""
+        figure = super().__new__(cls, text)
+        figure.text = text
+        return figure
+
+    text: str
+
+
 def scalar(value: Any, *, in_flow: bool = False) -> str:
     """Return a scalar as YAML that reads back as the same value."""
     if value is None:
         return "null"
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, Figure):
+        return value.text
     if isinstance(value, float):
         if not isfinite(value):
             return ".nan" if isnan(value) else ".inf" if value > 0 else "-.inf"

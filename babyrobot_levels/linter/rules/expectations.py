@@ -55,7 +55,11 @@ def broken_expectation(context: LintContext) -> Iterator[Finding]:
     from babyrobot_levels.analysis.expectations import broken_in
 
     for broken in broken_in(context.metrics, context.document):
-        yield Finding(("expect", broken.name), broken.message)
+        yield Finding(
+            ("expect", broken.name),
+            broken.message,
+            "change the level, or have `babyrobot expect` write what is true",
+        )
 
 
 def not_clean(context: LintContext, others: Sequence[Diagnostic]) -> Iterator[Finding]:
