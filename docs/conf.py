@@ -62,6 +62,8 @@ html_css_files = ["site.css"]
 html_js_files = ["site.js"]
 html_logo = html_favicon = "style/robot.svg"
 html_copy_source = False
+# For assistants, at the top of the site.
+html_extra_path = ["llms.txt", "SKILL.md"]
 html_show_copyright = False
 html_show_sourcelink = False
 

@@ -37,6 +37,8 @@ class Line(NamedTuple):
         return function
 
 
+_SUPPORT = "Editors and assistants"
+
 COMMANDS = {
     "new-level": Line("Create", "create:new_level", "Write a new level file."),
     "generate": Line("Create", "generate:generate", "Generate many levels."),
@@ -64,7 +66,8 @@ COMMANDS = {
     "pack": Line("Share", "packs:pack", "Pack a folder of levels into one file."),
     "install": Line("Share", "packs:install", "Install a pack."),
     "uninstall": Line("Share", "packs:uninstall", "Remove an installed pack."),
-    "schema": Line("Editor support", "create:print_schema", "Print a JSON schema."),
+    "schema": Line(_SUPPORT, "create:print_schema", "Print a JSON schema."),
+    "skill": Line(_SUPPORT, "assistants:skill", "Print a page for assistants that write levels."),
 }
 
 

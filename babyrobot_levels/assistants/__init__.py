@@ -1,0 +1,1 @@
+"""What assistants that write levels are given: a page on the language, and tools."""
