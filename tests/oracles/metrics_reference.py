@@ -13,6 +13,7 @@ from typing import Any
 
 from oracles.things_reference import Cell, Configuration, Pair, Reference, Result
 
+THINGS = ("items", "doors", "switches", "movers", "exit_needs")
 SWEEPS = 120
 TOLERANCE = 2e-9
 """Which values are the same; actual ones that differ by less are rare."""
@@ -82,6 +83,29 @@ class SlowMetrics:
     def has_path(self, start: Pair) -> bool:
         """Return whether a path leads from a state to an open exit."""
         return any(self.level.exit_open(*pair) for pair in self.from_some([start]))
+
+    def path_length(self) -> int | None:
+        """Return the steps to the nearest exit from the start from which they are the most."""
+        if not all(map(self.has_path, self.starts)):
+            return None
+        lengths = []
+        for start in self.starts:
+            length, there = 0, {start}
+            while not any(self.level.exit_open(*pair) for pair in there):
+                length, there = length + 1, there.union(*map(self.following, there))
+            lengths.append(length)
+        return max(lengths)
+
+    def detour(self) -> int | None:
+        """Return how many steps more there are than without doors, movers and needs."""
+        kept = {name: value for name, value in self.fields.items() if name not in THINGS}
+        length, direct = self.path_length(), SlowMetrics(kept).path_length()
+        return None if length is None or direct is None else length - direct
+
+    def reachable(self) -> float:
+        """Return the share of the cells in which an episode can be."""
+        free = {*self.level.cells} - {*self.level.blocked}
+        return len({cell for _, cell in self.occurring()}) / len(free)
 
     # -- what is needed --------------------------------------------------------------------
 
@@ -205,6 +229,10 @@ class SlowMetrics:
 
     def fragility(self, policy: Mapping[Pair, int]) -> float:
         """Return what a policy loses if one of ten steps is any valid one."""
+        return self.optimum() - self.expected_return(policy, mistakes=0.1)
+
+    def expected_return(self, policy: Mapping[Pair, int], mistakes: float) -> float:
+        """Return what is expected of a policy of which a share of the steps is any valid one."""
         table = self.level.results
         valid = {pair: self.level.allowed(self.level.state(pair)) for pair in table}
         values = dict.fromkeys(table, 0.0)
@@ -214,11 +242,11 @@ class SlowMetrics:
                 for pair, results in table.items()
             }
             values = {
-                pair: 0.9 * ahead[pair][policy[pair]]
-                + 0.1 * sum(ahead[pair][action] for action in valid[pair]) / len(valid[pair])
+                pair: (1 - mistakes) * ahead[pair][policy[pair]]
+                + mistakes * sum(ahead[pair][action] for action in valid[pair]) / len(valid[pair])
                 for pair in table
             }
-        return self.optimum() - self.at_start(values)
+        return self.at_start(values)
 
     def success(self, policy: Mapping[Pair, int], steps: int) -> tuple[float, float]:
         """Return how likely a policy is at an exit after some steps, and how likely still going."""

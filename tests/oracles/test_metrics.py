@@ -26,8 +26,10 @@ def small_worlds(draw: DrawFn) -> World:
 
 
 @given(small_worlds())
-def test_states_and_needs_are_what_they_are_defined_to_be(world: World) -> None:
+def test_paths_and_needs_are_what_they_are_defined_to_be(world: World) -> None:
     found, slow = brl.metrics(world), SlowMetrics(world)
+    assert (found.path_length, found.detour) == (slow.path_length(), slow.detour())
+    assert found.reachable == pytest.approx(slow.reachable())
     assert found.states == len(slow.occurring())
     assert found.needs == slow.needs()
     assert found.dependencies == slow.dependencies()
@@ -50,6 +52,7 @@ def test_mistakes_and_distractors_are_what_they_are_defined_to_be(world: World) 
         if action >= 0
     }
     assert found.fragility == pytest.approx(slow.fragility(policy), abs=1e-9)
+    assert found.random_return == pytest.approx(slow.expected_return(policy, 1.0), abs=1e-9)
     if found.success is not None:
         least, perhaps = slow.success(policy, steps=200)
         assert least - 1e-9 <= found.success <= least + perhaps + 1e-9
