@@ -378,8 +378,9 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
     """
     own = folder / name
     own.mkdir()
-    # Comments may tell what the level is worth.
-    text = with_schema(level.to_yaml(comments=shown.answers))
+    # Comments may tell what the level is worth, and what is expected of it does.
+    told = level if shown.answers else level.replace(expect=None)
+    text = with_schema(told.to_yaml(comments=shown.answers))
     is_random = level.has_random_maze
     level = level.with_maze_seed(MAZE_SEED) if is_random else level
     found = measured(level) if shown.answers else None

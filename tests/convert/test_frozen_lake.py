@@ -121,7 +121,8 @@ def test_the_gallerys_lakes_are_gymnasiums(name: str) -> None:
     keywords = json.loads(conversion.text)
     assert brl.compare(name, environment(**keywords)).equal
     game = [lost.field for lost in conversion.warnings]
-    assert set(game) <= {"title", "description", "source", "tags", "max_steps", "theme"}
+    ours = {"title", "description", "source", "tags", "max_steps", "theme", "expect"}
+    assert set(game) <= ours
 
 
 @pytest.mark.parametrize(

@@ -196,7 +196,7 @@ def test_what_a_model_cannot_say_is_told(name: str) -> None:
     assert "the first step draws one of 4" in told["start"]
     assert "Cdiscount=0.9" in told["discount"]
     assert '[F<=30 "exit"]' in told["max_steps"]
-    assert told.keys() <= {"start", "discount", "max_steps", "tags"}
+    assert told.keys() <= {"start", "discount", "max_steps", "tags", "expect"}
 
 
 # -- archives ----------------------------------------------------------------------------------

@@ -9,6 +9,8 @@ import pytest
 from support.places import GALLERY_FOLDER
 from support.reports import GOOD, LINT_BAD, LINT_GOOD, RULES, lint_report, linted
 
+from babyrobot_levels.library.level import load_file
+from babyrobot_levels.library.search_path import yaml_files
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import all_rules, select, walls
 from babyrobot_levels.linter.runner import apply, fix, is_note, lint_source
@@ -75,6 +77,14 @@ def check_fixes(path: Path) -> None:
     assert fixed.report.is_valid
     assert fixed.report.digest == before.digest
     assert not [each for each in fixed.report.diagnostics if each.fix and each.fix.safe]
+
+
+def test_the_levels_of_the_gallery_state_what_they_are_meant_to_be() -> None:
+    files = [path for path in yaml_files(GALLERY_FOLDER) if path.parent.name != "suites"]
+    stated = {path.stem: load_file(path).expect for path in files}
+    # Of a maze that is another one each time nothing can be stated.
+    assert {name for name, facts in stated.items() if facts is None} == {"random-maze"}
+    assert all(2 <= len(facts.stated) <= 6 for facts in stated.values() if facts is not None)
 
 
 @pytest.mark.slow
