@@ -123,7 +123,7 @@ class Metrics(Shown):
             if not math.isfinite(self.best_return):
                 return "the optimal return is infinite"
             return "after a mistake, returns are undefined, or episodes too long to compute"
-        if name == "difficulty" and None not in (self.best_return, self.random_return):
+        if name == "difficulty" and self.success is not None:
             return "the best policy does not go to an exit"
         return "undefined, or episodes are too long to compute"
 
@@ -334,8 +334,9 @@ class Metrics(Shown):
         for a robot that knows nothing, the second how often for one that knows the level, by
         skidding, bouncing, and detours around what costs.
 
-        It is inf if the random policy may never end. It is None if from some start no exit can be
-        reached, if the optimal policy may not go to one, and if episodes are too long to compute.
+        It is inf if the random policy may never end, or never reaches an exit. It is None if from
+        some start no exit can be reached, if the optimal policy may not go to one, and if episodes
+        are too long to compute.
         """
         if not self._lengths:
             return None
@@ -506,7 +507,10 @@ def _arrived(mdp: Mdp, state: int, action: int, intended: int) -> int:
 
 
 def _steps_to_exit(found: Evaluation | None) -> float | None:
-    """Return the expected steps until an exit is reached, over several episodes; None if never."""
-    if found is None or not found.exit_probability > 0:
+    """Return the expected steps until an exit is reached, over several episodes.
+
+    It is inf if none ever is, and None if episodes are too long to compute.
+    """
+    if found is None or math.isnan(found.exit_probability):
         return None
-    return found.expected_steps / found.exit_probability
+    return found.expected_steps / found.exit_probability if found.exit_probability else math.inf

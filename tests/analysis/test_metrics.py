@@ -390,6 +390,13 @@ def test_where_the_random_policy_may_be_caught_for_ever_it_is_infinite() -> None
     assert difficulty(caught) == math.inf
 
 
+def test_where_the_random_policy_never_reaches_an_exit_it_is_infinite() -> None:
+    # North, the wind blows it past the exit; by a move against a wall, it goes one cell.
+    blown = {"version": 1, "size": [1, 3], "start": [0, 2], "exit": [0, 1], "wind": {"north": [1]}}
+    assert brl.metrics(blown).success == 1
+    assert difficulty(blown) == math.inf
+
+
 # -- things ----------------------------------------------------------------------------------
 
 
