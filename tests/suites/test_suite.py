@@ -266,7 +266,7 @@ def test_faults_are_told_where_they_stand(tmp_path: Path, monkeypatch: pytest.Mo
         ({"count": 2.5}, "`count` must be an integer"),
         ({"size": 5}, r"`size` must be `\[width, height\]`, or a mapping"),
         ({"size": [2, 1]}, "a level of 2 cells is too small"),
-        ({"puddles": [1, 2]}, "`puddles` must be an integer, or a mapping"),
+        ({"puddles": [1, 2]}, "`puddles` must be an integer, or a range"),
         ({"puddles": {"min": 2}}, "missing field `max`"),
         ({"puddles": 23}, "only 14 cells"),
         ({"maze": {"algorithm": []}}, "must not be an empty list"),
