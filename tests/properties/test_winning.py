@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from random import Random
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from oracles.random_things import random_level
 from support.worlds import level_of, worlds
 
@@ -16,6 +18,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.analysis.endings import ending_of, exit_chances
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
+from babyrobot_levels.generation import search
 from babyrobot_levels.generation.search import UnsatisfiableError
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import exit_states
@@ -32,9 +35,12 @@ untimed = settings(
 
 @st.composite
 def conditions(draw: st.DrawFn) -> dict[str, Any]:
-    """Return the fields of a suite whose levels have guards or not, in all kinds of mazes."""
+    """Return the fields of a suite: all that can be drawn, and whatever it pays."""
     sides = st.integers(5, 8)
     keys = draw(st.integers(0, 2))
+    guards = draw(st.integers(0, 2))
+    hits = {"reward": st.sampled_from([-1.0, -8.0, -50.0, 2.0]), "ends": st.booleans()}
+    hit = {"hit": draw(st.fixed_dictionaries(hits))} if guards and draw(st.booleans()) else {}
     return {
         "version": 1,
         "kind": "suite",
@@ -49,16 +55,37 @@ def conditions(draw: st.DrawFn) -> dict[str, Any]:
         "keys": keys,
         "doors": keys + draw(st.integers(0, min(1, keys))),
         "coins": draw(st.integers(0, 2)),
-        "guards": draw(st.integers(0, 2)),
-        "rewards": draw(
-            st.sampled_from([{}, {"step": -0.1, "exit": 1}, {"step": -5, "bump": -20, "stay": -1}])
-        ),
-        "discount": draw(st.sampled_from([1.0, 1.0, 0.9])),
+        "guards": guards,
+        "rewards": draw(st.just({}) | rewards()),
+        "discount": draw(st.sampled_from([1.0, 1.0, 0.9, 0.99])),
+        **hit,
     }
+
+
+def rewards() -> st.SearchStrategy[dict[str, float]]:
+    """Return rewards by which it is best to win, or not, or in some of the levels."""
+    costs = st.sampled_from([-20.0, -5.0, -1.0, -0.1, 0.0, 0.5])
+    return st.fixed_dictionaries(
+        {"step": st.sampled_from([-5.0, -1.0, -0.1, 0.0])},
+        optional={
+            "exit": st.sampled_from([-3.0, 0.0, 1.0, 20.0]),
+            **dict.fromkeys(("bump", "stay", "closer", "farther"), costs),
+        },
+    )
+
+
+@pytest.fixture(scope="module")
+def fewer_tries() -> Iterator[None]:
+    """Candidates are given up sooner: many conditions cannot be met."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "MOST_TRIES", 300)
+        patch.setattr(search, "MOST_SOLVED", 40)
+        yield
 
 
 @untimed
 @given(conditions())
+@pytest.mark.usefixtures("fewer_tries")
 def test_the_optimal_policy_of_a_generated_level_surely_reaches_the_exit(
     fields: dict[str, Any],
 ) -> None:
@@ -68,31 +95,22 @@ def test_the_optimal_policy_of_a_generated_level_surely_reaches_the_exit(
         assume(False)
     again = brl.loads(level.to_yaml())
     assert again.digest == level.digest
-    assert solve(again).exit_probability == pytest.approx(1, abs=1e-9)
     assert ("hit" in again.to_dict()) == bool(again.movers)
+    solution = solve(again)
+    assert solution.exit_probability == pytest.approx(1, abs=1e-9)
+    assert not other_ends(solution)
+    # The policy is one of the best, and wins by a computation of its own.
+    chances = swept_chances(again, solution)[0]
+    assert chances[again.compile().start > 0] == pytest.approx(1, abs=1e-6)
 
 
-def level_with_things(seed: int) -> Level:
-    return level_of(random_level(Random(seed)))
-
-
-@untimed
-@given(worlds().map(level_of) | st.integers(0, 10**9).map(level_with_things))
-def test_the_chances_of_an_exit_are_those_of_repeated_sweeps(level: Level) -> None:
-    assume(level.exits)
+def swept_chances(level: Level, solution: brl.Solution) -> NDArray[np.float64]:
+    """Return how likely an exit is reached from each state: by the policy, and by the best one."""
     mdp = level.compile()
-    try:
-        solution = solve(level)
-        starts, own, best = exit_chances(solution)
-    except (EpisodeTooLongError, UndefinedReturnError):
-        assume(False)
     is_exit = exit_states(level, mdp)[mdp.next_state] & mdp.terminal
     policy = solution.policy.ravel()
-    rows, chosen, values = (
-        np.arange(mdp.num_states),
-        np.maximum(policy, 0),
-        np.zeros((2, len(policy))),
-    )
+    rows, chosen = np.arange(mdp.num_states), np.maximum(policy, 0)
+    values = np.zeros((2, len(policy)))
     for _ in range(3000):
         ahead = [
             (mdp.probability * np.where(mdp.terminal, is_exit, each[mdp.next_state])).sum(axis=2)
@@ -103,6 +121,23 @@ def test_the_chances_of_an_exit_are_those_of_repeated_sweeps(level: Level) -> No
         if np.abs(after - values).max() < 1e-13:
             break
         values = after
+    return values
+
+
+def level_with_things(seed: int) -> Level:
+    return level_of(random_level(Random(seed)))
+
+
+@untimed
+@given(worlds().map(level_of) | st.integers(0, 10**9).map(level_with_things))
+def test_the_chances_of_an_exit_are_those_of_repeated_sweeps(level: Level) -> None:
+    assume(level.exits)
+    try:
+        solution = solve(level)
+        starts, own, best = exit_chances(solution)
+    except (EpisodeTooLongError, UndefinedReturnError):
+        assume(False)
+    values = swept_chances(level, solution)
     assert own == pytest.approx(values[0][starts], abs=1e-6)
     assert best == pytest.approx(values[1][starts], abs=1e-6)
     assert (own <= best + 1e-9).all()
