@@ -74,6 +74,12 @@ _CONDITIONS: dict[str, tuple[Any, str | None, str]] = {
     ),
     "dead_ends": (str, RANGE, "Number of cells with exactly one open side: 5..8."),
     "difficulty": (str, RANGE, "Difficulty, as in `babyrobot show`: 4..6."),
+    "expect": (
+        list[str],
+        f"METRIC={RANGE}",
+        "What must be true of each level, as `expect` of level files; may be repeated: "
+        "best_steps=20..30, needs=key, success=0.8...  [default: success=1]",
+    ),
     "start": (Place, None, "Position of the start.  [default: corner]"),
     "exit": (Place, None, "Position of the exit.  [default: corner]"),
     "rewards": (
@@ -337,7 +343,9 @@ def _reason(target: Target, error: Exception) -> str:
 
 def _note_help(target: Target, error: Exception) -> None:
     needs = getattr(error, "needs", None)
-    if needs is not None:
+    if str(error).startswith("expect success 1:"):
+        note("  help: the best policy has to win: change what steps, hits and exits pay")
+    elif needs is not None:
         note(f"  help: use a larger size, for example {_grown(target.batch.suite, needs)}")
 
 
@@ -349,7 +357,8 @@ def _unmet(error: UnsatisfiableError, *, from_options: bool) -> str:
     if not from_options:
         return text
     names = "|".join(SuiteFields.model_fields)
-    return re.sub(rf"(^|(?<=met ))({names})\b", lambda found: option(found[2]), text)
+    text = re.sub(rf"(^|(?<=met ))({names})\b", lambda found: option(found[2]), text)
+    return re.sub(r"(--expect \w+) ", r"\1=", text)
 
 
 def _grown(suite: SuiteFields, factor: float) -> str:
@@ -420,6 +429,8 @@ def suite_of(typed: Mapping[str, Any]) -> SuiteFields:
             data["splits"] = _numbers(name, value, "train=0.8,test=0.2")
         elif name == "rewards":
             data[name] = _numbers(name, value, "step=-1,exit=10")
+        elif name == "expect":
+            data[name] = _facts(value)
         elif name == "hit":
             data[name] = {"reward": value}
         else:
@@ -460,6 +471,19 @@ def _range(name: str, text: str) -> Any:
 
 def _plain(text: str) -> int | float:
     return float(text) if "." in text else int(text)
+
+
+def _facts(texts: list[str]) -> dict[str, Any]:
+    """Return what is stated of metrics, by their names."""
+    from babyrobot_levels.text.scalars import resolve
+
+    facts: dict[str, Any] = {}
+    for text in texts:
+        metric, _, value = text.partition("=")
+        if not metric or not value or metric in facts:
+            fail(f"--expect: invalid value {text!r}", "expected one METRIC=RANGE for each metric")
+        facts[metric] = value.split(",") if metric == "needs" else resolve(value)
+    return facts
 
 
 def _numbers(name: str, text: str, example: str) -> dict[str, float]:

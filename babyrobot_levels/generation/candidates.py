@@ -88,7 +88,7 @@ class Candidate:
 
     @cached_property
     def has_room(self) -> bool:
-        """Whether all its things could be placed, with a way to the exit, and none is idle.
+        """Whether all its things could be placed, with a way to the exit.
 
         In wind, there is a way to the exit from wherever the robot gets.
         """
@@ -96,7 +96,7 @@ class Candidate:
             return False
         if not self._has_more:
             return True
-        return self._steps_among_things > 0 and self._needs_its_doors and self._is_never_lost
+        return self._steps_among_things > 0 and self._is_never_lost
 
     @cached_property
     def metrics(self) -> Metrics:
@@ -122,11 +122,16 @@ class Candidate:
         is_even = len(steps) == 1 and not self._puddles
         return is_even and rewards.exit > rewards.step / (1 - suite.discount)
 
+    def value(self, metric: str) -> Any:
+        """Return a metric of the level, that which is plain without solving it."""
+        is_plain = metric == "success" and self.is_surely_won
+        return 1.0 if is_plain else getattr(self.metrics, metric)
+
     @property
-    def success(self) -> float | None:
-        """The probability that the optimal policy reaches the exit; None if it has no return."""
-        solution = self.metrics.solution
-        return None if solution is None else solution.exit_probability
+    def states(self) -> int:
+        """The number of states of its tables; 0 as long as nothing has asked for these."""
+        level = vars(self).get("level")
+        return level.compile().num_states if level is not None and "_mdp" in vars(level) else 0
 
     @property
     def _has_more(self) -> bool:
@@ -134,7 +139,7 @@ class Candidate:
         return bool(self._things or self._wind)
 
     @property
-    def _needs_its_doors(self) -> bool:
+    def needs_its_doors(self) -> bool:
         """Whether the optimum would be another one without any of the doors.
 
         Doors that share a key may stand in one way, where one of them would do.
@@ -144,8 +149,7 @@ class Candidate:
             return True
         optimum = self.metrics.best_return
         others = (Metrics(_without_door(level, number)).best_return for number in range(len(doors)))
-        # Without a return, it is `success` that tells.
-        return optimum is None or all(
+        return optimum is not None and all(
             other is not None and other > optimum + TOLERANCE for other in others
         )
 
@@ -191,11 +195,6 @@ class Candidate:
     def dead_ends(self) -> int:
         """The number of cells with exactly one open side."""
         return Metrics(self._grown).dead_ends
-
-    @property
-    def difficulty(self) -> float | None:
-        """The difficulty of the level, None if it is undefined."""
-        return self.metrics.difficulty
 
     @cached_property
     def _puddles(self) -> list[tuple[int, str]]:

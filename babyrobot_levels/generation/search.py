@@ -7,8 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from babyrobot_levels.analysis.expectations import is_met, shown
 from babyrobot_levels.generation.candidates import Candidate, Maker
-from babyrobot_levels.language.ranges import bounds, shown
+from babyrobot_levels.language import ranges
+from babyrobot_levels.language.expectations import decimals_in
+from babyrobot_levels.language.metric_names import NEEDS, SOLVED
+from babyrobot_levels.language.ranges import CountRange, NumberRange, bounds
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.errors import BabyRobotError
@@ -17,23 +21,22 @@ MOST_TRIES, MOST_CELLS = 10_000, 10_000_000
 """Limits of the search for one level: candidates, and cells of all candidates together."""
 
 FEWEST_TRIES = 100
-MOST_SOLVED = 1_000
-"""The largest number of candidates that are solved."""
+MOST_SOLVED, MOST_STATES = 1_000, 4_000_000
+"""Limits of candidates that are solved, and of the states of all of at least `FEWEST_TRIES`."""
 
-TOLERANCE = 1e-9
-"""By how much a probability that is 1 may differ from it."""
+_QUICK = ("path_length", "dead_ends")
+_FIELDS = (*_QUICK, "detour", "difficulty")
+"""The fields of a suite that are conditions; the quick ones are known before things are placed."""
 
-_SOLVED = ("difficulty", "success")
-"""The conditions for which a level has to be solved."""
-
-_CONDITIONS = ("path_length", "dead_ends", "detour", "difficulty")
+_HARD = {*SOLVED, *NEEDS}
+"""The metrics for which a level has to be solved, or compiled several times."""
 
 
 class UnsatisfiableError(BabyRobotError):
     """No level was found that meets all conditions.
 
     Attributes:
-        condition: the field of the suite that was not met.
+        condition: the field of the suite that was not met, or the metric: `expect success`.
         asked: what it asks for, such as `90..99`.
         reason: how close the candidates came.
         needs: by what factor width and height would have to grow for the condition to be met,
@@ -61,12 +64,17 @@ class Found:
 
 @dataclass(slots=True)
 class Condition:
-    """A condition of a suite, and how the candidates met it."""
+    """A condition of a suite, and how the candidates met it.
 
+    Attributes:
+        metric: what is compared.
+        stated: what it must be, as in `expect`.
+        name: the field; with `expect` before it where it stands there.
+    """
+
+    metric: str
+    stated: Any
     name: str
-    asked: str
-    least: float
-    most: float | None
     asked_of: int = 0
     met: int = 0
     below: Any = None
@@ -74,25 +82,37 @@ class Condition:
     above: Any = None
     """The smallest value that was too large."""
 
+    @property
+    def asked(self) -> str:
+        """What it must be, in words."""
+        if isinstance(self.stated, int | CountRange | NumberRange):
+            return ranges.shown(self.stated)
+        return shown(self.stated, self._decimals)
+
+    @property
+    def _decimals(self) -> int:
+        is_figure = isinstance(self.stated, float)
+        return decimals_in(None, self.metric, self.stated) if is_figure else 0
+
     def accepts(self, value: Any) -> bool:
         """Return whether a value meets the condition; remember the nearest one that does not."""
         self.asked_of += 1
-        if value is None or math.isnan(value):
-            return False
-        if value < self.least:
-            self.below = value if self.below is None else max(self.below, value)
-            return False
-        if self.most is not None and value > self.most:
-            self.above = value if self.above is None else min(self.above, value)
-            return False
-        self.met += 1
-        return True
+        if is_met(self.metric, self.stated, value, self._decimals):
+            self.met += 1
+            return True
+        if isinstance(value, int | float):
+            least, most = bounds(self.stated)
+            if least is not None and value < least:
+                self.below = value if self.below is None else max(self.below, value)
+            elif most is not None and value > most:
+                self.above = value if self.above is None else min(self.above, value)
+        return False
 
     def nearest(self, count: int) -> str:
         """Return how close a number of candidates came, none of which met the condition."""
         candidates = f"{count:,} candidates"
         if self.below is None and self.above is None:
-            return f"none of {candidates} has one"
+            return f"none of {candidates} has {'these' if self.metric == 'needs' else 'one'}"
         if self.above is None:
             return f"the largest of {candidates} was {_text(self.below)}"
         if self.below is None:
@@ -114,22 +134,38 @@ class Tally:
     roomy: int = 0
     again: int = 0
     solved: int = 0
+    states: int = 0
     conditions: dict[str, Condition] = field(default_factory=dict)
+    """By their names."""
+    easy: list[Condition] = field(default_factory=list)
+    """Those on metrics for which no level is solved."""
+    hard: list[Condition] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        for name in _CONDITIONS:
+        for name in _FIELDS:
             asked = getattr(self.suite, name)
-            least, most = (0, None) if asked is None else bounds(asked)
             if name == "path_length" and self.suite.max_steps is not None:
+                least, most = (0, None) if asked is None else bounds(asked)
                 most = min(most or self.suite.max_steps, self.suite.max_steps)
-            if asked is not None or most is not None:
-                words = f"..{most}" if asked is None else shown(asked)
-                self.conditions[name] = Condition(name, words, least, most)
-        self.conditions["success"] = Condition("success", "1", 1 - TOLERANCE, None)
+                asked = CountRange(min=least, max=most)
+            if asked is not None:
+                self.conditions[name] = Condition(name, asked, name)
+        stated = {} if self.suite.expect is None else self.suite.expect.stated
+        for metric, value in {"success": 1.0, **stated}.items():
+            name = f"expect {metric}"
+            self.conditions[name] = Condition(metric, value, name)
+        for name, condition in self.conditions.items():
+            if name not in _FIELDS or name == "difficulty":
+                (self.hard if condition.metric in _HARD else self.easy).append(condition)
 
     def accepts(self, candidate: Candidate) -> bool:
         """Return whether a candidate meets all conditions."""
         self.tries += 1
+        is_accepted = self._meets_all(candidate)
+        self.states += candidate.states
+        return is_accepted
+
+    def _meets_all(self, candidate: Candidate) -> bool:
         least, most = self.layouts
         if not least <= candidate.layout < most:
             return False
@@ -140,7 +176,7 @@ class Tally:
         # Both are evaluated, so that each is counted for itself.
         quick = [
             self.conditions[name].accepts(getattr(candidate, name))
-            for name in ("path_length", "dead_ends")
+            for name in _QUICK
             if name in self.conditions
         ]
         if not all(quick):
@@ -148,31 +184,36 @@ class Tally:
         if not candidate.has_room:
             self.crowded += 1
             return False
-        self.roomy += 1
         detour = self.conditions.get("detour")
         if detour is not None and not detour.accepts(candidate.detour):
             return False
         longest = self.suite.max_steps
         if longest is not None and candidate.path_length + candidate.detour > longest:
             return False
-        hard = self.conditions.get("difficulty")
-        is_plain = candidate.is_surely_won
-        self.solved += hard is not None or not is_plain
-        if not is_plain and not self.conditions["success"].accepts(candidate.success):
+        for part in (self.easy, self.hard):
+            if part is self.hard:
+                self.solved += len(part) > 1 or not candidate.is_surely_won
+            if not all(each.accepts(candidate.value(each.metric)) for each in part):
+                return False
+        if not candidate.needs_its_doors:
+            self.crowded += 1
             return False
-        return hard is None or hard.accepts(candidate.difficulty)
+        self.roomy += 1
+        return True
 
     @property
     def is_enough(self) -> bool:
-        """Whether the limit of solved candidates is reached."""
-        return self.solved >= MOST_SOLVED
+        """Whether a limit of solved candidates, or of states, is reached."""
+        is_large = self.states >= MOST_STATES and self.tries >= FEWEST_TRIES
+        return is_large or self.solved >= MOST_SOLVED
 
     def error(self) -> UnsatisfiableError:
         """Return the error that no candidate met all conditions."""
         asked_for = [each for each in self.conditions.values() if each.asked_of]
         rarest = min(asked_for, key=lambda each: each.met, default=None)
         if rarest is not None and not rarest.met:
-            tries = rarest.asked_of if rarest.name in _SOLVED else self.tries
+            is_early = rarest.name in _FIELDS and rarest.metric not in _HARD
+            tries = self.tries if is_early else rarest.asked_of
             return UnsatisfiableError(
                 rarest.name, rarest.asked, rarest.nearest(tries), self._growth(rarest)
             )
@@ -210,10 +251,11 @@ class Tally:
 
     def _growth(self, missed: Condition) -> float | None:
         """Return the factor by which levels would have to grow to meet a missed condition."""
-        if missed.name in _SOLVED or missed.above is not None or not missed.below:
+        is_count = missed.metric not in (*_HARD, "reachable")
+        if not is_count or missed.above is not None or not missed.below:
             return None
         # Lengths and counts grow with the area, and the longest path is a rare one.
-        return 1.15 * math.sqrt(missed.least / missed.below)
+        return 1.15 * math.sqrt(bounds(missed.stated)[0] / missed.below)
 
 
 def find_level(

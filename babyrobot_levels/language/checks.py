@@ -16,7 +16,6 @@ from babyrobot_levels.language.geometry import (
     show_cell,
 )
 from babyrobot_levels.language.metric_names import NEEDS, THINGS
-from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.words import did_you_mean
 
@@ -334,13 +333,7 @@ def _check_expectations(level: LevelFields) -> Iterator[Issue]:
             yield Issue("BR326", Key(route), message, f"remove `{name}`")
         elif name == "needs":
             yield from _unknown_needs(level, value)
-        elif name != "lint":
-            least, most = bounds(value)
-            if least is most is None:
-                yield Issue("BR326", route, "a range needs `min`, `max` or both")
-            elif None not in (least, most) and least > most:
-                message = f"the range is upside down: {least:g} is above {most:g}"
-                yield Issue("BR326", route, message, f"write `{name}: {most:g}..{least:g}`")
+    yield from level.expect.faulty_ranges()
 
 
 def _unknown_needs(level: LevelFields, names: tuple[str, ...]) -> Iterator[Issue]:

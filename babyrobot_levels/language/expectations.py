@@ -2,13 +2,15 @@
 
 # As in `base`, annotations are not postponed.
 import re
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, StringConstraints, create_model
 
 from babyrobot_levels.language.base import Model, Number, Slug, form, forms
 from babyrobot_levels.language.metric_names import METRICS
-from babyrobot_levels.language.ranges import TEXT, ends
+from babyrobot_levels.language.ranges import TEXT, bounds, ends
+from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import scalar
 
@@ -55,22 +57,35 @@ def decimals_in(document: Document | None, name: str, value: float) -> int:
 
 
 class Facts(Model):
-    """The facts that a level file states."""
+    """Facts that are stated of a level, or of all levels of a suite."""
 
     @property
     def stated(self) -> dict[str, Any]:
         """What each fact must be, as it is written, in the order of the metrics."""
         return {name: value for name, value in self if name in self.model_fields_set}
 
+    def faulty_ranges(self) -> Iterator[Issue]:
+        """Yield an error for each range that no number is in."""
+        for name, value in self.stated.items():
+            if name in _KINDS:
+                continue
+            route, (least, most) = ("expect", name), bounds(value)
+            if least is most is None:
+                yield Issue("BR326", route, "a range needs `min`, `max` or both")
+            elif None not in (least, most) and least > most:
+                message = f"the range is upside down: {least:g} is above {most:g}"
+                yield Issue("BR326", route, message, f"write `{name}: {most:g}..{least:g}`")
+
 
 if TYPE_CHECKING:
     Expect: TypeAlias = Facts
+    SuiteExpect: TypeAlias = Facts
 else:
-    Expect = create_model(
-        "Expect",
-        __base__=Facts,
-        **{
-            name: (_KINDS.get(name, Figure), Field(None, description=f"What `{name}` must be."))
-            for name in (*METRICS, "lint")
-        },
+    _FACTS = {
+        name: (_KINDS.get(name, Figure), Field(None, description=f"What `{name}` must be."))
+        for name in (*METRICS, "lint")
+    }
+    Expect = create_model("Expect", __base__=Facts, **_FACTS)
+    SuiteExpect = create_model(
+        "SuiteExpect", __base__=Facts, **{name: _FACTS[name] for name in METRICS}
     )

@@ -138,6 +138,7 @@ ELSEWHERE = (
     ("version", "render_mode fps", "environments choose it: `gymnasium.make(…, render_mode=…)`"),
     ("map", "count split splits levels train test", "a suite has it: add `kind: suite`"),
     ("splits", "train test validation", "write `splits: {train: 0.8, test: 0.2}`"),
+    ("states", "lint", "it is for level files: generate the levels, and lint them"),
     ("splits", "walls start exit doors map areas switches movers", "a suite grows its mazes; "
      "with `levels: [name, …]` it lists levels of your own"),
     ("algorithm loops", "seed", "the suite has one `seed`, from which each maze gets its own"),
@@ -370,8 +371,10 @@ def _unknown(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> Complai
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
     other = _other_name(word, fields) or next(iter(nearest(field, fields, 1)), None)
     if other is None:
-        metrics = "`expect` takes the metrics that `babyrobot show` shows, and `lint`"
-        return "BR201", message, metrics if "lint" in fields else known
+        metrics = "`expect` takes the metrics that `babyrobot show` shows"
+        if "states" in fields:
+            return "BR201", message, metrics + ", and `lint`" * ("lint" in fields)
+        return "BR201", message, known
     return "BR201", f"{message}; did you mean `{other}`?", known or _example(other, value, fields)
 
 

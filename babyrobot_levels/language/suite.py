@@ -10,8 +10,10 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
 from babyrobot_levels.language.cells import Algorithm, Rewards
+from babyrobot_levels.language.expectations import SuiteExpect
 from babyrobot_levels.language.fields import whole_version
 from babyrobot_levels.language.looks import ThemeLike
+from babyrobot_levels.language.metric_names import NEEDS, THINGS
 from babyrobot_levels.language.ranges import (
     Counts,
     Numbers,
@@ -22,7 +24,7 @@ from babyrobot_levels.language.ranges import (
     empty_ranges,
 )
 from babyrobot_levels.language.things import Hit
-from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import InvalidDocument
 
 MAX_COUNT = 10**9
@@ -113,6 +115,8 @@ class SuiteFields(SuiteTexts):
     """How many cells have exactly one open side."""
     difficulty: Numbers | None = None
     """How hard the levels are, by the metric of that name."""
+    expect: SuiteExpect | None = None
+    """What must be true of all levels, as in level files; by default, `success: 1` is."""
     rewards: Rewards = Field(default_factory=cache(Rewards.model_construct))
     """The rewards of a step, in all levels."""
     discount: Annotated[Number, Field(gt=0, le=1)] = 1.0
@@ -158,6 +162,13 @@ def _misfits(suite: SuiteFields) -> Iterator[Issue]:
         message = f"the smallest level has only {width + height} rows and columns"
         yield Issue("BR205", ("wind",), message)
     yield from _too_many_things(suite, cells)
+    if suite.expect is not None:
+        yield from suite.expect.faulty_ranges()
+        may_have = any(bounds(getattr(suite, name))[1] for name in ("keys", "coins", "guards"))
+        for name in suite.expect.stated if not may_have else ():
+            if name in (*THINGS, *NEEDS):
+                message = f"only levels with things have `{name}`, and these have none"
+                yield Issue("BR326", Key(("expect", name)), message, f"remove `{name}`")
     if suite.start == "farthest" and max(largest) > MAX_DRAWN:
         message = (
             f"levels with `start: farthest` are drawn as a map, at most {MAX_DRAWN} cells wide "

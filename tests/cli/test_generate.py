@@ -37,6 +37,7 @@ VARIED = (
     *("--split", "a=0.5,b=0.5"),
 )
 REWARDED = (
+    *("--expect", "best_return=-1..", "--expect", "states=36..", "--coins", "1"),
     *("--size", "6x6", "--seed", "5", "--guards", "1", "--loops", "0.5", "--hit", "-7.5"),
     *("--rewards", "step=-0.5,exit=2", "--discount", "0.95", "--max-steps", "60"),
 )
@@ -124,8 +125,17 @@ def test_no_game_of_another_folder_is_made() -> None:
             r"--path-length 14: the nearest of [\d,]+ candidates were 13 and 15",
         ),
         # The optimum is to stay where it costs nothing.
-        (["--rewards", "step=0,exit=-1"], "success 1: the largest of 1,000 candidates was 0"),
-        (["--rewards", "step=1"], "success 1: the largest of 1,000 candidates was 0"),
+        (["--rewards", "step=0,exit=-1"], "--expect success=1: the largest of 1,000 .* was 0"),
+        (["--rewards", "step=1"], "--expect success=1: the largest of 1,000 candidates was 0"),
+        (
+            ["--expect", "best_steps=90.."],
+            r"--expect best_steps=90\.\.: the largest of 1,000 .* \d",
+        ),
+        (["--expect", "turns=..1"], r"--expect turns=\.\.1: the smallest of [\d,]+ candidates was"),
+        (
+            ["--size", "7x7", "--keys", "2", "--expect", "needs=key"],
+            r"--expect needs=\[key\]: none of 1,000 candidates has these",
+        ),
         (["--difficulty", "50.."], r"--difficulty 50\.\.: the largest of 1,000 candidates was \d"),
         (
             ["--path-length", "35..", "--dead-ends", "9.."],
@@ -139,9 +149,9 @@ def test_what_starves_is_told(order: list[str], said: str) -> None:
     first, second, *hint = done.err.splitlines()
     assert re.match("level 0: " + said, first)
     # A larger size helps where all values are too small, and only there.
-    assert bool(hint) == (
-        "largest" in first and "--difficulty" not in first and "success" not in first
-    )
+    is_count = not re.search("difficulty|success|best_steps", first)
+    assert ("  help: use a larger size" in "".join(hint)) == ("largest" in first and is_count)
+    assert ("the best policy has to win" in "".join(hint)) == ("success=1" in first)
     assert second == "  0 of 3 levels are in out"
     assert contents(Path()) == {}
 
@@ -179,6 +189,11 @@ def test_levels_that_cannot_be_made_can_be_left_out() -> None:
         (["--count", "2", "--hit", "-9"], "--hit: without guards nothing hits the robot"),
         (["--count", "2", "--discount", "1.5"], "--discount: must be at most 1"),
         (["--count", "2", "--max-steps", "0"], "--max-steps: must be at least 1"),
+        (["--count", "2", "--expect", "states"], "--expect: invalid value 'states'"),
+        (["--count", "2", "--expect", "sates=3"], "unknown field `sates`; did you mean `states`?"),
+        (["--count", "2", "--expect", "lint=clean"], "it is for level files: generate the levels"),
+        (["--count", "2", "--expect", "turns=9..5"], "--expect: the range is upside down: 9 is"),
+        (["--count", "2", "--expect", "needs=key"], "only levels with things have `needs`"),
         (["--count", "2", "--theme", "pink"], "unknown theme `pink`"),
         (["--count", "2", "--name", "../{index}"], "--name: invalid pattern '../{index}'"),
         (["--count", "2", "--name", "{index.real}"], "--name: invalid pattern '{index.real}'"),

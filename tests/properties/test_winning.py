@@ -98,7 +98,7 @@ def test_the_optimal_policy_of_a_generated_level_surely_reaches_the_exit(
     assert ("hit" in again.to_dict()) == bool(again.movers)
     solution = solve(again)
     assert solution.exit_probability == pytest.approx(1, abs=1e-9)
-    assert not other_ends(solution)
+    assert ending_of(solution) is None
     # The policy is one of the best, and wins by a computation of its own.
     chances = swept_chances(again, solution)[0]
     assert chances[again.compile().start > 0] == pytest.approx(1, abs=1e-6)

@@ -10,6 +10,7 @@ import pytest
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
+from babyrobot_levels.generation import search
 from babyrobot_levels.library.catalogue import catalogue, suite_files
 from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.suites.suite import Suite, load_suite, named_levels
@@ -187,6 +188,77 @@ def test_no_shortest_walk_is_cut_off() -> None:
     assert lengths <= {10, 11}
 
 
+EXPECTING = {
+    "version": 1,
+    "kind": "suite",
+    "count": 6,
+    "size": [6, 6],
+    "maze": {"algorithm": "wilson", "loops": 0.4},
+    "keys": {"max": 1},
+    "coins": 1,
+    "guards": {"max": 1},
+}
+
+
+def test_all_levels_are_as_a_suite_expects() -> None:
+    expect = {"states": "60..", "best_return": {"max": -6}, "turns": "4..9", "decisions": "2.."}
+    suite = load_suite({**EXPECTING, "expect": expect})
+    assert load_suite(suite.to_dict())[5].to_yaml() == suite[5].to_yaml()
+    for level in suite:
+        assert level.expect is None
+        measured = brl.metrics(level).to_dict()
+        assert measured["states"] >= 60
+        assert measured["best_return"] <= -6
+        assert 4 <= measured["turns"] <= 9
+        assert measured["decisions"] >= 2
+        assert measured["success"] == 1
+        assert not brl.broken_expectations(level.replace(expect=expect))
+    free = load_suite(EXPECTING)
+    assert [level.digest for level in free] != [level.digest for level in suite]
+
+
+def test_success_is_expected_unless_a_suite_asks_for_less() -> None:
+    risky = {**EXPECTING, "keys": 0, "guards": 1, "hit": {"reward": -1}, "count": 12}
+    won = {brl.metrics(level).success for level in load_suite(risky)}
+    assert won == {1}
+    lost = load_suite({**risky, "expect": {"success": "..0.5"}})
+    assert {brl.metrics(level).success for level in lost} == {0}
+    either = [
+        brl.metrics(level).success for level in load_suite({**risky, "expect": {"success": "0.."}})
+    ]
+    assert {*either} == {0, 1}
+
+
+def test_needs_are_names() -> None:
+    suite = load_suite({**EXPECTING, "keys": {"min": 1, "max": 2}, "expect": {"needs": ["key"]}})
+    assert {brl.metrics(level).needs for level in suite} == {("key",)}
+
+
+@pytest.mark.parametrize(
+    ("expect", "message"),
+    [
+        ({"best_steps": "90.."}, r"expect best_steps 90\.\.: the largest of 40 candidates was \d"),
+        ({"needs": ["lever"]}, r"expect needs \[lever\]: none of 40 candidates has these"),
+        ({"success": 0.5}, r"expect success 0.5: the smallest of \d+ candidates was 1"),
+        ({"turns": {"max": 0}}, r"expect turns \.\.0: the smallest of \d+ candidates was \d"),
+    ],
+)
+def test_what_cannot_be_expected_starves_aloud(
+    expect: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(search, "MOST_SOLVED", 40)
+    monkeypatch.setattr(search, "MOST_TRIES", 400)
+    with pytest.raises(brl.UnsatisfiableError, match=message):
+        load_suite({**EXPECTING, "expect": expect})[0]
+
+
+def test_large_tables_are_not_compiled_again_and_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "MOST_STATES", 1000)
+    fields = {**EXPECTING, "guards": 1, "expect": {"path_length": "90.."}}
+    with pytest.raises(brl.UnsatisfiableError, match=r"of (1?\d\d) candidates"):
+        load_suite(fields)[0]
+
+
 # -- files -----------------------------------------------------------------------------------
 
 
@@ -277,6 +349,9 @@ def test_faults_are_told_where_they_stand(tmp_path: Path, monkeypatch: pytest.Mo
         ({"splits": {"a": 0.999, "b": 0.001}}, "`b` gets none of the 120 levels"),
         ({"path_length": {"min": 60}}, "a shortest path in 42 cells has at most 41 steps"),
         ({"path_length": 1}, "at least two steps"),
+        ({"expect": {"states": "9..5"}}, "the range is upside down: 9 is above 5"),
+        ({"expect": {"lint": "clean"}}, "unknown field `lint`"),
+        ({"expect": {"needs": ["key"]}}, "only levels with things have `needs`"),
         ({"dead_ends": 60}, "a level of 42 cells cannot have so many dead ends"),
     ],
 )
