@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import evaluation_of, weights_of
+from babyrobot_levels.analysis.solver.evaluation import chain_values, weights_of
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE, solve
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import Solution
@@ -92,6 +92,8 @@ def idle_things(solution: Solution) -> list[str]:
     """
     level, best = solution.level, solution.expected_return
     assert level is not None
+    if not level.has_things:
+        return []
     least = best - TOLERANCE * max(1.0, abs(best))
     mdp, idle = level.compile(), list[str]()
     had = _had(level, mdp, reach_of(level, mdp))
@@ -161,5 +163,6 @@ def loss_by_mistakes(solution: Solution) -> float:
     assert solution.level is not None
     space = space_of(solution.level, "all")
     weights = (1 - MISTAKES) * weights_of(solution, space) + MISTAKES * weights_of("random", space)
-    erring = evaluation_of(solution.level, weights, solution.discount)
-    return solution.expected_return - erring.expected_return
+    model = space.model()
+    erring = chain_values(model.mixed(weights[model.states]), solution.discount, space)
+    return solution.expected_return - space.at_start(model, erring)
