@@ -13,6 +13,7 @@ from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.emitter import Figure
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 
 if TYPE_CHECKING:
@@ -92,6 +93,9 @@ class LevelSpec(LevelFields):
             data["name"] = self.name
         if whole and self._theme is not None:
             data["theme"] = plain(self._theme)
+        for name, decimals in self.stated_decimals().items():
+            # It says how exact the figure is.
+            data["expect"][name] = Figure(f"{data['expect'][name]:.{decimals}f}")
         for field, drawn in self._drawn.items():
             # The drawing gives these itself.
             if field in data:
@@ -106,10 +110,10 @@ class LevelSpec(LevelFields):
         Args:
             document: the text of the level; by default it is read again, if there is one.
         """
-        from babyrobot_levels.text.reader import read
-
         stated = {} if self.expect is None else self.expect.stated
-        if document is None and self._origin is not None:
+        if stated and document is None and self._origin is not None:
+            from babyrobot_levels.text.reader import read
+
             document = read(self._origin)
         return {
             name: decimals_in(document, name, value)

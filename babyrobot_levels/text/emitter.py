@@ -121,6 +121,9 @@ def _escaped(found: re.Match[str]) -> str:
 WIDTH = 88
 """Lists and mappings that fit on a line of this width stand on one line."""
 
+ON_LINES = "expect"
+"""The mapping whose entries are read, and found wrong, one by one."""
+
 STEP = "  "
 """What a value inside another one is indented by."""
 
@@ -242,8 +245,8 @@ def _put_entry(entry: Entry, indent: str, lines: list[str]) -> None:
 
 def _wants_lines(value: Container, entry: Entry) -> bool:
     """Tell whether a container is easier to read over several lines, however short it is."""
-    if value.is_mapping and entry.key is None:
-        return False
+    if value.is_mapping and entry.key in (None, ON_LINES):
+        return entry.key is not None and bool(value.entries)
     return any(isinstance(e.value, Container) and e.value.is_mapping for e in value.entries)
 
 

@@ -120,3 +120,17 @@ def test_linting_finds_what_validating_does_not(project: Project) -> None:
     assert project.run("babyrobot-validate")[0] == 0
     status, output = project.run("babyrobot-lint")
     assert (status, "levels/shut.yaml:" in output) == (1, True)
+
+
+def test_linting_holds_a_level_to_what_it_states(project: Project) -> None:
+    path = project.write(
+        "levels/meant.yaml",
+        "version: 1\ndescription: Wide.\nsize: [4, 3]\nexpect:\n  path_length: 5\n",
+    )
+    assert project.run("babyrobot-lint")[0] == 0
+    path.write_text(path.read_text("utf-8").replace("expect", "exit: [1, 1]\nexpect"), "utf-8")
+    status, output = project.run("babyrobot-lint")
+    assert (status, "meant.yaml:6:16: error BR540: `path_length` is 2, not 5" in output) == (
+        1,
+        True,
+    )

@@ -220,3 +220,12 @@ def test_a_level_is_not_clean_for_what_is_found_late(monkeypatch: pytest.MonkeyP
         ask(session, do="set", route=["max_steps"], value=steps)
         late = {each["code"] for each in found(ask(session, do="answers"))}
     assert late >= {"BR511", "BR540"}
+
+
+def test_gestures_keep_facts_as_they_are_written() -> None:
+    fact = 'expect:\n  best_steps: 4.00  # why\n  best_return: "-5..-3"\n'
+    session = Session(f"version: 1\nsize: [4, 2]\n{fact}")
+    ask(session, do="walls", at=[0, 0], side="E", to="wall")
+    ask(session, do="set", route=["title"], value="New")
+    ask(session, do="resize", size=[5, 2], shift=[0, 0])
+    assert fact in session.text

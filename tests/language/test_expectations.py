@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -51,6 +52,27 @@ def test_saving_keeps_the_lines_of_facts() -> None:
     text = 'version: 1\ntheme: green\nexpect:\n  cells: 9.0  # all\n  best_return: "-4..-3"\n'
     saved = brl.loads(text).replace(theme="print").to_yaml(comments=True)
     assert saved == text.replace("green", "print")
+
+
+def test_figures_keep_their_decimals_wherever_they_are_written() -> None:
+    text = "version: 1\nsize: [3, 1]\nexpect:\n  best_return: -1.00\n  best_steps: 2\n"
+    level = brl.loads(text)
+    assert level.to_yaml() == text
+    assert level.resolve().to_yaml() == text
+    assert level.replace(size=[2, 1]).to_yaml() == text.replace("[3", "[2")
+
+
+def test_facts_go_to_tiled_and_back(tmp_path: Path) -> None:
+    level = Level.from_fields({"version": 1, "expect": EXPECT})
+    path = tmp_path / "level.tmj"
+    assert not brl.export(level, path=path).warnings
+    assert brl.import_(path).to_dict()["expect"] == EXPECT
+
+
+def test_what_holds_no_facts_says_so() -> None:
+    level = Level.from_fields({"version": 1, "expect": EXPECT})
+    lost = [warning.field for warning in brl.export(level, "prism").warnings]
+    assert "expect" in lost
 
 
 def test_facts_change_nothing_else() -> None:

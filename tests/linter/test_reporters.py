@@ -19,6 +19,8 @@ from jsonschema import Draft4Validator
 from support.findings import FIX, HOSTILE, MADE_UP, REAL, TITLES, finding
 
 from babyrobot_levels.linter.reporters import render
+from babyrobot_levels.linter.rules import select, titles
+from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity, one_line
 from babyrobot_levels.text.source import Position, SourceFile, printable
 
@@ -56,6 +58,16 @@ def test_each_result_points_at_its_rule() -> None:
     assert codes == sorted({diagnostic.code for diagnostic in [*REAL, *MADE_UP]})
     for result in run["results"]:
         assert rules[result["ruleIndex"]]["id"] == result["ruleId"]
+
+
+def test_a_broken_fact_is_an_error_at_its_line() -> None:
+    source = SourceFile("one.yaml", "version: 1\nexpect:\n  cells: 9\n  path_length: 5..7\n")
+    run = run_of(*lint_source(source, select(None)).diagnostics, titles=titles())
+    (result,) = run["results"]
+    region = result["locations"][0]["physicalLocation"]["region"]
+    assert (result["ruleId"], result["level"]) == ("BR540", "error")
+    assert (region["startLine"], region["startColumn"], region["endColumn"]) == (4, 16, 20)
+    assert result["message"]["text"].startswith("`path_length` is 4, not 5..7")
 
 
 def test_rules_have_descriptions() -> None:

@@ -74,12 +74,19 @@ def test_a_probability_below_one_is_never_rounded_up() -> None:
     [
         ("exit: none\n", "path_length: 2"),
         ("rewards: {step: 1}\n", "best_return: 2"),
+        ("rewards: {step: 1}\n", "best_steps: 2.."),
         ("walls: [{at: [0, 0], side: E}, {at: [0, 0], side: S}]\n", "turns: 2"),
     ],
 )
 def test_facts_without_a_value_go(fields: str, fact: str) -> None:
     text = f"{LEVEL}{fields}expect:\n  {fact}\n  cells: 8\n"
     assert brl.expect(text) == text.replace(f"  {fact}\n", "")
+
+
+def test_the_last_fact_may_go() -> None:
+    text = f"{LEVEL}exit: none\nexpect:\n  success: 1\n"
+    assert brl.expect(text) == text.replace("\n  success: 1", " {}")
+    assert "expect: {}\n" in brl.format(brl.expect(text))
 
 
 def test_further_facts_can_be_asked_for() -> None:
