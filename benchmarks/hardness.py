@@ -170,11 +170,11 @@ def main() -> None:
     """Measure, print the table, and write the figure."""
     rows = measured()
     table = np.corrcoef([ranks(row) for row in rows])
-    print("| metric | median | range | with regret |\n|---|---:|---:|---:|")
-    for number, name in enumerate(NAMES):
+    print("| with regret | metric | median | range |\n|---:|---|---:|---:|")
+    for number in np.argsort(-table[-1, :-1]).tolist():
         low, middle, high = np.quantile(rows[number], [0, 0.5, 1], method="nearest")
-        told = f"{middle:.3g} | {low:.3g} to {high:.3g}"
-        print(f"| {name} | {told} | {table[-1, number]:.2f} |")
+        told = f"{NAMES[number]} | {middle:.3g} | {low:.3g} to {high:.3g}"
+        print(f"| {table[-1, number]:.2f} | {told} |")
     FIGURE.write_text(figure(table, [*NAMES, "regret"]), "utf-8")
 
 
