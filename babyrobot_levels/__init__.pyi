@@ -56,6 +56,7 @@ from .envs.samplers import Sampler as Sampler
 from .envs.samplers import UniformSampler as UniformSampler
 from .envs.samplers import WeightedSampler as WeightedSampler
 from .envs.single import LevelEnv as LevelEnv
+from .envs.text import TextObservation as TextObservation
 from .envs.vector.env import LevelVectorEnv as LevelVectorEnv
 from .generation.search import UnsatisfiableError as UnsatisfiableError
 from .generation.starter import new_level as new_level

@@ -359,6 +359,11 @@ class LevelEnv(RenderedEnv):
         return "turns" if self._actions.turns else "moves" if self._actions.first else "all"
 
     @property
+    def largest_size(self) -> tuple[int, int]:
+        """The width and the height of the largest level that an episode can have, in cells."""
+        return self._extent().size
+
+    @property
     def state(self) -> int:
         """The current state, as the tables of the level number it; -1 before the first reset."""
         return self._state

@@ -7,7 +7,7 @@ only sentences about the cells beside it (`words`).
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language import drawing as d
@@ -122,8 +122,8 @@ class Narrator:
             yield "the robot flips a switch by coming to its cell"
         if level.movers:
             yield (
-                "the robot meets who is in its cell after a step, and with whom it has changed "
-                "places in it"
+                "movers move in each step, after the robot, which meets those that are in its "
+                "cell then, and those with which it has changed places"
             )
         yield from self._ways()
 
@@ -235,14 +235,16 @@ class Narrator:
             lines = [
                 *self._place(cell, now),
                 *self._painter.lines(state, held=False),
+                *_told("there", {at: self._things(at, now) for at in self._thing_cells(now)}),
                 *self._movers(now, lambda _: True),
             ]
         elif self._sight == "view":
             seen = self._seen(state)
+            in_order = sorted(seen, key=lambda at: (at[1], at[0]))
             lines = [
                 *self._place(cell, now),
                 *self._window(state, cell, seen),
-                *self._in_view(now, cell, seen),
+                *_told("seen", {at: self._contents(at, now) for at in in_order}),
                 *self._movers(now, seen.__contains__),
             ]
         else:
@@ -253,7 +255,7 @@ class Narrator:
             ]
         lines.append(way_to_exit(level, cell, now))
         told = level.things().told(now.values)
-        lines += [f"{met}: {listed(names) or 'nothing'}" for met, names in told.items()]
+        lines += [f"{met}: {spoken(names) or 'nothing'}" for met, names in told.items()]
         return "\n".join(lines)
 
     def _place(self, cell: Cell, now: Configuration) -> Iterator[str]:
@@ -288,20 +290,24 @@ class Narrator:
                 ahead = f", next at {show_cell((at[0] + dx, at[1] + dy))}"
             yield f"{name} is at {show_cell(at)}{ahead}"
 
-    def _contents(self, cell: Cell, now: Configuration) -> list[str]:
-        """Return what is in a cell, the robot and movers left out; nothing for a plain one."""
-        level, things = self._level, self._level.things()
-        found = []
-        if cell in now.exits:
-            is_open = now.exit_is_open or not level.exit_keys
-            found.append("the exit" if is_open else "the locked exit")
-        for item, at in zip(level.items, now.items, strict=True):
+    def _things(self, cell: Cell, now: Configuration) -> Iterator[str]:
+        """Yield the items and switches in a cell."""
+        things = self._level.things()
+        for item, at in zip(self._level.items, now.items, strict=True):
             if at == cell:
-                found.append(f"the {spoken([item.name])}")
+                yield f"the {spoken([item.name])}"
         for column, is_on in zip(things.fixed, now.on, strict=True):
             if things[column].entry.at == cell:
-                found.append(f"the {spoken([things.names[column]])} ({'on' if is_on else 'off'})")
-        return [*found, *map(_a, self._grounds.get(cell[1] * level.size[0] + cell[0], ()))]
+                yield f"the {spoken([things.names[column]])} ({'on' if is_on else 'off'})"
+
+    def _contents(self, cell: Cell, now: Configuration) -> list[str]:
+        """Return what is in a cell, the robot and movers left out; nothing for a plain one."""
+        found = [*self._things(cell, now)]
+        if cell in now.exits:
+            is_open = now.exit_is_open or not self._level.exit_keys
+            found.insert(0, "the exit" if is_open else "the locked exit")
+        number = cell[1] * self._level.size[0] + cell[0]
+        return [*found, *map(_a, self._grounds.get(number, ()))]
 
     def _beside(self, cell: Cell, now: Configuration) -> Iterator[str]:
         """Yield what is in the robot's cell, and on its four sides."""
@@ -346,16 +352,22 @@ class Narrator:
             if text.strip():
                 yield text.rstrip()
 
-    def _in_view(self, now: Configuration, cell: Cell, seen: Iterable[Cell]) -> Iterator[str]:
-        """Yield what is in the cells that are seen, but for plain ones."""
-        places: dict[str, list[Cell]] = defaultdict(list)
-        for each in sorted(seen, key=lambda at: (at[1], at[0])):
-            for what in self._contents(each, now):
-                places[what].append(each)
-        if places:
-            yield "seen: " + "; ".join(
-                f"{what} at {phrases.cells(cells)}" for what, cells in places.items()
-            )
+    def _thing_cells(self, now: Configuration) -> Iterable[Cell]:
+        """Return the cells in which items lie and switches are."""
+        things = self._level.things()
+        lying = [at for at in now.items if at is not None]
+        return dict.fromkeys([*lying, *(things[column].entry.at for column in things.fixed)])
+
+
+def _told(where: str, contents: Mapping[Cell, Iterable[str]]) -> Iterator[str]:
+    """Yield a line that tells what is in some cells, if anything is."""
+    places: dict[str, list[Cell]] = defaultdict(list)
+    for cell, found in contents.items():
+        for what in found:
+            places[what].append(cell)
+    if places:
+        told = (f"{what} at {phrases.cells(cells)}" for what, cells in places.items())
+        yield f"{where}: {'; '.join(told)}"
 
 
 def _a(name: str) -> str:

@@ -13,14 +13,14 @@ from babyrobot_levels.analysis.solver.by_step import ValuesByStep
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import check_seed, check_within
 from babyrobot_levels.envs.arguments import check_choice
-from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.envs.single import LevelEnv
-from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.envs.text import narrator_of
+from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.sights import RADIUS, SIGHTS, Narrator, Seen
+from babyrobot_levels.render.sights import SIGHTS, Narrator
 from babyrobot_levels.render.words.happenings import bump, changes, hitter
 from babyrobot_levels.render.words.phrases import counted
 from babyrobot_levels.scoring.plays import Play, play_of
@@ -351,20 +351,4 @@ def _stage_of(level: Level, sight: str, limit: int) -> _Stage:
     """Return what worlds of the same kind share: trainers make many of them."""
     values = ValuesByStep(space_of(level, "all"), limit, level.discount)
     told = level.model_copy(update={"max_steps": limit})
-    return _Stage(Narrator(told, sight, _seen(level)), values, level.share_code())
-
-
-def _seen(level: Level) -> Seen:
-    """Return a function that returns which cells the robot sees in a state."""
-
-    @lru_cache(maxsize=64)
-    def seen(state: int) -> frozenset[Cell]:
-        mdp = level.compile()
-        x, y = mdp.cell(state)
-        passable = barriers(level.grid_at(mdp.configuration(state)), RADIUS)
-        rows, columns = np.nonzero(visible(passable, x, y, RADIUS))
-        cells = zip((columns + x - RADIUS).tolist(), (rows + y - RADIUS).tolist(), strict=True)
-        width, height = level.size
-        return frozenset((i, j) for i, j in cells if 0 <= i < width and 0 <= j < height)
-
-    return seen
+    return _Stage(narrator_of(told, sight), values, level.share_code())

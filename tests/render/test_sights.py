@@ -96,6 +96,18 @@ def test_words_tell_what_is_beside_the_robot(house: brl.Level) -> None:
     ]
 
 
+def test_a_map_tells_things_apart_that_have_one_sign() -> None:
+    keys = level(
+        size=[5, 1],
+        items=[{"name": "red-key", "at": [1, 0]}, {"name": "gold-key", "at": [2, 0]}],
+        switches=[{"name": "lever", "at": [3, 0]}],
+        max_steps=9,
+    )
+    lines = scene(keys, "map", (0, 0))
+    told = "there: the red key at [1, 0]; the gold key at [2, 0]; the lever (off) at [3, 0]"
+    assert told in lines
+
+
 def test_a_view_hides_what_is_not_seen(house: brl.Level) -> None:
     lines = scene(house, "view", (1, 1))
     assert "?" in "".join(lines)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.grid import door_name, door_sides
+from babyrobot_levels.render.words.rules import spoken
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.configurations import Configuration
@@ -17,11 +18,11 @@ if TYPE_CHECKING:
 
 def changes(level: GridWorld, then: Configuration, now: Configuration) -> Iterator[str]:
     """Yield what has changed since a configuration, a sentence each; not where movers are."""
-    yield from (f"Took the {name}." for name in now.held if name not in then.held)
+    yield from (f"Took the {spoken([name])}." for name in now.held if name not in then.held)
     things = level.things()
     for column, before, after in zip(things.fixed, then.on, now.on, strict=True):
         if before != after:
-            yield f"The {things.names[column]} is {'on' if after else 'off'}."
+            yield f"The {spoken([things.names[column]])} is {'on' if after else 'off'}."
     for door, before, after in zip(level.doors, then.doors, now.doors, strict=True):
         if before != after:
             yield f"The {door_name(door)} {'closes' if after else 'opens'}."
