@@ -40,6 +40,7 @@ from .analysis.solver.results import Simulation as Simulation
 from .analysis.solver.results import Solution as Solution
 from .analysis.solver.results import UndefinedReturnError as UndefinedReturnError
 from .analysis.strip import strip as strip
+from .assistants.server import mcp as mcp
 from .assistants.skill import skill as skill
 from .convert.conversion import Conversion as Conversion
 from .convert.conversion import ConversionError as ConversionError

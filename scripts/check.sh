@@ -6,7 +6,7 @@
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
-#        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says
+#        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says, and the server for assistants
 #        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
 #        bash scripts/check.sh javascript  the style and types of JavaScript, and its tests that need no browser
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
@@ -79,9 +79,9 @@ ray)
     ;;
 storm)
     make_venv .venv-storm
-    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,umb]" hatchling hypothesis pytest stormpy==2.0.0
+    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb]" hatchling hypothesis pytest stormpy==2.0.0
     PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
-    beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm
+    beside_pages .venv-storm mcp,storm .venv-storm/bin/python -m pytest -m libraries tests/storm tests/assistants/test_server.py
     exit
     ;;
 site)

@@ -67,6 +67,7 @@ COMMANDS = {
     "install": Line("Share", "packs:install", "Install a pack."),
     "uninstall": Line("Share", "packs:uninstall", "Remove an installed pack."),
     "schema": Line(_SUPPORT, "create:print_schema", "Print a JSON schema."),
+    "mcp": Line(_SUPPORT, "assistants:mcp", "Serve tools for assistants that write levels."),
     "skill": Line(_SUPPORT, "assistants:skill", "Print a page for assistants that write levels."),
 }
 

@@ -44,7 +44,7 @@ def test_every_command_runs(line: str) -> None:
 
 def test_all_that_the_loop_needs_is_shown() -> None:
     shown = {line.split()[1] for line in COMMANDS}
-    assert {"lint", "rule", "format", "solve", "show", "preview", "generate"} <= shown
+    assert {"lint", "expect", "rule", "format", "solve", "show", "preview", "generate"} <= shown
 
 
 def test_what_the_example_expects_is_true() -> None:

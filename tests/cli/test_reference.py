@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -144,6 +145,11 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
     if "--watch" in arguments:
         # As if the level was never saved again.
         monkeypatch.setattr("babyrobot_levels.cli.console.each_change", lambda files: [files()])
+    if arguments[0] == "mcp":
+        # As if its input ended at once, and whether its library is there or not.
+        ended = SimpleNamespace(run=lambda: None)
+        monkeypatch.setattr("babyrobot_levels.assistants.server.mcp", lambda *_, **__: ended)
+        monkeypatch.setattr("signal.signal", lambda *_: None)
     if arguments[0] == "edit":
         # As if the page was closed at once.
         monkeypatch.setattr(EditorServer, "run", EditorServer.close)

@@ -1,0 +1,80 @@
+"""The server for assistants: the tools by the Model Context Protocol, over standard streams."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from babyrobot_levels.text.errors import how_to_install
+
+if TYPE_CHECKING:
+    from mcp.server import MCPServer
+
+    from babyrobot_levels.assistants.worker import Worker
+
+INSTRUCTIONS = """\
+Grid worlds as YAML files, whose claims are decided exactly. To write a level: read \
+language_reference once; write the text with the facts of the brief in `expect`; check it, and \
+mend what is found, until it is clean; look at solve and preview."""
+
+
+def mcp(folder: str | os.PathLike[str] | None = None, *, seconds: float = 60.0) -> MCPServer:
+    """Return a server of tools for assistants that write levels, as `babyrobot mcp` runs it.
+
+    `mcp().run()` serves standard input and output. The tools take levels as texts.
+
+    Args:
+        folder: the folder in which levels may be read and written; by default, none are.
+        seconds: how long a call may take.
+
+    Raises:
+        ImportError: the package `mcp` 2 is not installed.
+        NotADirectoryError: there is no such folder.
+    """
+    try:
+        from mcp.server import MCPServer
+    except ImportError:
+        message = f"the server needs the package `mcp`, 2.0 or later: {how_to_install('mcp')}"
+        raise ImportError(message, name="mcp") from None
+    from babyrobot_levels.assistants.tools import Tools
+    from babyrobot_levels.assistants.worker import Worker
+
+    if folder is not None and not Path(folder).is_dir():
+        raise NotADirectoryError(f"there is no folder {folder}")
+    server = MCPServer("babyrobot", instructions=INSTRUCTIONS, log_level="CRITICAL")
+    worker = Worker(None if folder is None else Path(folder).absolute(), seconds)
+    for name, method in vars(Tools).items():
+        if not name.startswith("_"):
+            server.add_tool(_tool(name, method, worker), description=inspect.getdoc(method))
+    return server
+
+
+def _tool(name: str, method: Callable[..., Any], worker: Worker) -> Callable[..., Any]:
+    """Return a function with the arguments of a tool, as the server asks for it."""
+    from mcp.server.mcpserver import Image
+    from mcp.server.mcpserver.exceptions import ToolError
+    from mcp.types import CallToolResult, TextContent
+
+    from babyrobot_levels.assistants.tools import RefusedError
+
+    @functools.wraps(method)
+    def call(**arguments: Any) -> CallToolResult:
+        try:
+            result = worker.call(name, arguments)
+        except RefusedError as error:
+            raise ToolError(str(error)) from None
+        content: list[Any] = [TextContent(type="text", text=result.told)]
+        if result.picture:
+            content.append(Image(data=result.picture, format="png").to_image_content())
+        return CallToolResult(content=content, structured_content=result.model_dump(mode="json"))
+
+    signature = inspect.signature(method, eval_str=True)
+    _, *parameters = signature.parameters.values()
+    returned = Annotated[CallToolResult, signature.return_annotation]
+    call.__signature__ = signature.replace(parameters=parameters, return_annotation=returned)  # type: ignore[attr-defined]
+    call.__annotations__ = {each.name: each.annotation for each in parameters}
+    return call
