@@ -48,7 +48,8 @@ class Worker:
                     )
             except (EOFError, OSError):
                 self._end()
-                raise RefusedError("this took too much memory; all plays have ended") from None
+                message = "the tools' process has ended, perhaps for want of memory, with all plays"
+                raise RefusedError(message) from None
         if isinstance(answer, BaseException):
             raise answer
         result: Result = answer
