@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from babyrobot_levels.analysis import hardness
 from babyrobot_levels.analysis.paths import (
     PossibleSteps,
     connected_components,
@@ -19,6 +20,14 @@ from babyrobot_levels.analysis.paths import (
     straightest_path,
 )
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
+from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.results import (
+    EpisodeTooLongError,
+    Evaluation,
+    Solution,
+    UndefinedReturnError,
+)
 from babyrobot_levels.language import kinds
 from babyrobot_levels.language.metric_names import (
     MISTAKES,
@@ -34,8 +43,6 @@ from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.hardness import Needs
-    from babyrobot_levels.analysis.solver.results import Evaluation, Solution
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.mdp.tables import Flags, Mdp
 
@@ -349,12 +356,6 @@ class Metrics(Shown):
     @cached_property
     def solution(self) -> Solution | None:
         """The solution of the level, from which the returns are; None if it is undefined."""
-        from babyrobot_levels.analysis.solver.optimum import solve
-        from babyrobot_levels.analysis.solver.results import (
-            EpisodeTooLongError,
-            UndefinedReturnError,
-        )
-
         try:
             return solve(self.level)
         except (UndefinedReturnError, EpisodeTooLongError):
@@ -373,12 +374,6 @@ class Metrics(Shown):
 
     @cached_property
     def _random(self) -> Evaluation | None:
-        from babyrobot_levels.analysis.solver.evaluation import evaluation_of
-        from babyrobot_levels.analysis.solver.results import (
-            EpisodeTooLongError,
-            UndefinedReturnError,
-        )
-
         try:
             return evaluation_of(self.level, "random")
         except (UndefinedReturnError, EpisodeTooLongError):
@@ -392,10 +387,8 @@ class Metrics(Shown):
 
         From these no path leads to a state to which some optimal policy comes.
         """
-        from babyrobot_levels.analysis.hardness import lost_share
-
         found = self._optimal_states
-        return None if found is None else lost_share(self.level.compile(), found)
+        return None if found is None else hardness.lost_share(self.level.compile(), found)
 
     @cached_property
     def decisions(self) -> int | None:
@@ -403,10 +396,8 @@ class Metrics(Shown):
 
         Elsewhere is where no optimal policy comes to; and a hit that ends the episode.
         """
-        from babyrobot_levels.analysis.hardness import decisions_of
-
         found = self._optimal_states
-        return None if found is None else decisions_of(self.level.compile(), found)
+        return None if found is None else hardness.decisions_of(self.level.compile(), found)
 
     @cached_property
     def fragility(self) -> float | None:
@@ -415,14 +406,8 @@ class Metrics(Shown):
         It is the optimal expected return less that of this player, who follows the optimal policy
         otherwise; inf if a mistake can cost for ever.
         """
-        from babyrobot_levels.analysis.hardness import loss_by_mistakes
-        from babyrobot_levels.analysis.solver.results import (
-            EpisodeTooLongError,
-            UndefinedReturnError,
-        )
-
         try:
-            return None if self._optimum is None else loss_by_mistakes(self._optimum)
+            return None if self._optimum is None else hardness.loss_by_mistakes(self._optimum)
         except (UndefinedReturnError, EpisodeTooLongError):
             return None
 
@@ -434,9 +419,7 @@ class Metrics(Shown):
 
     @cached_property
     def _optimal_states(self) -> Flags | None:
-        from babyrobot_levels.analysis.hardness import optimal_states
-
-        return None if self._optimum is None else optimal_states(self._optimum)
+        return None if self._optimum is None else hardness.optimal_states(self._optimum)
 
     # -- what is needed --------------------------------------------------------------------
 
@@ -456,9 +439,7 @@ class Metrics(Shown):
 
         A thing comes after another if it can be had from no start without the other.
         """
-        from babyrobot_levels.analysis.hardness import longest_chain
-
-        return None if self._needs is None else longest_chain(self._needs)
+        return None if self._needs is None else hardness.longest_chain(self._needs)
 
     @cached_property
     def distractors(self) -> int | None:
@@ -466,16 +447,12 @@ class Metrics(Shown):
 
         From last to first, things stay without effect if that does not lower the optimal return.
         """
-        from babyrobot_levels.analysis.hardness import idle_things
-
-        return None if self._optimum is None else len(idle_things(self._optimum))
+        return None if self._optimum is None else len(hardness.idle_things(self._optimum))
 
     @cached_property
-    def _needs(self) -> Needs | None:
-        from babyrobot_levels.analysis.hardness import needs_of
-
+    def _needs(self) -> hardness.Needs | None:
         try:
-            return needs_of(self.level) if self._lengths else None
+            return hardness.needs_of(self.level) if self._lengths else None
         except LevelError:
             return None
 

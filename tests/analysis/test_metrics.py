@@ -492,7 +492,7 @@ def test_shape_and_ways_ask_for_no_tables(monkeypatch: pytest.MonkeyPatch) -> No
 def test_each_is_worked_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     found = brl.metrics("final-maze")
     difficult, path = found.difficulty, found.path
-    monkeypatch.setattr("babyrobot_levels.analysis.solver.optimum.solve", None)
+    monkeypatch.setattr("babyrobot_levels.analysis.metrics.solve", None)
     monkeypatch.setattr("babyrobot_levels.analysis.metrics.straightest_path", None)
     assert (found.difficulty, found.path) == (difficult, path)
     assert found.wet_share == pytest.approx(4 / 18)
