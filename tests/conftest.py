@@ -32,6 +32,7 @@ SLOW = {
     "docs/test_notebooks.py",
     "editor/test_forms.py",
     "editor/test_laws.py",
+    "editor/test_site.py",
     "e2e/browser",
     "e2e/test_benchmarks.py",
     "e2e/test_examples.py",

@@ -27,6 +27,7 @@ from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError, how_to_install
 from babyrobot_levels.text.files import schema_for
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.editor.session import Session
@@ -218,6 +219,22 @@ def edit(
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Only print the address; open no browser.")
     ] = False,
+    site: Annotated[
+        Path | None,
+        value_option(
+            "FOLDER",
+            "Write the editor as static files, which run Python in the visitor's browser.",
+            "--site",
+        ),
+    ] = None,
+    runtime: Annotated[
+        Path | None,
+        value_option(
+            "FOLDER",
+            "Take Python for browsers from this folder.  [default: downloaded, 8 MB]",
+            "--runtime",
+        ),
+    ] = None,
 ) -> None:
     """Edit a level in the browser, by drawing and as text.
 
@@ -228,6 +245,9 @@ def edit(
     The page is served to this machine only, until it is closed by its button, or by Ctrl-C here.
     The address holds a password: keep it to yourself.
 
+    With `--site`, nothing is served. The folder can be put on any web server; there, Python runs
+    in the browser, and visitors need to install nothing. They begin with LEVEL.
+
     Examples:
 
       babyrobot edit
@@ -237,9 +257,14 @@ def edit(
       babyrobot edit final-maze
 
       babyrobot resolve final-maze | babyrobot edit -
+
+      babyrobot edit exercise.yaml --site public/editor
     """
     from babyrobot_levels.editor.sources import session_of
 
+    if site is not None:
+        _write_site(site, _piped() if level == str(STANDARD_INPUT) else session_of(level), runtime)
+        return
     try:
         from babyrobot_levels.editor.server import EditorServer
     except ModuleNotFoundError as error:
@@ -255,6 +280,20 @@ def edit(
         # Some browsers return only when they are closed.
         Thread(target=_open, args=[server.address], daemon=True).start()
     server.run()
+
+
+def _write_site(site: Path, session: Session, runtime: Path | None) -> None:
+    from babyrobot_levels.editor.runtime import TARBALL, WHEELS, RuntimeFileError
+    from babyrobot_levels.editor.site import SiteFolderError, write_site
+
+    try:
+        size = write_site(site, session, runtime)
+    except SiteFolderError as error:
+        fail(str(error), "choose an empty folder")
+    except RuntimeFileError as error:
+        names = listed([file.name for file in (TARBALL, *WHEELS)])
+        fail(str(error), f"get {names}, and give their folder with --runtime")
+    note(f"wrote {site / 'index.html'}; a visitor loads {size / 1e6:.0f} MB at first")
 
 
 def _open(address: str) -> None:

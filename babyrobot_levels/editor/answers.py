@@ -7,11 +7,11 @@ to be done.
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
 from functools import cached_property
 from math import lcm, prod
 from threading import Lock
-from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.analysis.guides import random_return, solution_guide
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 
 BEST_AVERAGE = "Best average"
+
+work_time = getattr(time, "thread_time", time.perf_counter)
+"""The seconds that this thread has worked; in a browser, there is but one."""
 
 BUDGET = 0.1
 """How long a gesture may wait for the optimum, in seconds."""
@@ -135,8 +138,8 @@ class Answers:
         self._look(level)
         if self.optimum is not None:
             return
-        time = level.compile().num_states * self._time_of_state + _time_within_limit(level)
-        if time <= BUDGET:
+        seconds = level.compile().num_states * self._time_of_state + _time_within_limit(level)
+        if seconds <= BUDGET:
             self.optimum = self._solved(level)
 
     def _look(self, level: Level) -> None:
@@ -167,14 +170,14 @@ class Answers:
                 self.optimum = optimum
 
     def _solved(self, level: Level) -> Optimum:
-        began = thread_time()
+        began = work_time()
         optimum = solved(level)
         _ = optimum.page
         states = level.compile().num_states
         # Small levels tell nothing of larger ones, nor does what the first one loads.
         is_usual = states >= _LEAST_MEASURED and _time_within_limit(level) <= BUDGET
         if is_usual and not self._is_first:
-            self._time_of_state = (self._time_of_state + (thread_time() - began) / states) / 2
+            self._time_of_state = (self._time_of_state + (work_time() - began) / states) / 2
         self._is_first = False
         return optimum
 

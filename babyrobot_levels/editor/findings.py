@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from threading import Lock
-from time import thread_time
 from typing import Any, TypeGuard
 
-from babyrobot_levels.editor.answers import Answers
+from babyrobot_levels.editor.answers import Answers, work_time
 from babyrobot_levels.language.kinds import KINDS
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, marked_at
@@ -198,11 +197,11 @@ class Linter:
                 return
             context = linting.context
             _share(answers, context)
-            began = thread_time()
+            began = work_time()
             known = linting.report.diagnostics
             late = findings_in(context, linting.waiting, max_cells=MAX_CELLS, known=known)
             # Together, since one rule computes what others then have.
-            if thread_time() - began <= LONG:
+            if work_time() - began <= LONG:
                 self._late.clear()
             found = [*known, *late]
             found.sort(key=lambda each: (each.line, each.column, each.code))
@@ -216,9 +215,9 @@ class Linter:
             return rule
 
         def timed(context: LintContext) -> list[Finding]:
-            began = thread_time()
+            began = work_time()
             found = [*check(context)]
-            self._times[rule.code] = thread_time() - began
+            self._times[rule.code] = work_time() - began
             return found
 
         return replace(rule, check=timed)

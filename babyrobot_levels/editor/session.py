@@ -209,6 +209,10 @@ class Session:
         self._change(self.file.text, "reload")
         self._saved = self.text
 
+    def read_again(self) -> None:
+        """Check the text again, once more can be told of it than before."""
+        self._read()
+
     def _change(self, text: str, step: str, *, joined: bool = False) -> None:
         self._history.change(text, step, joined=joined)
         self._read()

@@ -148,6 +148,12 @@ def served_script() -> str:
 
 
 @cache
+def site_script() -> str:
+    """Return the script of the page of a site."""
+    return put_together("editor/static/site.js", _common())
+
+
+@cache
 def widget_script() -> str:
     """Return the module of the widget: it exports `render`, and brings its style sheet."""
     sheet = f"export const STYLE = {json.dumps(style())};"

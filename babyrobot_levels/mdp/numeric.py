@@ -11,7 +11,9 @@ from importlib.machinery import PathFinder
 
 LIBRARIES = ("numpy", "scipy")
 
-NEEDS_NUMPY = "this needs the exact tables, and so NumPy and SciPy, which are not loaded here"
+NEEDS_NUMPY = (
+    "values, play, policies and links that play need NumPy and SciPy, which are not loaded here"
+)
 
 
 def is_numeric() -> bool:

@@ -154,6 +154,8 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         # As if the page was closed at once.
         monkeypatch.setattr(EditorServer, "run", EditorServer.close)
         monkeypatch.setattr("webbrowser.open", lambda address: True)
+        # As if Python for browsers was downloaded.
+        monkeypatch.setattr("babyrobot_levels.editor.site.write_site", lambda *given: 18_000_000)
     result = run_here(arguments, variables, given)
     if arguments[0] == "play":
         # The call is right, but here is no terminal.

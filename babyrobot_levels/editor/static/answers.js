@@ -2,7 +2,7 @@
 
 import { formatted } from "../../render/static/game.js";
 import { ShownSets } from "../../render/static/shown.js";
-import { html } from "./html.js";
+import { button, html } from "./html.js";
 
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
 const SHOWN = [
@@ -28,11 +28,16 @@ export class Answers {
         html("kbd", {}, key),
       ),
     );
-    place.append(
-      html("div", { class: "best-line" }, this.name, this.best, this.change),
-      this.reason,
-      html("div", { class: "switches", role: "group", "aria-label": "Show in the picture" }, ...this.switches),
+    const { more } = editor.connection;
+    this.load = button("", { class: "load", onclick: () => this.loadMore(more) });
+    this.load.hidden = true;
+    this.line = html("div", { class: "best-line" }, this.name, this.best, this.change);
+    this.group = html(
+      "div",
+      { class: "switches", role: "group", "aria-label": "Show in the picture" },
+      ...this.switches,
     );
+    place.append(this.line, this.reason, this.load, this.group);
     // Before the picture is drawn, which shows what the data says.
     editor.on("state", () => this.show());
   }
@@ -49,7 +54,11 @@ export class Answers {
   }
 
   show() {
-    const { level, answers, revision, findings_pending: hasMoreFindings } = this.editor.state;
+    const { level, answers, revision, findings_pending: hasMoreFindings, lacks } = this.editor.state;
+    const { more } = this.editor.connection;
+    for (const each of [this.line, this.group]) each.hidden = lacks !== "";
+    this.load.hidden = lacks === "" || more === undefined;
+    this.load.replaceChildren(more?.title ?? "", " ", html("small", {}, more?.from ?? ""));
     if (level !== null) level.shown = answers.status === "none" ? [] : [...this.shown];
     const isPending = answers.status === "pending";
     this.name.textContent = answers.best_name;
@@ -66,6 +75,20 @@ export class Answers {
     clearTimeout(this.timer);
     if ((isPending || hasMoreFindings) && this.asked !== revision)
       this.timer = setTimeout(() => this.ask(revision), IDLE);
+  }
+
+  /** Load what the tables of levels need. */
+  async loadMore({ load }) {
+    this.load.disabled = true;
+    this.load.textContent = "Loading …";
+    try {
+      await load();
+      await this.editor.send({ do: "state" });
+    } catch (error) {
+      this.editor.say(/** @type {Error} */ (error).message, "refused");
+      this.show();
+    }
+    this.load.disabled = false;
   }
 
   /** Ask for the optimum and the findings that take longer, beside all other messages. */

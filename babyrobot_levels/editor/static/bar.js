@@ -32,7 +32,7 @@ export class Bar {
   showState() {
     const { state } = this.editor;
     this.name.textContent = state.level?.title ?? state.path ?? state.name ?? "Level";
-    const file = state.path ?? "no file yet";
+    const file = state.path ?? this.editor.connection.place ?? "no file yet";
     const isNew = state.path !== null && !state.is_made;
     const saved = isNew ? `${file}, made when you save` : file;
     this.file.textContent = state.is_saved ? saved : `${file}, not saved`;

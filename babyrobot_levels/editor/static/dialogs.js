@@ -209,13 +209,15 @@ class CopyDialog {
   }
 
   async choose(form) {
+    const { address } = this.editor.connection;
     for (const each of this.forms) each.ariaPressed = String(each.dataset.form === form);
-    const [, , help] = COPY_FORMS.find(([name]) => name === form);
+    const isOurs = form === "link" && address !== undefined;
+    const help = isOurs ? "It opens the level in this editor." : COPY_FORMS.find(([name]) => name === form)[2];
     this.help.replaceChildren(...prose(help));
     this.copied.textContent = "";
     this.download.toggleAttribute("hidden", form !== "yaml");
-    const { copy = "", error = "" } = await this.editor.send({ do: "copy", form });
-    this.shown.value = copy;
+    const { copy = "", error = "" } = await this.editor.send({ do: "copy", form: isOurs ? "code" : form });
+    this.shown.value = isOurs && error === "" ? `${address}#${copy}` : copy;
     this.shown.classList.toggle("one-line", form === "code" || form === "link");
     this.error.replaceChildren(...prose(error));
   }

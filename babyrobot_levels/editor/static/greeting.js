@@ -9,6 +9,7 @@ export class Greeting {
   constructor(editor) {
     this.editor = editor;
     this.size = pairControl({ type: "size", label: "size" }, (size) => editor.send({ do: "resize", size }));
+    this.last = html("li", {});
     this.element = html(
       "ol",
       { class: "steps" },
@@ -24,7 +25,7 @@ export class Greeting {
         ),
       ),
       html("li", {}, "Draw walls and things with the tools. Drag start and exit where they shall be."),
-      html("li", {}, "Play it, then save it: both are at the top."),
+      this.last,
     );
   }
 
@@ -37,7 +38,10 @@ export class Greeting {
   }
 
   show() {
-    const { width, height } = this.editor.state.level;
+    const { level, lacks } = this.editor.state;
+    const { width, height } = level;
+    this.last.textContent =
+      lacks === "" ? "Play it, then save it: both are at the top." : "Save it, or copy its link: both are at the top.";
     this.size.show([width, height]);
   }
 }

@@ -72,7 +72,10 @@ const ZOOMS = [
 /**
  * Show an editor in an element.
  *
- * `connection.send(message)` returns a promise of the reply; `style` is the style sheet.
+ * `connection.send(message)` returns a promise of the reply. It may have `ends`, whether the other
+ * side can be ended; `place`, where a level without a file is kept; `address`, of a page that opens
+ * the code after its `#`; and `more`, what can be loaded where there are no tables: its
+ * `title`, where it is `from`, and `load`. `style` is the style sheet.
  */
 export function mount(place, connection, style = "") {
   const root = place.attachShadow({ mode: "open" });

@@ -1,6 +1,6 @@
 // The editor in a window of its own: its messages go to the server that it is from.
 
-import { mount } from "./mount.js";
+import { fillWindow } from "./window.js";
 
 const UNREACHABLE =
   "The editor's server cannot be reached: it has ended, or the machine was asleep. Copy the text before you close this window.";
@@ -44,18 +44,7 @@ function refresh() {
   if (document.visibilityState === "visible") editor.send({ do: "state" });
 }
 
-const page = new CSSStyleSheet();
-page.replaceSync("html, body, #editor { height: 100%; margin: 0; font-family: system-ui, sans-serif }");
-document.adoptedStyleSheets = [page];
-
-const style = await (await fetch("editor.css")).text();
-const editor = mount(document.querySelector("#editor"), connection, style);
-editor.stage.place.focus(); // The window's keys are the editor's.
-
-editor.on("state", () => {
-  const { is_saved, level, name, path } = editor.state;
-  document.title = `${is_saved ? "" : "* "}${level?.title ?? path ?? name ?? "Level"} – editor`;
-});
+const editor = await fillWindow(connection);
 
 document.addEventListener("visibilitychange", refresh);
 window.addEventListener("beforeunload", keep);

@@ -1,0 +1,253 @@
+"""The editor as static files: Python runs in a real browser, with the network cut off."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+from support.firefox import firefox
+from support.sites import StaticServer, hosted, runtime
+
+import babyrobot_levels as brl
+from babyrobot_levels.editor.runtime import CDN, TARBALL, RuntimeFileError, runtime_file
+from babyrobot_levels.editor.site import SiteFolderError, write_site
+from babyrobot_levels.editor.sources import session_of
+
+SIZE = {"width": 390, "height": 844}
+PHONE: dict[str, Any] = {"viewport": SIZE, "has_touch": True, "is_mobile": True}
+START = 60_000
+"""How long Python may take to start on a busy machine, in milliseconds."""
+
+TEXT = "version: 1\ntitle: Mine\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
+WALLS = "walls:\n  - {at: [1, 0], side: E, length: 2}\n"
+TWO_WALLS = "walls:\n  - {at: [1, 0], side: E}\n  - {at: [1, 1], side: E}\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    site = tmp_path_factory.mktemp("site") / "editor"
+    write_site(site, session_of(None), runtime())
+    return site
+
+
+@pytest.fixture
+def server(folder: Path) -> Iterator[StaticServer]:
+    with hosted(folder) as started:
+        yield started
+
+
+Visit = Callable[..., Page]
+
+
+@pytest.fixture
+def visit(browser: Browser, server: StaticServer) -> Iterator[Visit]:
+    """Opens the site: a function of what follows its address, and of options of the browser."""
+    errors: list[str] = []
+    with ExitStack() as stack:
+
+        def opened(rest: str = "", **options: Any) -> Page:
+            size = {"width": 1280, "height": 800}
+            settings: dict[str, Any] = {"viewport": size, "accept_downloads": True} | options
+            context = browser.new_context(**settings)
+            stack.callback(context.close)
+            context.set_default_timeout(20_000)
+            page = context.new_page()
+            page.on("pageerror", lambda error: errors.append(str(error)))
+            page.goto(f"{server.address}{rest}")
+            starts(page)
+            return page
+
+        yield opened
+    assert errors == []
+
+
+def starts(page: Page) -> None:
+    """Wait until the level is seen."""
+    expect(page).to_have_title(re.compile(" – editor$"), timeout=START)
+    expect(page.locator(".stage > svg")).to_be_visible()
+
+
+def cut_off(page: Page, server: StaticServer) -> None:
+    """Wait until all is kept, and end the server."""
+    page.evaluate("() => navigator.serviceWorker.ready.then(() => null)")
+    server.stop()
+    page.context.set_offline(True)
+
+
+def text_of(page: Page) -> Locator:
+    return page.locator("textarea.text")
+
+
+def shared(page: Page, form: str) -> str:
+    """Return a copy of the level, as the dialog shows it."""
+    page.get_by_role("button", name="Copy or download").click()
+    dialog = page.get_by_role("dialog", name="Copy the level")
+    dialog.locator(f"[data-form={form}]").click()
+    expect(dialog.locator(".copied")).not_to_have_value("")
+    pattern = re.compile(r"#\S+$") if form == "link" else re.compile(r"^\S+$")
+    expect(dialog.locator(".copied")).to_have_value(pattern)
+    value = dialog.locator(".copied").input_value()
+    dialog.get_by_label("Close").click()
+    return value
+
+
+def test_a_level_is_drawn_mended_saved_and_shared_offline(
+    visit: Visit, server: StaticServer, tmp_path: Path
+) -> None:
+    page = visit()
+    cut_off(page, server)
+    page.reload()
+    starts(page)
+    stage, text = page.locator(".stage"), text_of(page)
+    for key in ("4", "ArrowRight", "ArrowRight", "Space"):
+        stage.press(key)
+    expect(text).to_have_value(re.compile(r"^blocked:", re.M))
+    expect(page.locator(".file-state")).to_have_text("in this browser, not saved")
+    # What is kept here is there again.
+    page.reload()
+    starts(page)
+    expect(text).to_have_value(re.compile(r"^blocked:", re.M))
+    text.fill(TEXT.replace("size", "sise"))
+    expect(page.locator(".problem")).to_contain_text("did you mean size?")
+    text.fill(TEXT + TWO_WALLS)
+    expect(page.locator(".problem")).to_be_hidden()
+    page.get_by_role("tab", name="Findings").click()
+    page.locator(".fix").first.click()
+    expect(text).to_have_value(TEXT + WALLS)
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Save").click()
+    file = tmp_path / saved.value.suggested_filename
+    saved.value.save_as(file)
+    level = brl.load(file)
+    assert (level.title, level.size) == ("Mine", (4, 3))
+    code = shared(page, "code")
+    assert brl.load(code).digest == level.digest
+    link = shared(page, "link")
+    assert link == f"{server.address}#{code}"
+    # A file, a level by its name, and one by its code.
+    page.get_by_role("button", name="Open another level").click()
+    page.get_by_role("dialog", name="Open a level").get_by_label("File").set_input_files(file)
+    expect(page.locator(".title")).to_contain_text("Mine")
+    page.evaluate("() => { location.hash = 'first-key' }")
+    expect(page.locator(".title")).to_contain_text("The first key")
+    page.goto(link)
+    expect(page.locator(".title")).to_contain_text("Mine")
+
+
+def test_what_needs_numpy_is_offered_and_nobody_asked_before(visit: Visit) -> None:
+    asked: list[str] = []
+    page = visit()
+    page.context.on("request", lambda request: asked.append(request.url))
+    load = page.locator(".load")
+    expect(load).to_contain_text("20 MB from cdn.jsdelivr.net")
+    page.locator(".stage").press("p")
+    expect(page.locator(".said")).to_contain_text("NumPy and SciPy")
+    assert [address for address in asked if address.startswith("https:")] == []
+    # No other machine answers in these tests.
+    load.click()
+    expect(page.locator(".said")).to_have_text(
+        "NumPy and SciPy could not be loaded: is there a network?"
+    )
+    foreign = {address for address in asked if address.startswith("https:")}
+    assert all(address.startswith(CDN) for address in foreign)
+    page.locator(".stage").press("2")
+    page.locator(".stage").press("Space")
+    expect(text_of(page)).to_have_value(re.compile(r"^puddles:", re.M))
+
+
+def test_what_takes_too_long_is_stopped_and_nothing_is_lost(visit: Visit, folder: Path) -> None:
+    # Whatever the text, the worker then never answers.
+    worker = folder / "worker.js"
+    script = worker.read_text("utf-8")
+    endless = "reply: async (message) => {\nwhile (message.includes('forever'));\nreturn "
+    patched = script.replace("reply: async (message) => ", endless).replace(
+        "session.reply(message),", "session.reply(message);\n},"
+    )
+    worker.write_text(patched, "utf-8")
+    try:
+        page = visit()
+        stage, text = page.locator(".stage"), text_of(page)
+        for key in ("2", "ArrowRight", "Space"):
+            stage.press(key)
+        expect(text).to_have_value(re.compile(r"^puddles:", re.M))
+        before = text.input_value()
+        page.clock.install()
+        text.fill(f"{before}# forever\n")
+        page.clock.run_for(1_000)
+        for _ in range(20):
+            page.clock.fast_forward(40_000)
+            if "was stopped" in page.locator(".said").inner_text():
+                break
+        page.clock.resume()
+        # What was typed stays, and what was drawn is as it was.
+        expect(page.locator(".said")).to_contain_text("was stopped", timeout=START)
+        expect(text).to_have_value(f"{before}# forever\n")
+        text.fill(before)
+        for key in ("ArrowRight", "Space"):
+            stage.press(key)
+        expect(text).to_have_value(re.compile(r"^puddles:.*\n.*\n.*at", re.M), timeout=START)
+    finally:
+        worker.write_text(script, "utf-8")
+
+
+def test_it_fits_a_phone(visit: Visit) -> None:
+    page = visit(**PHONE)
+    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+    box = page.locator(".stage > svg").bounding_box()
+    assert box is not None
+    page.locator("[data-tool=blocked]").tap()
+    page.touchscreen.tap(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    expect(page.locator(".file-state")).to_contain_text("not saved")
+
+
+def test_firefox_draws_too(server: StaticServer, tmp_path: Path) -> None:
+    with firefox(tmp_path) as opened:
+        page = opened.page()
+        page.open(f"{server.address}#final-maze")
+        page.until("() => document.title === 'The final maze – editor'")
+        page.click(".stage")
+        page.press("2")
+        page.until("() => seen('textarea.text')[0].value.includes('puddles')")
+        assert opened.faults() == []
+
+
+# -- the folder --------------------------------------------------------------------------------
+
+
+def test_the_same_site_has_the_same_bytes(folder: Path, tmp_path: Path) -> None:
+    write_site(tmp_path / "again", session_of(None), runtime())
+    names = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    assert len(names) == 11
+    for name in names:
+        assert (tmp_path / "again" / name).read_bytes() == (folder / name).read_bytes(), name
+
+
+def test_a_site_begins_with_a_level_and_is_written_again(folder: Path, tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    write_site(site, session_of("final-maze"), runtime())
+    write_site(site, session_of("first-key"), runtime())
+    page = (site / "index.html").read_text("utf-8")
+    begin = json.loads(re.findall(r'id="begin">(.*?)</script>', page)[0])
+    assert (begin["name"], "The first key" in begin["text"]) == ("first-key", True)
+    assert begin["megabytes"] in range(10, 25)
+
+
+def test_a_folder_of_other_files_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("", "utf-8")
+    with pytest.raises(SiteFolderError, match="has files already"):
+        write_site(tmp_path, session_of(None), runtime())
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_only_the_files_that_are_published_are_taken(tmp_path: Path) -> None:
+    with pytest.raises(RuntimeFileError, match=r"pyodide-.*\.tgz cannot be read"):
+        runtime_file(TARBALL, tmp_path)
+    (tmp_path / TARBALL.name).write_bytes(b"something else")
+    with pytest.raises(RuntimeFileError, match="is not the file that its project has published"):
+        runtime_file(TARBALL, tmp_path)

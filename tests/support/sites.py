@@ -1,0 +1,62 @@
+"""Sites of the editor: what they are made of, and a server of static files that can be stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from threading import Thread
+
+from babyrobot_levels.editor.runtime import TARBALL, WHEELS, runtime_file
+from support.places import ROOT
+
+RUNTIME = ROOT / ".venv-runtime"
+"""Python for browsers, which is downloaded once."""
+
+
+def runtime() -> Path:
+    """Return the folder of the files that sites need, which is filled at the first call."""
+    RUNTIME.mkdir(exist_ok=True)
+    for file in (TARBALL, *WHEELS):
+        if not (RUNTIME / file.name).is_file():
+            part = RUNTIME / f"{file.name}.part"
+            part.write_bytes(runtime_file(file, None))
+            part.replace(RUNTIME / file.name)
+    return RUNTIME
+
+
+class _Files(SimpleHTTPRequestHandler):
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+class StaticServer:
+    """A web server that knows nothing of the editor.
+
+    Args:
+        folder: what it serves.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._server = ThreadingHTTPServer(("127.0.0.1", 0), partial(_Files, directory=folder))
+        self.address = f"http://127.0.0.1:{self._server.server_port}/"
+        self._thread = Thread(target=self._server.serve_forever)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Answer nobody any more."""
+        self._server.shutdown()
+        self._thread.join()
+        self._server.server_close()
+
+
+@contextmanager
+def hosted(folder: Path) -> Iterator[StaticServer]:
+    """Serve a folder."""
+    server = StaticServer(folder)
+    try:
+        yield server
+    finally:
+        server.stop()
