@@ -27,6 +27,7 @@ from babyrobot_levels.cli.parallel import (
 from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.language.suite import Place
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.scalars import resolve
 
 if TYPE_CHECKING:
     from babyrobot_levels.generation.search import UnsatisfiableError
@@ -37,7 +38,6 @@ MAX_FILES = 1_000_000
 
 _NUMBER = r"[0-9]{1,9}(?:\.[0-9]{1,9})?"
 _SIZE = re.compile(r"([0-9]{1,5})[xX×,]([0-9]{1,5})")
-_RANGE = re.compile(rf"({_NUMBER})?\.\.({_NUMBER})?")
 
 RANGE = "A..B"
 """How help shows a number or a range."""
@@ -459,18 +459,14 @@ def _size(part: str, text: str) -> list[int]:
 
 
 def _range(name: str, text: str) -> Any:
-    """Return a number, or a mapping with `min` and `max`."""
-    match = _RANGE.fullmatch(text)
-    if match and (match[1] or match[2]):
-        ends = {"min": match[1], "max": match[2]}
-        return {end: _plain(value) for end, value in ends.items() if value}
+    """Return a number, or a range as it is written."""
+    from babyrobot_levels.language.ranges import ends
+
+    if ends(text):
+        return text
     if not re.fullmatch(_NUMBER, text):
         fail(f"{option(name)}: invalid range {text!r}", "expected 20..30, 20, 20.. or ..30")
-    return _plain(text)
-
-
-def _plain(text: str) -> int | float:
-    return float(text) if "." in text else int(text)
+    return resolve(text)
 
 
 def _facts(texts: list[str]) -> dict[str, Any]:
