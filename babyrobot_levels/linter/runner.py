@@ -105,7 +105,8 @@ def lint_document(
 
 def applicable(rules: Iterable[Rule]) -> list[Rule]:
     """Return the rules that can be applied: without NumPy, those that need only the level."""
-    return [rule for rule in rules if rule.needs is Needs.LEVEL or is_numeric()]
+    has_numpy = is_numeric()
+    return [rule for rule in rules if has_numpy or rule.needs is Needs.LEVEL]
 
 
 def names_of(rules: Iterable[Rule]) -> frozenset[str]:
