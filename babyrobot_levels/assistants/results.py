@@ -27,8 +27,10 @@ class Result(BaseModel):
         return self._picture
 
 
-class Finding(Result):
+class Finding(BaseModel):
     """An error, or something that is probably not meant."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     code: str
     """The code, which `explain_rule` explains."""
@@ -40,11 +42,6 @@ class Finding(Result):
     """What to do about it."""
     excerpt: str
     """The finding with its line, and carets below what is meant."""
-
-    @property
-    def told(self) -> str:
-        """The finding with its line."""
-        return self.excerpt
 
 
 class Checked(Result):
@@ -62,7 +59,7 @@ class Checked(Result):
     def told(self) -> str:
         """The findings and the fixed text."""
         more = [f"{self.left_out} more"] if self.left_out else []
-        parts = [each.told for each in self.findings] + more
+        parts = [each.excerpt for each in self.findings] + more
         return "\n\n".join([*(parts or ["no findings"]), *filter(None, [self.fixed])])
 
 

@@ -171,7 +171,10 @@ class Tools:
         return Generated(levels=[suite[number].to_yaml() for number in range(count)])
 
     def metrics(self, level: LevelText) -> Measured:
-        """Measure a level: the exact values of what `expect` can state."""
+        """Measure a level: the exact values of what `expect` can state.
+
+        Above 5,000 states, those for which the level would have to be solved are left out.
+        """
         world = self._level(level)
         facts = show(world)
         numbers = facts["metrics"] or {}
