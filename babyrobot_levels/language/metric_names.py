@@ -5,13 +5,13 @@ PATHS = ("states", "reachable", "path_length", "turns")
 THINGS = ("items", "doors", "switches", "movers", "configurations", "detour")
 """Only levels with things have these."""
 
-UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps")
+UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps", "success")
 """What is expected of episodes without a limit."""
 
 MISTAKES = ("irreversible", "decisions", "fragility")
 """What is lost by leaving what optimal policies do."""
 
-SOLVED = (*UNLIMITED, "success", "wet_share", "difficulty", *MISTAKES)
+SOLVED = (*UNLIMITED, "wet_share", "difficulty", *MISTAKES)
 """Those for which the level is solved."""
 
 NEEDS = ("needs", "dependencies", "distractors")
