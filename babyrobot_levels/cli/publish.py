@@ -68,6 +68,10 @@ def gallery(
     home: Annotated[
         str | None, value_option("URL", "A page that the gallery links back to.")
     ] = None,
+    editor: Annotated[
+        str | None,
+        value_option("URL", "A site of `babyrobot edit --site`, in which levels can be edited."),
+    ] = None,
     keep_going: Annotated[
         bool, typer.Option("--keep-going", help="Leave out levels with errors.")
     ] = False,
@@ -125,6 +129,7 @@ def gallery(
                 answers=not no_answers,
                 key=key,
                 home=home,
+                editor=editor,
                 force=force,
                 keep_going=keep_going,
                 jobs=jobs_for(len(found), jobs, WORTH_IT),

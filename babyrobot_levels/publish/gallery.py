@@ -90,6 +90,7 @@ def gallery(
     answers: bool = True,
     key: bool = False,
     home: str | None = None,
+    editor: str | None = None,
     force: bool = False,
     keep_going: bool = False,
     jobs: int | None = None,
@@ -113,6 +114,8 @@ def gallery(
             contains anything of optimal values, policies, returns, and difficulty.
         key: whether pictures and pages show values and policies from the start.
         home: an address that the gallery links back to: https, or a path.
+        editor: the address of a site of the editor (`babyrobot edit --site`), in which each level
+            can be edited: https, or a path from the gallery's folder.
         force: whether to replace also a gallery to which other files were added, with these.
         keep_going: whether to leave out a level with an error.
         jobs: the number of worker processes; None for none, as 1.
@@ -132,13 +135,14 @@ def gallery(
     """
     if key and not answers:
         raise ValueError("a teacher's copy (key) shows the answers; leave out answers=False")
-    _check_home(home)
+    _check_address("home", home)
+    _check_address("editor", editor)
     path = Path(folder)
     check_place(path, force=force)
     named = named_levels(levels)
     found = named if isinstance(named, Suite) else _in_order(levels, [*named])
     title = title if title is not None else _title_of(levels, found)
-    shown = GalleryPages(title=title, answers=answers, key=key)
+    shown = GalleryPages(title=title, answers=answers, key=key, editor=editor)
     facts: list[Facts] = []
     left_out: dict[int, Exception] = {}
     with written_folder(path) as new:
@@ -193,10 +197,12 @@ def _write_shared(folder: Path, facts: list[Facts], shown: GalleryPages, home: s
     (folder / LIST).write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", "utf-8")
 
 
-def _check_home(home: str | None) -> None:
-    scheme = re.match(r"\s*([^/?#:]*):", home or "")
+def _check_address(name: str, given: str | None) -> None:
+    scheme = re.match(r"\s*([^/?#:]*):", given or "")
     if scheme and scheme[1].lower() not in ("http", "https", "file"):
-        raise ValueError(f"home must be the address of a page, such as ../index.html, not {home}")
+        raise ValueError(
+            f"{name} must be the address of a page, such as ../index.html, not {given}"
+        )
 
 
 # -- names ---------------------------------------------------------------------------------
@@ -359,11 +365,13 @@ class GalleryPages:
         title: the title of the gallery.
         answers: whether it knows the answers.
         key: whether it is the teacher's copy, which shows the answers from the start.
+        editor: the address of a site of the editor; None for none.
     """
 
     title: str
     answers: bool
     key: bool
+    editor: str | None = None
 
 
 def write_level(level: Level, folder: Path, *, name: str, split: str, shown: GalleryPages) -> Facts:
@@ -433,6 +441,7 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
         answers=shown.answers,
         key=shown.key,
         title=shown.title,
+        editor=shown.editor,
         sizes={path: len(data) for path, data in written.items()},
     )
     for path, data in {**written, files.page: page.encode("utf-8")}.items():

@@ -10,6 +10,7 @@ from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.play import program
@@ -53,6 +54,7 @@ def level_html(
     key: bool,
     title: str,
     sizes: Mapping[str, int],
+    editor: str | None = None,
 ) -> str:
     """Return the page of a level, without links to its neighbours: see `with_neighbours`.
 
@@ -64,6 +66,7 @@ def level_html(
         answers: whether the gallery knows the answers.
         key: whether it is the teacher's copy, which shows the answers from the start.
         title: the title of the gallery.
+        editor: the address of a site of the editor, from the gallery's folder; None for none.
         sizes: the numbers of bytes of its files.
     """
     data, reason = _played(level, guide, key=key)
@@ -91,6 +94,7 @@ def level_html(
         citation=citation(level, facts.name),
         bibtex=bibtex(level, facts.name),
         share_code=_share_code(level),
+        editor=None if editor is None else _from_page(facts, editor),
         tabs=tabs,
         told=_facts(facts, guide),
         files=_downloads(facts, sizes),
@@ -226,6 +230,14 @@ def _size(size: int) -> str:
 def _relative(facts: Facts, path: str) -> str:
     """Return the path of a file of the gallery as it is seen from the page of a level."""
     return posixpath.relpath(path, posixpath.dirname(facts.files.page))
+
+
+def _from_page(facts: Facts, address: str) -> str:
+    """Return an address that is given from the gallery's folder as the page of a level needs it."""
+    if urlsplit(address).scheme or address.startswith("/"):
+        return address
+    slash = "/" * address.endswith("/")
+    return _relative(facts, address) + slash
 
 
 # -- YAML and Python as HTML -----------------------------------------------------------------------

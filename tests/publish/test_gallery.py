@@ -129,6 +129,21 @@ def test_ids_are_unique_slugs_that_no_name_can_lead_out_of_the_folder(tmp_path: 
     assert [each["id"] for each in made.levels] == ["level", "level-2", "level-3"]
 
 
+@pytest.mark.parametrize(
+    ("editor", "link"),
+    [
+        ("../editor/", "../../editor/#"),
+        ("https://example.org/editor/", "https://example.org/editor/#"),
+    ],
+)
+def test_each_level_can_be_edited_in_a_site(tmp_path: Path, editor: str, link: str) -> None:
+    made = brl.gallery(["first-key"], tmp_path / "site", editor=editor)
+    page = tmp_path / "site" / made.levels[0]["files"]["page"]
+    assert f'href="{link}{brl.share("first-key")}">Edit</a>' in page.read_text("utf-8")
+    with pytest.raises(ValueError, match="editor must be the address of a page"):
+        brl.gallery(["first-key"], tmp_path / "other", editor="javascript:alert(1)")
+
+
 @pytest.mark.parametrize("home", ["javascript:alert(1)", " JavaScript:x", "data:text/html,x"])
 def test_the_link_back_is_no_program(tmp_path: Path, home: str) -> None:
     with pytest.raises(ValueError, match="home must be the address of a page"):
