@@ -48,7 +48,14 @@ SLOW = {
 }
 """Files and folders in which every test is slow. Elsewhere the test itself is marked."""
 
-LIBRARIES = {"jax_levels", "on_ray", "site", "storm"}
+LIBRARIES = {
+    "assistants/test_server.py",
+    "jax_levels",
+    "language_agents",
+    "on_ray",
+    "site",
+    "storm",
+}
 """Likewise, those in which every test needs libraries that few environments have."""
 
 FLAKY = {

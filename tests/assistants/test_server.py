@@ -20,8 +20,6 @@ import babyrobot_levels as brl
 from babyrobot_levels.assistants.tools import Tools
 from babyrobot_levels.render.templates import static
 
-pytestmark = pytest.mark.libraries
-
 EXAMPLE = static("assistants/example.yaml")
 COMMAND = ["-m", "babyrobot_levels", "mcp"]
 ENVIRONMENT = {"PYTHONPATH": str(ROOT)}

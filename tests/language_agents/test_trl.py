@@ -8,10 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
 from support.places import ROOT
-
-pytestmark = pytest.mark.libraries
 
 
 def test_a_tiny_model_is_trained_for_some_updates(tmp_path: Path) -> None:
