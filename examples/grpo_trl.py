@@ -25,12 +25,15 @@ CALLS = [
     for side in ("north", "east", "south", "west")
 ]
 
+LEVEL = {"version": 1, "size": [3, 1], "exit": [2, 0]}
+"""A corridor: short enough that a random model often comes to its end."""
+
 
 class World(brl.TextWorld):
     """The level as TRL wants it: its other methods are tools."""
 
     def __init__(self) -> None:
-        super().__init__("first-key", sight="words", reward="advantage", within=12)
+        super().__init__(LEVEL, sight="words", reward="advantage", within=8)
 
     def get_reward(self) -> float:
         while not self.done:
@@ -76,9 +79,9 @@ def main() -> None:
                 max_steps=args.steps,
                 per_device_train_batch_size=args.generations,
                 num_generations=args.generations,
-                learning_rate=3e-3,
+                learning_rate=1e-2,
                 max_completion_length=4096,
-                max_tool_calling_iterations=12,
+                max_tool_calling_iterations=8,
                 generation_kwargs={"suppress_tokens": [*{*range(len(words))} - spoken]},
                 logging_steps=1,
                 report_to="none",

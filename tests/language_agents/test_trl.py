@@ -24,9 +24,9 @@ def test_a_tiny_model_is_trained_for_some_updates(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr[-2000:]
     rewards = re.findall(r"^mean reward of the \w+ 1 updates: (-?\d+\.\d\d)$", done.stdout, re.M)
-    # At worst, all of twelve steps are lost but for those that the optimum takes, too.
+    # At worst, all of eight steps are paid, instead of one.
     assert len(rewards) == 2
-    assert all(-5 <= float(reward) <= 0 for reward in rewards)
+    assert all(-7 <= float(reward) <= 0 for reward in rewards)
     calls = [float(each) for each in re.findall(r"call_frequency': '([\d.]+)'", done.stdout)]
     assert sum(calls) > 0
     assert re.search(r"failure_frequency': '0'", done.stdout)
