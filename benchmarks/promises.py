@@ -92,7 +92,7 @@ def conditions(rng: random.Random) -> dict[str, Any]:
         "kind": "suite",
         "count": 1,
         "seed": rng.getrandbits(30),
-        "size": [rng.randint(5, 8), rng.randint(5, 8)],
+        "size": [rng.randint(5, 7), rng.randint(5, 7)],
         "maze": {
             "algorithm": rng.choice(["depth-first", "wilson", "prim", "kruskal"]),
             "loops": rng.choice([0, 0.5, 1]),
@@ -123,12 +123,16 @@ def main() -> None:
     pairs: list[tuple[Outcome, Outcome]] = []
     made = 0
     with ProcessPoolExecutor() as pool:
-        while made < options.count:
-            drawn = [conditions(rng) for _ in range(options.count - made)]
-            for pair in pool.map(both, drawn):
-                pairs.append(pair)
-                made += not pair[0].unmet
-                print(f"{made:,} levels", end="\r", file=sys.stderr, flush=True)
+        try:
+            while made < options.count:
+                drawn = [conditions(rng) for _ in range(min(100, options.count - made))]
+                for pair in pool.map(both, drawn):
+                    pairs.append(pair)
+                    made += not pair[0].unmet
+                    print(f"{made:,} levels", end="\r", file=sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            # What is done is told.
+            pool.shutdown(cancel_futures=True)
     print(
         "| | surely won | candidates, mean | median | most | time, median | mean | most | not met |"
     )
