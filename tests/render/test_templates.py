@@ -15,7 +15,10 @@ from babyrobot_levels.render.templates import put_together, static
 ENTRIES = [
     ("editor", "editor.css"),
     ("editor", "served.js"),
+    ("editor", "service.js"),
+    ("editor", "site.js"),
     ("editor", "widget.js"),
+    ("editor", "worker.js"),
     ("publish", "level.css"),
     ("publish", "played_level.js"),
     ("publish", "site.css"),
