@@ -3,9 +3,8 @@
 # Usage: bash scripts/check.sh             with the fast tests: about four minutes on two cores
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
 #        bash scripts/check.sh sweep       the style, and the tests of further levels and combinations, with libraries too
-#        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
+#        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou, Minari and TRL
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
-#        bash scripts/check.sh agents      the tests with TRL, in which a language model plays by text
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
 #        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says, and the server for assistants
 #        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
@@ -41,13 +40,13 @@ beside_pages() {
 # Runs the tests with libraries that learn, those of the sweep or the others.
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
-        tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_benchmark.py
+        tests/envs tests/scoring tests/language_agents tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 make_libraries() {
     make_venv .venv-libraries
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
-    .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl]"
+    .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl,trl]"
 }
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
@@ -71,13 +70,6 @@ jax)
     .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hatchling hypothesis jaxued==0.0.1 pytest pytest-xdist
     beside_pages .venv-jax jax,jaxued .venv-jax/bin/python -m pytest -m libraries -rs "${workers[@]}" tests/jax_levels
     exit
-    ;;
-agents)
-    make_venv .venv-agents
-    # Named first and exactly, so that a build for the CPU is taken where one is at hand.
-    .venv-agents/bin/pip install "${options[@]}" torch==2.13.0
-    .venv-agents/bin/pip install "${options[@]}" --editable ".[trl]" hatchling hypothesis pytest
-    exec .venv-agents/bin/python -m pytest -m libraries tests/language_agents
     ;;
 ray)
     make_venv .venv-ray
@@ -127,7 +119,7 @@ lowest)
         exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,14s/^# //p' scripts/check.sh >&2
+    sed -n '3,13s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac
