@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import LevelLike, level_path, load
@@ -58,8 +59,12 @@ def _text_of(level: LevelLike) -> str | _File:
     if isinstance(level, str | os.PathLike):
         path = level_path(level)
         text = read_source(path).text
-        # A theme may be a file beside it, which other machines need not have.
-        return load_file(path).share_code() if "theme" in text else _File(str(path), text)
+        if "theme" in text:
+            file = load_file(path)
+            if isinstance(file.theme, str) and file.theme not in BUILTIN_THEMES:
+                # It may be a file beside the level, which other machines need not have.
+                text = file.replace(theme=file.resolved_theme).to_yaml(comments=True)
+        return _File(str(path), text)
     return load(level).share_code()
 
 

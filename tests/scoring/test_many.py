@@ -18,6 +18,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.parallel import InProcess
 from babyrobot_levels.parallel.executor import Executor
 from babyrobot_levels.parallel.processes import Processes
+from babyrobot_levels.scoring.sent import received, sent
 
 BOTH = pytest.mark.parametrize(
     "executor", [InProcess(), Processes(2)], ids=["in process", "processes"]
@@ -82,6 +83,19 @@ def test_levels_of_all_kinds_are_solved(executor: Executor, here: Path) -> None:
         value(index, level, brl.solve(level)) for index, level in enumerate(map(brl.load, levels))
     ]
     assert rows[2].name == "on-ice"
+
+
+def test_files_are_sent_with_what_they_state_and_their_themes(here: Path) -> None:
+    (here / "themes").mkdir()
+    (here / "themes" / "mine.yaml").write_text("colors: {arrows: red}\n", encoding="utf-8")
+    text = "version: 1\nsize: [3, 3]  # small\ntheme: mine\nexpect:\n  success: 1\n"
+    (here / "on-ice.yaml").write_text(text, encoding="utf-8")
+    (item,) = sent([str(here / "on-ice.yaml")])[1]
+    (here / "themes" / "mine.yaml").unlink()
+    level = received(None, item)
+    assert level.to_yaml(comments=True).startswith("version: 1\nsize: [3, 3]  # small\n")
+    assert level.resolved_theme.colors.arrows == "red"
+    assert level.expect is not None
 
 
 @BOTH
