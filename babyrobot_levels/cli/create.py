@@ -231,7 +231,7 @@ def edit(
         Path | None,
         value_option(
             "FOLDER",
-            "Take Python for browsers from this folder.  [default: downloaded, 8 MB]",
+            "Take Python for browsers from this folder.  [default: fetched by npm and pip, 8 MB]",
             "--runtime",
         ),
     ] = None,

@@ -8,16 +8,24 @@ from __future__ import annotations
 
 import hashlib
 import io
+import shutil
+import subprocess
+import sys
 import tarfile
+import tempfile
 import zipfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
-from urllib.request import urlopen
 
 from babyrobot_levels.text.errors import BabyRobotError
 
 PYODIDE = "314.0.7"
+PYDANTIC = "2.14.4"
+PYDANTIC_CORE = "2.50.5"
+PLATFORM = "pyemscripten_2026_0_wasm32"
+"""Pyodide's, in the names of wheels."""
 
 CDN = f"https://cdn.jsdelivr.net/pyodide/v{PYODIDE}/full/"
 """Where Pyodide's project publishes NumPy and SciPy for it."""
@@ -31,10 +39,8 @@ MEMBERS = (
 )
 """The files of Pyodide that a page loads."""
 
-TIMEOUT = 60
-"""How long a server may be silent, in seconds."""
-
-_PYPI = "https://files.pythonhosted.org/packages/"
+TIMEOUT = 300
+"""How long fetching may take, in seconds."""
 
 
 class RuntimeFileError(BabyRobotError):
@@ -42,61 +48,90 @@ class RuntimeFileError(BabyRobotError):
 
 
 class RuntimeFile(NamedTuple):
-    """A file as it is published: its address, its size in bytes, and its SHA-256."""
+    """A file as it is published: its name, its size in bytes, and its SHA-256."""
 
-    address: str
+    name: str
     size: int
     sha256: str
 
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self.address.rpartition("/")[2]
-
 
 TARBALL = RuntimeFile(
-    f"https://registry.npmjs.org/pyodide/-/pyodide-{PYODIDE}.tgz",
+    f"pyodide-{PYODIDE}.tgz",
     6_488_647,
     "66b7949e5a0cba2250b586d7e368bf12fb482800748d182c4618254b685ffaa0",
 )
 WHEELS = (
     RuntimeFile(
-        f"{_PYPI}8a/8c/824a686c4ba815ddb0722f9e66272088bccd4e1ae1d2f7015375e4a4fc7f/"
-        "pydantic-2.14.4-py3-none-any.whl",
+        f"pydantic-{PYDANTIC}-py3-none-any.whl",
         494_865,
         "653a2ad9f6d8858529c77c72717d0ea991d6c6837fe683246b2f4b2bbfc3fadc",
     ),
     RuntimeFile(
-        f"{_PYPI}83/47/375ab34f3907a0f40cebe2c3cea3e2c25dcf58e0f591991b85604b7258fc/"
-        "pydantic_core-2.50.5-cp314-cp314-pyemscripten_2026_0_wasm32.whl",
+        f"pydantic_core-{PYDANTIC_CORE}-cp314-cp314-{PLATFORM}.whl",
         1_496_394,
         "b2910ec0fa5aeb9bef70156f2b79f4783978fdcfaa7b2f1b5d1814458d2e79a1",
     ),
 )
 
+_NPM = ("pack", "--silent", f"pyodide@{PYODIDE}")
+_PIP = (
+    *("-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"),
+    *("--python-version", "3.14", "--implementation", "cp", "--abi", "cp314"),
+    *("--platform", PLATFORM),
+    *(f"pydantic=={PYDANTIC}", f"pydantic-core=={PYDANTIC_CORE}"),
+)
 
-def runtime_file(file: RuntimeFile, folder: Path | None) -> bytes:
-    """Return a file of the runtime.
 
-    Args:
-        file: the file.
-        folder: a folder that has it; None to download it.
+@contextmanager
+def runtime_folder(folder: Path | None) -> Iterator[Path]:
+    """Yield a folder that has the files: the one that is given, or one for which they are fetched.
+
+    npm and pip fetch them, from where they are set up to take packages.
+
+    Raises:
+        RuntimeFileError: they cannot be fetched.
+    """
+    if folder is not None:
+        yield folder
+        return
+    npm = shutil.which("npm")
+    if npm is None:
+        raise RuntimeFileError("there is no npm, which fetches Pyodide")
+    with tempfile.TemporaryDirectory() as fetched:
+        for command in ((npm, *_NPM), (sys.executable, *_PIP)):
+            try:
+                done = subprocess.run(
+                    command,
+                    cwd=fetched,
+                    capture_output=True,
+                    text=True,
+                    timeout=TIMEOUT,
+                    check=False,
+                )
+            except subprocess.TimeoutExpired:
+                raise RuntimeFileError(f"{command[-1]} cannot be fetched (timed out)") from None
+            if done.returncode:
+                reason = (done.stderr.strip().splitlines() or ["no reason given"])[-1]
+                raise RuntimeFileError(f"{command[-1]} cannot be fetched ({reason})")
+        yield Path(fetched)
+
+
+def runtime_file(file: RuntimeFile, folder: Path) -> bytes:
+    """Return a file of the runtime from a folder.
 
     Raises:
         RuntimeFileError: it is not there, or is not the file that is published.
     """
-    source = file.address if folder is None else str(folder / file.name)
     try:
-        if folder is not None:
-            with (folder / file.name).open("rb") as stream:
-                data = stream.read(file.size + 1)
-        else:
-            with urlopen(file.address, timeout=TIMEOUT) as response:
-                data = response.read(file.size + 1)
+        with (folder / file.name).open("rb") as stream:
+            data = stream.read(file.size + 1)
     except OSError as error:
-        raise RuntimeFileError(f"{source} cannot be read ({error.strerror or error})") from None
+        reason = error.strerror or error
+        raise RuntimeFileError(f"{folder / file.name} cannot be read ({reason})") from None
     if hashlib.sha256(data).hexdigest() != file.sha256:
-        raise RuntimeFileError(f"{source} is not the file that its project has published")
+        raise RuntimeFileError(
+            f"{folder / file.name} is not the file that its project has published"
+        )
     return data
 
 

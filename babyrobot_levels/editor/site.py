@@ -20,6 +20,7 @@ from babyrobot_levels.editor.runtime import (
     WHEELS,
     pyodide_files,
     runtime_file,
+    runtime_folder,
     wheel_files,
 )
 from babyrobot_levels.editor.session import Session
@@ -36,7 +37,7 @@ MORE = ("typing_extensions", "typing_inspection", "yaml")
 MARK = "service.js"
 """The file that is written last: a folder that has it may be written again."""
 
-_LEFT_OUT = {".pyc", ".pyd", ".so"}
+_LEFT_OUT = {".pyd", ".so"}
 _OLDEST = (1980, 1, 1, 0, 0, 0)
 
 
@@ -50,7 +51,7 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
     Args:
         folder: where to; it is made if it is missing.
         session: with whose text visitors begin.
-        runtime: a folder that has the files of `editor/runtime.py`; None to download them.
+        runtime: a folder that has the files of `editor/runtime.py`; None to fetch them.
 
     Returns:
         How many bytes a visitor loads at first.
@@ -62,8 +63,9 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
     """
     if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
         raise SiteFolderError(f"{folder} has files already, and they are no site of the editor")
-    wheels = [runtime_file(wheel, runtime) for wheel in WHEELS]
-    python = pyodide_files(runtime_file(TARBALL, runtime))
+    with runtime_folder(runtime) as given:
+        wheels = [runtime_file(wheel, given) for wheel in WHEELS]
+        python = pyodide_files(runtime_file(TARBALL, given))
     files = {
         "editor.js": site_script().encode(),
         "editor.css": style().encode(),
@@ -102,7 +104,8 @@ def _packages(wheels: list[bytes]) -> Iterator[tuple[str, bytes]]:
             yield origin.name, origin.read_bytes()
             continue
         for path in sorted(origin.parent.rglob("*")):
-            if path.is_file() and path.suffix not in _LEFT_OUT:
+            is_compiled = path.suffix in _LEFT_OUT or path.parent.name == "__pycache__"
+            if path.is_file() and not is_compiled:
                 yield path.relative_to(origin.parents[1]).as_posix(), path.read_bytes()
     # Of a checkout, the gallery lies beside the package.
     gallery = gallery_folder()

@@ -15,7 +15,13 @@ from support.firefox import firefox
 from support.sites import StaticServer, hosted, runtime
 
 import babyrobot_levels as brl
-from babyrobot_levels.editor.runtime import CDN, TARBALL, RuntimeFileError, runtime_file
+from babyrobot_levels.editor.runtime import (
+    CDN,
+    TARBALL,
+    RuntimeFileError,
+    runtime_file,
+    runtime_folder,
+)
 from babyrobot_levels.editor.site import SiteFolderError, write_site
 from babyrobot_levels.editor.sources import session_of
 
@@ -251,3 +257,22 @@ def test_only_the_files_that_are_published_are_taken(tmp_path: Path) -> None:
     (tmp_path / TARBALL.name).write_bytes(b"something else")
     with pytest.raises(RuntimeFileError, match="is not the file that its project has published"):
         runtime_file(TARBALL, tmp_path)
+
+
+def test_without_npm_the_files_must_be_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(RuntimeFileError, match="there is no npm"), runtime_folder(None):
+        pass
+
+
+def test_what_cannot_be_fetched_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "npm").write_text("#!/bin/sh\necho no such package >&2\nexit 1\n", "utf-8")
+    (tmp_path / "npm").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    with (
+        pytest.raises(
+            RuntimeFileError, match=r"^pyodide@\S+ cannot be fetched \(no such package\)$"
+        ),
+        runtime_folder(None),
+    ):
+        pass

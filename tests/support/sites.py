@@ -9,21 +9,22 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Thread
 
-from babyrobot_levels.editor.runtime import TARBALL, WHEELS, runtime_file
+from babyrobot_levels.editor.runtime import TARBALL, WHEELS, runtime_file, runtime_folder
 from support.places import ROOT
 
 RUNTIME = ROOT / ".venv-runtime"
-"""Python for browsers, which is downloaded once."""
+"""Python for browsers, which is fetched once."""
 
 
 def runtime() -> Path:
     """Return the folder of the files that sites need, which is filled at the first call."""
     RUNTIME.mkdir(exist_ok=True)
-    for file in (TARBALL, *WHEELS):
-        if not (RUNTIME / file.name).is_file():
-            part = RUNTIME / f"{file.name}.part"
-            part.write_bytes(runtime_file(file, None))
-            part.replace(RUNTIME / file.name)
+    if not all((RUNTIME / file.name).is_file() for file in (TARBALL, *WHEELS)):
+        with runtime_folder(None) as fetched:
+            for file in (TARBALL, *WHEELS):
+                part = RUNTIME / f"{file.name}.part"
+                part.write_bytes(runtime_file(file, fetched))
+                part.replace(RUNTIME / file.name)
     return RUNTIME
 
 

@@ -393,7 +393,8 @@ export class KeyBindings {
     const parts = [...this.root.querySelectorAll("[data-part]:not([inert])")];
     const at = parts.findIndex((part) => part.contains(this.root.activeElement));
     const part = parts.at((at + step) % parts.length);
-    (part.matches(FOCUSABLE) ? part : part.querySelector(FOCUSABLE)).focus();
+    const controls = [part, ...part.querySelectorAll(FOCUSABLE)].filter((each) => each.matches(FOCUSABLE));
+    controls.find((each) => each.getClientRects().length > 0)?.focus();
   }
 }
 
