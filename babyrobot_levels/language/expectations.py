@@ -2,7 +2,7 @@
 
 # As in `base`, annotations are not postponed.
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, StringConstraints, create_model
@@ -81,11 +81,14 @@ if TYPE_CHECKING:
     Expect: TypeAlias = Facts
     SuiteExpect: TypeAlias = Facts
 else:
-    _FACTS = {
-        name: (_KINDS.get(name, Figure), Field(None, description=f"What `{name}` must be."))
-        for name in (*METRICS, "lint")
-    }
-    Expect = create_model("Expect", __base__=Facts, **_FACTS)
-    SuiteExpect = create_model(
-        "SuiteExpect", __base__=Facts, **{name: _FACTS[name] for name in METRICS}
-    )
+
+    def _model(name: str, facts: Iterable[str]) -> type[Facts]:
+        # pydantic 2.11 keeps in a `Field` what it reads of a model: each has its own.
+        fields = {
+            fact: (_KINDS.get(fact, Figure), Field(None, description=f"What `{fact}` must be."))
+            for fact in facts
+        }
+        return create_model(name, __base__=Facts, **fields)
+
+    Expect = _model("Expect", (*METRICS, "lint"))
+    SuiteExpect = _model("SuiteExpect", METRICS)
