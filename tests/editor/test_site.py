@@ -212,6 +212,14 @@ def test_it_fits_a_phone(visit: Visit) -> None:
     expect(page.locator(".file-state")).to_contain_text("not saved")
 
 
+def test_an_address_that_is_no_code_is_told(visit: Visit) -> None:
+    page = visit("#%")
+    expect(page.locator(".said")).to_contain_text("%", timeout=START)
+    page.locator(".stage").press("2")
+    page.locator(".stage").press("Space")
+    expect(text_of(page)).to_have_value(re.compile(r"^puddles:", re.M))
+
+
 def test_firefox_draws_too(server: StaticServer, tmp_path: Path) -> None:
     with firefox(tmp_path) as opened:
         page = opened.page()

@@ -101,8 +101,11 @@ function keep() {
 
 /** Open the level of the address: a code or a name after its `#`. */
 function openAddress() {
-  const source = decodeURIComponent(location.hash.slice(1));
+  let source = location.hash.slice(1);
   if (source === "") return;
+  try {
+    source = decodeURIComponent(source);
+  } catch {} // Then it is no code, which the session tells.
   // One that comes back later goes on with what was kept.
   history.replaceState(null, "", location.pathname);
   editor.send({ do: "open", source });
