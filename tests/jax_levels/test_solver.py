@@ -100,7 +100,9 @@ def test_values_are_those_of_the_exact_solver(
         worth = brl_jax.evaluate(params, policy, **arguments)
         assert max(errors(params, worth, chance)) < most
         regret = np.asarray(brl_jax.regret(params, policy, **arguments))
-        assert np.array_equal(regret, brl_jax.optimum(params, **arguments).returns - worth.returns)
+        # Sums on a GPU have no fixed order.
+        difference = brl_jax.optimum(params, **arguments).returns - worth.returns - regret
+        assert np.all(np.abs(difference) <= most * np.maximum(1, np.abs(worth.returns)))
         if "within" in arguments:
             return
         # A policy of the exact solver, whatever it is where the episode is over.
