@@ -96,6 +96,10 @@ from .publish.gallery import gallery as gallery
 from .publish.packing import pack as pack
 from .publish.sheet import Sheet as Sheet
 from .publish.sheet import sheet as sheet
+from .scoring.answers import GradedAnswer as GradedAnswer
+from .scoring.answers import grade_agent as grade_agent
+from .scoring.answers import grade_policy as grade_policy
+from .scoring.answers import grade_values as grade_values
 from .scoring.datasets import to_minari as to_minari
 from .scoring.grades import Grade as Grade
 from .scoring.grades import Grades as Grades

@@ -1,0 +1,221 @@
+"""Graded answers: what students computed, right and wrong on purpose, and what is said to it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import babyrobot_levels as brl
+
+LAKE = "frozen-lake"
+CLIFF = "cliff-walking"
+
+
+def swept(discount: float = 0.9, end: float = 0.0, sweeps: int = 1000) -> Any:
+    """Return values of the lake by sweeps over all states, whose terminal ones have a value."""
+    mdp = brl.load(LAKE).compile()
+    values = np.zeros(16)
+    values[15] = end
+    for _ in range(sweeps):
+        following = mdp.reward + discount * values[mdp.next_state]
+        best = (mdp.probability * following).sum(axis=-1).max(axis=1)
+        values = np.where(mdp.is_terminal, values, best)
+    return values.reshape(4, 4)
+
+
+def in_place(sweeps: int) -> Any:
+    """Return values of the lake after sweeps that use what the same sweep has found."""
+    mdp = brl.load(LAKE).compile()
+    values = np.zeros(16)
+    for _ in range(sweeps):
+        for state in np.flatnonzero(~mdp.is_terminal):
+            following = mdp.reward[state] + values[mdp.next_state[state]]
+            values[state] = (mdp.probability[state] * following).sum(axis=-1).max()
+    return values.reshape(4, 4)
+
+
+def changed(table: Any, **cells: float) -> Any:
+    """Return a copy of a table with other numbers in some cells, `x1y2=…`."""
+    copy = np.array(table)
+    for cell, number in cells.items():
+        x, y = cell[1:].split("y")
+        copy[int(y), int(x)] = number
+    return copy
+
+
+@pytest.mark.parametrize("level", [LAKE, CLIFF, "first-key", "gridworld-3-5", "glass-wall"])
+def test_solutions_are_right(level: str) -> None:
+    solution = brl.solve(level)
+    values = brl.grade_values(level, solution.values.tolist(), points=5)
+    policy = brl.grade_policy(level, np.asarray(solution.policy))
+    assert values, values
+    assert policy, policy
+    assert (values.points, values.share, values.out_of) == (5, 1, 5)
+    assert brl.grade_values(level, np.ravel(solution.values))
+
+
+def test_values_of_policies_and_of_sweeps() -> None:
+    assert brl.grade_values(LAKE, brl.evaluate(LAKE, "random").values, policy="random")
+    sweeps = list(brl.value_iteration(LAKE))
+    assert brl.grade_values(LAKE, sweeps[6].values, sweeps=6)
+    few = list(brl.policy_evaluation(LAKE, "random"))
+    assert brl.grade_values(LAKE, few[3].values, policy="random", sweeps=3)
+
+
+@pytest.mark.parametrize(
+    ("values", "asked", "said"),
+    [
+        (swept(1.0, sweeps=5), {}, "after 5 sweeps; go on until"),
+        (swept(1.0, sweeps=5), {"sweeps": 6}, "after 5 sweeps, not 6"),
+        (swept(1.0, sweeps=1), {"sweeps": 2}, "after 1 sweep, not 2"),
+        (in_place(4), {"sweeps": 4}, "in place"),
+        (np.zeros((4, 4)), {}, "all of them are 0"),
+        (swept(0.9), {}, "for the discount 0.9, not 1"),
+        (0.9 * swept(0.9), {"discount": 0.9}, "the reward of a step is discounted, too"),
+        (changed(swept(), x3y3=1), {"discount": 0.9}, "only terminal states"),
+        (swept(end=1.0), {"discount": 0.9}, "terminal states are valued, first [3, 3]"),
+        (brl.evaluate(LAKE, "random").values, {}, "the largest of its action values"),
+        (brl.solve(LAKE).values, {"policy": "random"}, "not those of the policy"),
+        (brl.solve(LAKE).values.T, {}, "rows and columns are exchanged"),
+        (-brl.solve(LAKE).values, {}, "signs are exchanged"),
+        (changed(brl.solve(LAKE).values, x2y1=0.5), {}, "at [2, 1] it is too low, by between 0.01"),
+        (changed(brl.solve(LAKE).values, x2y1=np.inf), {}, "at [2, 1] it is too high, by infinite"),
+    ],
+)
+def test_mistakes_with_values(values: Any, asked: dict[str, Any], said: str) -> None:
+    grade = brl.grade_values(LAKE, values, **asked)
+    assert not grade
+    assert 0 < grade.share < 1
+    assert said in grade.message
+    assert "values are right: " in grade.message
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        (np.zeros(5), "must be an array [4, 12], not one of shape [5]"),
+        (np.zeros((12, 4)), "rows come first: values[y, x]"),
+        (np.full((4, 12), np.nan), "the value of [0, 0] is not a number (nan)"),
+        ([[1], [1, 2]], "not numbers in a table"),
+        ("best", "not numbers in a table"),
+        (None, "must be an array"),
+    ],
+)
+def test_what_is_no_table_of_values(values: Any, said: str) -> None:
+    grade = brl.grade_values(CLIFF, values)
+    assert grade.share == 0
+    assert said in grade.message
+
+
+def test_ends_that_are_no_terminal_states() -> None:
+    """A hit ends the episode in a state where others go on."""
+    mover = {"name": "bat", "path": [[1, 0], [2, 0]]}
+    hit = {"hit": {"reward": 1}, "discount": 0.9}
+    level = brl.load({"version": 1, "size": [4, 2], "movers": [mover], **hit})
+    mdp = level.compile()
+    values = np.zeros(mdp.num_states)
+    for _ in range(500):
+        following = mdp.reward + 0.9 * values[mdp.next_state]
+        values = np.where(
+            mdp.is_terminal, 0, (mdp.probability * following).sum(axis=-1).max(axis=1)
+        )
+    grade = brl.grade_values(level, values.reshape(mdp.shape))
+    assert not grade
+    assert "is added even where a step ends the episode" in grade.message
+
+
+def test_a_cause_comes_before_its_consequences() -> None:
+    """The first wrong value follows from a wrong one below it, which is told."""
+    wrong = changed(swept(sweeps=1000), x2y2=0.1)
+    mdp = brl.load(LAKE).compile()
+    values = np.ravel(wrong)
+    for _ in range(1000):
+        best = (mdp.probability * (mdp.reward + 0.9 * values[mdp.next_state])).sum(-1).max(1)
+        values = np.where(mdp.is_terminal, 0, best)
+        values[10] = 0.1
+    grade = brl.grade_values(LAKE, values.reshape(4, 4), discount=0.9)
+    assert "at [2, 2] it is too low" in grade.message
+    assert "not what its best action gives" in grade.message
+
+
+def test_other_optimal_actions_are_right() -> None:
+    solution = brl.solve("frozen-lake-dry", 0.9)
+    count = solution.greedy.shape[-1]
+    last = count - 1 - solution.greedy[..., ::-1].argmax(axis=-1)
+    assert (last != solution.policy)[solution.policy >= 0].any()
+    assert brl.grade_policy("frozen-lake-dry", last, discount=0.9)
+    assert brl.grade_policy(
+        "frozen-lake-dry",
+        solution.greedy / solution.greedy.sum(-1).clip(1)[..., None],
+        discount=0.9,
+    )
+
+
+BEST = np.asarray(brl.solve(LAKE).policy)
+SAFE = np.asarray(brl.solve(CLIFF).policy).clip(0)
+
+
+@pytest.mark.parametrize(
+    ("level", "policy", "said"),
+    [
+        (LAKE, BEST - 1, "would be right if 0 is north there"),
+        (LAKE, np.array([0, 3, 2, 1, 0])[BEST], "as in Gymnasium's FrozenLake"),
+        (LAKE, BEST.T, "rows and columns are exchanged"),
+        (
+            LAKE,
+            np.zeros((4, 4), int),
+            "from [0, 0] its episodes never end, but go on around [0, 0]",
+        ),
+        (CLIFF, changed(SAFE, x2y0=2, x3y0=4), "never end, but go on around [2, 0], [3, 0]"),
+        (
+            CLIFF,
+            changed(SAFE, x3y1=1),
+            "at [3, 1], north is not optimal; it loses between 1 and 10",
+        ),
+        (LAKE, "random", "is not optimal"),
+        (LAKE, np.full((4, 4), 7), "the policy's action at [0, 0] is 7"),
+        (LAKE, np.full((4, 4), np.nan), "array of integers"),
+        (LAKE, np.full((4, 4, 5), np.nan), "must not be negative and add up to 1"),
+        (LAKE, [[1], [1, 2]], "rows differ in length"),
+        (LAKE, lambda x, y: "north", "the policy's action at [0, 0] is 'north'"),
+        ("final-maze", brl.solve("final-maze", 0.5).policy, "for the discount 0.5, not for 1"),
+    ],
+)
+def test_mistakes_with_policies(level: str, policy: Any, said: str) -> None:
+    grade = brl.grade_policy(level, policy)
+    assert not grade
+    assert grade.share < 1
+    assert said in grade.message
+
+
+def test_floats_that_are_whole_are_actions() -> None:
+    assert brl.grade_policy(LAKE, BEST.astype(float))
+
+
+def test_agents() -> None:
+    assert brl.grade_agent(LAKE, brl.solve(LAKE))
+    chance = brl.grade_agent(LAKE, "random", points=4)
+    assert chance.points == 0
+    assert "0 % of the way" in chance.message
+    assert "must be an action from 0 to 4" in brl.grade_agent(LAKE, lambda _: 9).message
+    assert brl.grade_agent(LAKE, "random", at_least=0)
+    with pytest.raises(ValueError, match="within"):
+        brl.grade_agent(LAKE, "random", within=-1)
+    with pytest.raises(ZeroDivisionError):
+        brl.grade_agent(LAKE, lambda _: 1 // 0)
+
+
+def test_no_message_tells_the_solution() -> None:
+    """The digits of a right value stand in no sentence about a wrong one."""
+    solution = brl.solve(LAKE)
+    for x, y in [(0, 0), (2, 1), (1, 3)]:
+        wrong = changed(solution.values, **{f"x{x}y{y}": 0.31})
+        assert f"{solution.values[y, x]:.2f}" not in brl.grade_values(LAKE, wrong).message
+
+
+def test_the_message_of_an_assertion() -> None:
+    grade = brl.grade_values(LAKE, np.zeros((4, 4)))
+    with pytest.raises(AssertionError, match="5 of 16 values are right: all of them are 0"):
+        assert grade, grade.message
