@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the documentation as a web site that needs no server and no network, and as a zip beside it.
+# Builds the documentation as a web site that needs no server and no network, and as a zip beside it. The editor in it
+# needs a web server; npm and pip fetch what it runs on.
 # Usage: bash scripts/site.sh [OUTPUT]       the folder; build/site if it is not given
 set -euo pipefail
 output="$(realpath --canonicalize-missing "${1:-"$(dirname "$0")/../build/site"}")"
@@ -22,7 +23,8 @@ cat >"$work/site/index.html" <<'HTML'
 <p><a href="docs/index.html">The documentation of babyrobot-levels</a></p>
 </html>
 HTML
-.venv-site/bin/babyrobot gallery gallery --title "The babyrobot gallery" --home ../docs/index.html -o "$work/site/gallery"
+.venv-site/bin/babyrobot gallery gallery --title "The babyrobot gallery" --home ../docs/index.html --editor ../editor/ -o "$work/site/gallery"
+.venv-site/bin/babyrobot edit --site "$work/site/editor"
 mkdir -p "$output"
 cp -r "$work/site/." "$output"
 .venv-site/bin/python -c 'import shutil, sys; shutil.make_archive(sys.argv[2], "zip", sys.argv[1])' "$work/site" "$output"

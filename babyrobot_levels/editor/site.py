@@ -2,6 +2,7 @@
 
 The page is the one that the server shows. Its messages go to a worker, in which Pyodide runs this
 package (`editor/browser.py`). A service worker keeps all files, so that the page works offline.
+Other pages of the same host can show levels to be changed by `playground.js`, its module `show`.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from babyrobot_levels.editor.runtime import (
     wheel_files,
 )
 from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.state import site_script, style
+from babyrobot_levels.editor.state import playground_script, site_script, style
 from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.render.templates import embedded_json, html, static
 from babyrobot_levels.text.errors import BabyRobotError
@@ -67,17 +68,18 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
         wheels = [runtime_file(wheel, given) for wheel in WHEELS]
         python = pyodide_files(runtime_file(TARBALL, given))
     files = {
-        "editor.js": site_script().encode(),
         "editor.css": style().encode(),
         "worker.js": static("editor/static/worker.js").replace("CDN_ADDRESS", CDN).encode(),
         **{f"python/{name}": data for name, data in python.items()},
         "python/packages.zip": _archive(_packages(wheels)),
     }
     size = sum(map(len, files.values()))
+    for name, script in (("editor.js", site_script()), ("playground.js", playground_script())):
+        size += len(script)
+        files[name] = script.replace("SITE_MEGABYTES", f"{size / 1e6:.0f}").encode()
     begin = {
         "text": session.text,
         "name": session.path.stem if session.path else session.name,
-        "megabytes": round(size / 1e6),
     }
     files["index.html"] = html("editor/static/site.html", begin=embedded_json(begin)).encode()
     for name, data in files.items():

@@ -154,6 +154,12 @@ def site_script() -> str:
 
 
 @cache
+def playground_script() -> str:
+    """Return the module of examples that are changed in their places: it exports `show`."""
+    return put_together("editor/static/playground.js", _common())
+
+
+@cache
 def widget_script() -> str:
     """Return the module of the widget: it exports `render`, and brings its style sheet."""
     sheet = f"export const STYLE = {json.dumps(style())};"

@@ -8,6 +8,7 @@ from hashlib import sha256
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
@@ -19,7 +20,7 @@ from babyrobot_levels.linter.rules import find
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import to_svg
-from level_pictures.examples import Example, example_of
+from level_pictures.examples import Example, example_of, level_text
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -66,6 +67,8 @@ def add_pictures(app: Sphinx, page: nodes.document) -> None:
         # The page itself shows what is reported: below, or where it runs a command.
         is_told = "report" in _marks(block, 1) or any(mark.startswith("file: ") for mark in marks)
         _show(block, example, with_messages=not is_told)
+        if block.parent is not page and "level" in block.parent.get("classes", ()):
+            _offer(block.parent, level_text(f"{block.astext().rstrip()}\n", marks), name)
 
 
 def _marks(block: nodes.Element, step: int) -> frozenset[str]:
@@ -94,6 +97,18 @@ def _show(block: nodes.literal_block, example: Example, *, with_messages: bool) 
     if example.messages and with_messages:
         messages = nodes.literal_block(example.messages, example.messages, language="text")
         whole += nodes.container("", messages, classes=["messages"])
+
+
+def _offer(whole: nodes.Element, text: str, page: str) -> None:
+    """Offer to change a level in its place, and in the editor, which `scripts/site.sh` makes.
+
+    Both need a web server: `site.js` shows them where there is one.
+    """
+    address = f"{relative_uri(page, 'editor/')}#{quote(text)}"
+    whole += _html(
+        f'<p class="tries" data-text="{escape(text)}" hidden><button type="button">Change</button> '
+        f'<a href="{address}">Open in the editor</a></p>'
+    )
 
 
 class GalleryDirective(SphinxDirective):

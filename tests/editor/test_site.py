@@ -171,9 +171,9 @@ def test_what_takes_too_long_is_stopped_and_nothing_is_lost(visit: Visit, folder
     # Whatever the text, the worker then never answers.
     worker = folder / "worker.js"
     script = worker.read_text("utf-8")
-    endless = "reply: async (message) => {\nwhile (message.includes('forever'));\nreturn "
-    patched = script.replace("reply: async (message) => ", endless).replace(
-        "session.reply(message),", "session.reply(message);\n},"
+    endless = "reply: async (key, message) => {\nwhile (message.includes('forever'));\nreturn "
+    patched = script.replace("reply: async (...given) => ", endless).replace(
+        "session.reply(...given),", "session.reply(key, message);\n},"
     )
     worker.write_text(patched, "utf-8")
     try:
@@ -237,7 +237,7 @@ def test_firefox_draws_too(server: StaticServer, tmp_path: Path) -> None:
 def test_the_same_site_has_the_same_bytes(folder: Path, tmp_path: Path) -> None:
     write_site(tmp_path / "again", session_of(None), runtime())
     names = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
-    assert len(names) == 11
+    assert len(names) == 12
     for name in names:
         assert (tmp_path / "again" / name).read_bytes() == (folder / name).read_bytes(), name
 
@@ -249,7 +249,8 @@ def test_a_site_begins_with_a_level_and_is_written_again(folder: Path, tmp_path:
     page = (site / "index.html").read_text("utf-8")
     begin = json.loads(re.findall(r'id="begin">(.*?)</script>', page)[0])
     assert (begin["name"], "The first key" in begin["text"]) == ("first-key", True)
-    assert begin["megabytes"] in range(10, 25)
+    megabytes = re.findall(r"this loads (\d+) MB", (site / "editor.js").read_text("utf-8"))
+    assert int(megabytes[0]) in range(10, 25)
 
 
 def test_a_folder_of_other_files_is_left_alone(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from babyrobot_levels.render.templates import put_together, static
 
 ENTRIES = [
     ("editor", "editor.css"),
+    ("editor", "playground.js"),
     ("editor", "served.js"),
     ("editor", "service.js"),
     ("editor", "site.js"),

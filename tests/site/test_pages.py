@@ -22,6 +22,6 @@ def test_no_style_asks_other_hosts(path: Path) -> None:
     assert list(foreign_in_style(path.read_text(encoding="utf-8"), path)) == []
 
 
-@pytest.mark.parametrize("place", ["docs/index.html", "gallery/index.html"])
+@pytest.mark.parametrize("place", ["docs/index.html", "gallery/index.html", "editor/index.html"])
 def test_the_site_is_there(place: str) -> None:
     assert (SITE / place).is_file(), "`bash scripts/site.sh` builds it"

@@ -18,6 +18,9 @@ from support.places import ROOT
 SITE = ROOT / "build" / "site"
 """Where `bash scripts/site.sh` builds it."""
 
+EDITOR = SITE / "editor"
+"""The editor in it."""
+
 _SOURCES = ("src", "srcset", "poster", "data")
 _REFERENCES = ("aria-controls", "aria-describedby", "aria-labelledby", "aria-owns", "for", "list")
 _INTERACTIVE = "a[href], button, input, select, textarea, summary"
@@ -130,6 +133,9 @@ class WebPage:
         path = self.path
         if parts.path:
             path = (self.path.parent / unquote(parts.path)).resolve()
+        if path == EDITOR:
+            # It opens the level after the `#`.
+            path, parts = path / "index.html", parts._replace(fragment="")
         if not path.is_file():
             yield f"{_told(element)} leads to {link}, which is not there"
         elif parts.fragment and path.suffix == ".html" and element.namespace != "svg":

@@ -45,3 +45,13 @@ export function prose(message) {
 export function tapped(words) {
   return matchMedia("(hover: none)").matches ? words.replaceAll("Click", "Tap").replaceAll("click", "tap") : words;
 }
+
+/** Show HTML in an element, in a shadow root: styles neither leave nor enter it. Returns the root. */
+export function shadow(place, style, content) {
+  const root = place.attachShadow({ mode: "open" });
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(style);
+  root.adoptedStyleSheets = [sheet];
+  root.innerHTML = content;
+  return root;
+}

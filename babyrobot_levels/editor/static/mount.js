@@ -9,7 +9,7 @@ import { Divider } from "./divider.js";
 import { Editor } from "./editor.js";
 import { Findings } from "./findings.js";
 import { Help } from "./help.js";
-import { prose } from "./html.js";
+import { prose, shadow } from "./html.js";
 import { Inspector } from "./inspector.js";
 import { KeyBindings } from "./keys.js";
 import { MarksOverlay } from "./marks_layer.js";
@@ -78,11 +78,7 @@ const ZOOMS = [
  * `title`, where it is `from`, and `load`. `style` is the style sheet.
  */
 export function mount(place, connection, style = "") {
-  const root = place.attachShadow({ mode: "open" });
-  const sheet = new CSSStyleSheet();
-  sheet.replaceSync(style);
-  root.adoptedStyleSheets = [sheet];
-  root.innerHTML = LAYOUT;
+  const root = shadow(place, style, LAYOUT);
   const find = (name) => root.querySelector(`.${name}`);
   const editor = new Editor(connection);
   new Answers(editor, find("answers"));

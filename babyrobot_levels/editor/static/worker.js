@@ -1,4 +1,4 @@
-// The worker of a site: it runs Python, and in it the session.
+// The worker of a site: it runs Python, and in it the sessions.
 // What is called comes as [number, name, ...arguments] and is answered by [number, result, error].
 
 // @ts-expect-error: sites have it.
@@ -19,7 +19,7 @@ const started = start();
 
 const CALLS = {
   begin: async (...given) => (await started).session.begin(...given),
-  reply: async (message) => (await started).session.reply(message),
+  reply: async (...given) => (await started).session.reply(...given),
   /** Load the numeric half from Pyodide's own server. */
   load: async () => {
     const { python, session } = await started;
