@@ -3,10 +3,10 @@
 # Usage: bash scripts/check.sh             with the fast tests: about four minutes on two cores
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
 #        bash scripts/check.sh sweep       the style, and the tests of further levels and combinations, with libraries too
-#        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou, Minari and TRL
+#        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou, Minari and TRL, and the server for assistants
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
-#        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
-#        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says, and the server for assistants
+#        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes, and with OpenEnv
+#        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says, and the tests with verifiers
 #        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
 #        bash scripts/check.sh javascript  the style and types of JavaScript, and its tests that need no browser
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
@@ -40,13 +40,14 @@ beside_pages() {
 # Runs the tests with libraries that learn, those of the sweep or the others.
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
-        tests/envs tests/scoring tests/language_agents tests/e2e/test_examples.py tests/docs/test_benchmark.py
+        tests/assistants/test_server.py tests/envs tests/scoring tests/language_agents/test_trl.py \
+        tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 make_libraries() {
     make_venv .venv-libraries
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
-    .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl,trl]"
+    .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,mcp,minari,rllib,sb3,tianshou,torchrl,trl]"
 }
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
@@ -62,7 +63,7 @@ sweep)
     ;;
 libraries)
     make_libraries
-    beside_pages .venv-libraries editor,exact,fast,minari,minigrid,rllib,sb3,tianshou,torchrl,umb with_libraries "not sweep"
+    beside_pages .venv-libraries editor,exact,fast,mcp,minari,minigrid,rllib,sb3,tianshou,torchrl,umb with_libraries "not sweep"
     exit
     ;;
 jax)
@@ -73,15 +74,18 @@ jax)
     ;;
 ray)
     make_venv .venv-ray
-    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,ray]" hatchling hypothesis pytest pytest-rerunfailures
+    # OpenEnv needs version 1 of mcp: it can stand neither beside verifiers nor beside the server for assistants.
+    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,openenv,ray]" hatchling hypothesis pytest pytest-rerunfailures
     pages .venv-ray ray
-    exec .venv-ray/bin/python -m pytest -m libraries "${again[@]}" tests/on_ray
+    exec .venv-ray/bin/python -m pytest -m libraries "${again[@]}" tests/on_ray tests/language_agents/test_openenv.py
     ;;
 storm)
     make_venv .venv-storm
-    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb]" hatchling hypothesis pytest stormpy==2.0.0
+    # verifiers pins the lowest version of mcp; the tests with other libraries have the highest.
+    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb,verifiers]" hatchling hypothesis pytest stormpy==2.0.0
     PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
-    beside_pages .venv-storm mcp,storm .venv-storm/bin/python -m pytest -m libraries tests/storm tests/assistants/test_server.py
+    beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm \
+        tests/assistants/test_server.py tests/language_agents/test_verifiers.py
     exit
     ;;
 site)
