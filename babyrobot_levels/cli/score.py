@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+import traceback
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
+from runpy import run_path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -39,8 +44,18 @@ _PLAYS = ".brlplay"
 _TABLES = (".json", ".npy", ".npz")
 _MODEL = ".zip"
 _BEST, _RANDOM = "best", "random"
-_AGENTS = f"`{_RANDOM}`, `{_BEST}`, a policy (.json, .npy, .npz), or a model (.zip)"
-_PICTURES = (".svg", ".png")
+_AGENTS = (
+    f"`{_RANDOM}`, `{_BEST}`, a policy (.json, .npy, .npz), a model (.zip), or what a Python file "
+    "calls by a name (agent.py:name)"
+)
+
+
+class Sight(StrEnum):
+    """What an agent sees that reads and writes."""
+
+    MAP = "map"
+    VIEW = "view"
+    WORDS = "words"
 
 
 def score(
@@ -79,8 +94,27 @@ def score(
         typer.Option("--stochastic", help="Let a model sample, not take its likeliest action."),
     ] = False,
     episodes: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Play models with memory N times in each level.")
-    ] = 1000,
+        int | None,
+        value_option(
+            "N",
+            "Play agents with memory, and those with --sight, N times in each level.  [default: "
+            "1,000; 10 with --sight]",
+            min=1,
+        ),
+    ] = None,
+    sight: Annotated[
+        Sight | None,
+        typer.Option(
+            help="The agent reads and writes, a function from texts to replies: what it sees."
+        ),
+    ] = None,
+    chat: Annotated[
+        bool, typer.Option("--chat", help="With --sight: the function gets all messages so far.")
+    ] = False,
+    record: Annotated[
+        Path | None,
+        value_option("FILE", f"With --sight: append each episode to this file ({_PLAYS})."),
+    ] = None,
     trust: Annotated[
         bool,
         typer.Option(
@@ -115,6 +149,8 @@ def score(
 
       babyrobot score ppo.zip frozen-lake --observation vector --trust
 
+      babyrobot score agents.py:east frozen-lake --sight map
+
       babyrobot score plays/*.brlplay --level frozen-lake
     """
     are_plays = {word.lower().endswith(_PLAYS) for word in what}
@@ -124,10 +160,11 @@ def score(
             "`--level LEVEL` names the level that was to be played",
         )
     if are_plays == {True}:
-        options = split, within, discount
-        if any(option is not None for option in options) or stochastic or trust:
+        options = split, within, discount, episodes, sight, record
+        if any(option is not None for option in options) or stochastic or trust or chat:
             fail(
-                "--split, --within, --discount, --stochastic and --trust are for agents",
+                "--split, --within, --discount, --stochastic, --trust, --episodes, --sight, --chat "
+                "and --record are for agents",
                 "leave them out: episodes are scored under the conditions under which they were "
                 "played",
             )
@@ -152,8 +189,11 @@ def score(
         actions=str(actions),
         deterministic=not stochastic,
         episodes=episodes,
+        sight=sight,
+        chat=chat,
+        record=record,
     )
-    if scores.notice is not None:
+    if scores.notice is not None and sight is None:
         note(f"warning: {scores.notice}")
     _put(scores, table_format, output, force=force)
 
@@ -173,19 +213,51 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
         # The command itself notes that episodes are few.
         warnings.filterwarnings("ignore", "of an agent with memory")
         try:
-            agent = _agent(word, trust=trust)
-            return scores_of(agent, levels, **options)
+            with _blamed(word, is_reader=options["sight"] is not None):
+                agent = _agent(word, trust=trust)
+                return scores_of(agent, levels, **options)
         except (UndefinedReturnError, EpisodeTooLongError) as error:
             fail(str(error))
         except BabyRobotError:
             raise
-        except ValueError as error:
+        except (TypeError, ValueError) as error:
             fail(
                 str(error).partition("\n")[0],
                 None
-                if word in (_BEST, _RANDOM)
+                if word in (_BEST, _RANDOM) or options["sight"]
                 else "give --observation and --actions as those that the agent was made with",
             )
+
+
+@contextmanager
+def _blamed(word: str, *, is_reader: bool) -> Iterator[None]:
+    """End the command if the code of a Python file raises an error, with its line."""
+    try:
+        yield
+    except Exception as error:
+        file = str(Path(word.rpartition(":")[0]))
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [frame.lineno for frame in frames if frame.filename == file]
+        if isinstance(error, SyntaxError) and error.filename == file:
+            lines.append(error.lineno)
+        if lines:
+            fail(
+                f"{file}:{lines[-1]}: the agent failed: {type(error).__name__}: {error}",
+                None if is_reader else "without --sight, an agent gets observations, not texts",
+            )
+        raise
+
+
+def _code(path: Path, name: str) -> Any:
+    """Return what a Python file calls by a name."""
+    if not path.is_file():
+        fail(f"there is no file {path}")
+    # As when Python runs it: it can import what stands beside it.
+    sys.path.insert(0, str(path.parent.resolve()))
+    found = run_path(str(path))
+    if name not in found:
+        fail(f"{path} has nothing called {name!r}")
+    return found[name]
 
 
 def _agent(word: str, *, trust: bool) -> Any:
@@ -194,8 +266,13 @@ def _agent(word: str, *, trust: bool) -> Any:
 
     if word in (_RANDOM, _BEST):
         return word
+    file, _, name = word.rpartition(":")
+    if file.endswith(".py"):
+        return _code(Path(file), name)
     path = Path(word)
     suffix = path.suffix.lower()
+    if suffix == ".py":
+        fail(f"{word} is a file of Python", f"name the agent in it, as in {word}:agent")
     if suffix not in (*_TABLES, _MODEL):
         fail(f"there is no agent {word!r}", f"an agent is {_AGENTS}")
     try:
@@ -218,7 +295,9 @@ def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool)
         pictures = {".svg": scores.to_svg, ".png": scores.to_png}
         _save({".csv": scores.to_csv, ".json": scores.to_json, **pictures}, output, force=force)
     elif not _written(scores, kind):
-        write_table(_HEADING, [_score_cells(each) for each in scores])
+        has_invalid = any(each.invalid for each in scores)
+        heading = (*_HEADING, "invalid") if has_invalid else _HEADING
+        write_table(heading, [_score_cells(each)[: len(heading)] for each in scores])
         write("\n" + fact_lines({**_summary(scores), "returns": _limits(scores)}))
 
 
@@ -254,6 +333,7 @@ def _score_cells(row: LevelScore) -> list[str]:
         short(row.share),
         percent(row.success),
         short(row.steps),
+        short(row.invalid),
     ]
 
 

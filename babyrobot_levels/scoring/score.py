@@ -120,6 +120,11 @@ def score(
             raise ValueError(f"the agent comes first: `brl.score({levels!r}, {agent!r})`")
         check_choice("agent", agent, agents)
     check_choice("actions", actions, ACTION_SETS)
+    if sight is not None:
+        check_choice("sight", sight, SIGHTS)
+        _check_reader(agent, actions)
+    elif chat or record is not None:
+        raise ValueError("chat and record are for agents that read and write: give a sight, too")
     chosen = checked_observation(observation=observation, **options)
     own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
     members, extent = _levels(levels, split, turns=ACTION_SETS[actions].turns)
@@ -135,8 +140,7 @@ def score(
         )
         episodes = 1000 if episodes is None else episodes
     else:
-        check_choice("sight", sight, SIGHTS)
-        _check_reader(agent, actions, problems)
+        _check_limits(problems)
         episodes = 10 if episodes is None else episodes
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, not {episodes}")
@@ -270,17 +274,29 @@ def _seeds(problem: _Problem, seed: int, count: int) -> list[int]:
     return found
 
 
-def _check_reader(agent: Any, actions: str, problems: Sequence[_Problem]) -> None:
-    """Check that an agent reads and writes, in levels with a limit.
+def _check_reader(agent: Any, actions: str) -> None:
+    """Check that an agent reads and writes.
 
     Raises:
         TypeError: it is no function.
-        ValueError: there is no limit, or another set of actions.
+        ValueError: the set of actions is another one.
     """
     if not callable(agent):
-        raise TypeError(f"an agent that reads and writes is a function, not {type(agent).__name__}")
+        given = repr(agent) if isinstance(agent, str) else type(agent).__name__
+        raise TypeError(
+            f"with a sight, the agent is a function from texts to replies, not {given}; policies "
+            "and models see no text, and are scored without a sight"
+        )
     if actions != "all":
         raise ValueError(f"agents that read and write have actions='all', not {actions!r}")
+
+
+def _check_limits(problems: Sequence[_Problem]) -> None:
+    """Check that all levels have a limit of steps.
+
+    Raises:
+        ValueError: one has none.
+    """
     for each in problems:
         if each.limit is None:
             name = each.level.name or each.level.digest

@@ -56,6 +56,7 @@ def prepare_plays(arguments: list[str]) -> list[str]:
     for name in ("eve", "zoe"):
         Path("plays", f"{name}.brlplay").unlink()
     shutil.copy("plays/ada.brlplay", "ada.brlplay")
+    shutil.copy(FILES / "agents.py", "agents.py")
     np.save("policy.npy", brl.solve("frozen-lake").policy)
     if "ppo.zip" in arguments:
         library = pytest.importorskip("stable_baselines3", reason="it is not installed")

@@ -149,7 +149,7 @@ def test_the_discount_and_the_limit_are_those_that_are_asked_for() -> None:
 def test_what_cannot_be_scored_is_refused() -> None:
     with pytest.raises(ValueError, match="sight must be one of"):
         brl.score(str, "first-key", sight="ears")
-    with pytest.raises(TypeError, match="is a function, not str"):
+    with pytest.raises(TypeError, match="a function from texts to replies, not 'random'"):
         brl.score("random", "first-key", sight="map")
     with pytest.raises(ValueError, match="actions='all'"):
         brl.score(str, "first-key", sight="map", actions="turns")
@@ -157,6 +157,8 @@ def test_what_cannot_be_scored_is_refused() -> None:
         brl.score(str, level(size=[2, 2]), sight="map")
     with pytest.raises(ValueError, match="episodes must be at least 1"):
         brl.score(str, "first-key", sight="map", episodes=0)
+    with pytest.raises(ValueError, match="give a sight, too"):
+        brl.score("random", "first-key", chat=True)
 
 
 def test_the_interval_holds_whatever_has_not_happened_yet() -> None:
