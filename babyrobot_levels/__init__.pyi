@@ -91,6 +91,8 @@ from .mdp.grid import Grid as Grid
 from .mdp.tables import Mdp as Mdp
 from .parallel.executor import ExecutorError as ExecutorError
 from .parallel.executor import WorkerDiedError as WorkerDiedError
+from .publish.dataset import Dataset as Dataset
+from .publish.dataset import dataset as dataset
 from .publish.gallery import Gallery as Gallery
 from .publish.gallery import gallery as gallery
 from .publish.packing import pack as pack

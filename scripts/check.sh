@@ -41,13 +41,14 @@ beside_pages() {
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
         tests/assistants/test_server.py tests/envs tests/scoring tests/language_agents/test_trl.py \
-        tests/e2e/test_examples.py tests/docs/test_benchmark.py
+        tests/publish/test_dataset.py tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 make_libraries() {
     make_venv .venv-libraries
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
-    .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,mcp,minari,rllib,sb3,tianshou,torchrl,trl]"
+    .venv-libraries/bin/pip install "${options[@]}" mlcroissant==1.1.1 \
+        --editable ".[test,mcp,minari,parquet,rllib,sb3,tianshou,torchrl,trl]"
 }
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
@@ -63,7 +64,7 @@ sweep)
     ;;
 libraries)
     make_libraries
-    beside_pages .venv-libraries editor,exact,fast,mcp,minari,minigrid,rllib,sb3,tianshou,torchrl,umb with_libraries "not sweep"
+    beside_pages .venv-libraries editor,exact,fast,mcp,minari,minigrid,parquet,rllib,sb3,tianshou,torchrl,trl,umb with_libraries "not sweep"
     exit
     ;;
 jax)

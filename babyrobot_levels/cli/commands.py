@@ -62,6 +62,7 @@ COMMANDS = {
     "sheet": Line("Share", "publish:sheet", "Print levels on an exercise sheet, or its key."),
     "export": Line("Share", "convert:export_level", "Convert a level for another program."),
     "gallery": Line("Share", "publish:gallery", "Write web pages of many levels."),
+    "dataset": Line("Share", "publish:dataset", "Write levels as a data set of rows."),
     "resolve": Line("Share", "share:resolve", "Write out a level's maze as walls."),
     "pack": Line("Share", "packs:pack", "Pack a folder of levels into one file."),
     "install": Line("Share", "packs:install", "Install a pack."),

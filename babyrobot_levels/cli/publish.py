@@ -159,6 +159,70 @@ def _title(words: list[str]) -> str | None:
     return Path(words[0]).resolve().name
 
 
+def dataset(
+    levels: LevelsArgument,
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="DIR", help="Folder to write to."),
+    ] = Path("dataset"),
+    title: Annotated[
+        str | None,
+        value_option(
+            "TEXT",
+            "Title of the data set.  [default: that of the suite, or the name of the folder]",
+        ),
+    ] = None,
+    split: SplitOption = None,
+    count: Annotated[int | None, value_option("N", "Only the first N levels.", min=1)] = None,
+    data_license: Annotated[
+        str | None,
+        value_option("ID", "License of the data set: cc-by-4.0, for example.", "--license"),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a data set.")] = False,
+    jobs: JobsOption = None,
+) -> None:
+    """Write levels as a data set that other tools read: a row for each level.
+
+    A row has the file of the level, its digest, share code, metrics and picture. There is a
+    Parquet file for each split; README.md, with which the Hugging Face Hub and `datasets` know
+    splits and columns; and croissant.json, the same for tools that read Croissant. It needs the
+    extra `parquet`.
+
+    Examples:
+
+      babyrobot dataset classics -o classics
+
+      babyrobot dataset small-mazes --split test --count 20 -o mazes
+
+      babyrobot dataset levels --license cc-by-4.0 -o gallery
+    """
+    from babyrobot_levels.publish.dataset import dataset as written
+    from babyrobot_levels.suites.batch import FolderError
+
+    if output == STANDARD_OUTPUT:
+        fail("a data set is a folder, and cannot be piped", "name the folder: -o DIR")
+    try:
+        found: Suite | list[Any] = levels_named(levels, split)[:count]
+        if isinstance(found, list):
+            found, _ = valid_levels(found, "data set was", jobs=jobs)
+        with working("writing") as report:
+            made = written(
+                found,
+                output,
+                title=title if title is not None else _title(levels),
+                license=data_license,
+                force=force,
+                jobs=jobs_for(len(found), jobs, WORTH_IT),
+                progress=report,
+            )
+    except FolderError as error:
+        fail(str(error), error.help)
+    except (ImportError, ValueError) as error:
+        fail(str(error))
+    splits = ", ".join(f"{size:,} in {name}" for name, size in made.splits.items())
+    write(f"wrote a data set to {one_line(str(output))}: {splits}\n")
+
+
 class SheetFormat(StrEnum):
     """Output formats of sheets."""
 

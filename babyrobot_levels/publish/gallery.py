@@ -141,7 +141,7 @@ def gallery(
     check_place(path, force=force)
     named = named_levels(levels)
     found = named if isinstance(named, Suite) else _in_order(levels, [*named])
-    title = title if title is not None else _title_of(levels, found)
+    title = title if title is not None else title_of(levels, found)
     shown = GalleryPages(title=title, answers=answers, key=key, editor=editor)
     facts: list[Facts] = []
     left_out: dict[int, Exception] = {}
@@ -208,8 +208,8 @@ def _check_address(name: str, given: str | None) -> None:
 # -- names ---------------------------------------------------------------------------------
 
 
-def _title_of(levels: Levels, found: Suite | list[LevelLike]) -> str:
-    """Return the title of a gallery, from what was asked for and the levels that it is."""
+def title_of(levels: Levels, found: Suite | list[LevelLike]) -> str:
+    """Return the title of many levels, from what was asked for and the levels that it is."""
     if isinstance(found, Suite):
         return found.fields.title or found.name or "Levels"
     if isinstance(levels, str | os.PathLike) and folder_named(levels) is not None:

@@ -101,6 +101,7 @@ def test_every_option_and_argument_is_in_it_and_explained() -> None:
 
 SLOW = (
     "babyrobot compare four-rooms.yaml",
+    "babyrobot dataset levels",
     "babyrobot gallery final-maze",
     "babyrobot gallery levels --key",
     "babyrobot gallery levels -o site",
