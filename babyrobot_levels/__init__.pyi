@@ -91,6 +91,9 @@ from .mdp.grid import Grid as Grid
 from .mdp.tables import Mdp as Mdp
 from .parallel.executor import ExecutorError as ExecutorError
 from .parallel.executor import WorkerDiedError as WorkerDiedError
+from .publish.course import BuiltCourse as BuiltCourse
+from .publish.course import course as course
+from .publish.course import new_course as new_course
 from .publish.dataset import Dataset as Dataset
 from .publish.dataset import dataset as dataset
 from .publish.gallery import Gallery as Gallery
@@ -117,6 +120,9 @@ from .scoring.plays import read_plays as read_plays
 from .scoring.results import LevelScore as LevelScore
 from .scoring.results import Scores as Scores
 from .scoring.score import score as score
+from .scoring.submissions import GradedFunction as GradedFunction
+from .scoring.submissions import Submission as Submission
+from .scoring.submissions import grade_functions as grade_functions
 from .scoring.text_world import GradedMove as GradedMove
 from .scoring.text_world import TextWorld as TextWorld
 from .scoring.verify import Replays as Replays

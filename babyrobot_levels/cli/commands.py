@@ -63,6 +63,7 @@ COMMANDS = {
     "export": Line("Share", "convert:export_level", "Convert a level for another program."),
     "gallery": Line("Share", "publish:gallery", "Write web pages of many levels."),
     "dataset": Line("Share", "publish:dataset", "Write levels as a data set of rows."),
+    "course": Line("Share", "course:course", "Begin a course, or build all that it hands out."),
     "resolve": Line("Share", "share:resolve", "Write out a level's maze as walls."),
     "pack": Line("Share", "packs:pack", "Pack a folder of levels into one file."),
     "install": Line("Share", "packs:install", "Install a pack."),

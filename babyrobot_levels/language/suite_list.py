@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, StrictStr, StringConstraints, model_validator
 
-from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
+from babyrobot_levels.language.base import Flag, Integer, Model, Number, Slug, Text, form, forms
 from babyrobot_levels.language.names import VERSION
 from babyrobot_levels.language.suite import (
     MAX_COUNT,
@@ -19,9 +19,13 @@ from babyrobot_levels.language.suite import (
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import InvalidDocument
 from babyrobot_levels.text.files import RESERVED
+from babyrobot_levels.text.words import did_you_mean
 
 MAX_ENTRIES = 10_000
 """The most entries of a suite, and the most levels and suites that it lists, at any depth."""
+
+MAX_COURSE = 500
+"""The most levels of a course."""
 
 KINDS = ("level", "folder", "pack", "suite")
 """What an entry can be; each is the name of a field."""
@@ -136,8 +140,27 @@ def suite_model(data: Any) -> type[SuiteFields] | type[SuiteListFields]:
 Version = Annotated[StrictStr, StringConstraints(pattern=VERSION)]
 
 
+Function = Annotated[StrictStr, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)]
+
+
+class CourseLevel(Model):
+    """A level of a course."""
+
+    level: Slug
+    """Its name in the pack."""
+    points: Annotated[Number, Field(gt=0)] = 1.0
+    """What it is worth; the functions that are graded in it share its points evenly."""
+    functions: tuple[Function, ...] | None = None
+    """The functions that are graded in it; all by default."""
+    hidden: Flag = False
+    """Whether it is only graded: no page, sheet or pack of the students has it."""
+
+
 class PackFields(Model):
-    """A pack: a folder of levels, suites and themes that is shared as a unit."""
+    """A pack: a folder of levels, suites and themes that is shared as a unit.
+
+    A pack with `levels` is a course: it tells their order and their points.
+    """
 
     BEGINNING: ClassVar[str] = (
         "a pack.yaml has a `name`, a `version` such as `1.0.0`, and a `description`"
@@ -155,6 +178,33 @@ class PackFields(Model):
     """Under which licence it may be used."""
     source: Text | None = None
     """Where the worlds are from: a citation."""
+    title: Text | None = None
+    """The title of the course; by default, the name."""
+    functions: dict[Function, Literal["values", "policy", "agent"]] = Field(default_factory=dict)
+    """What students write: NAME.py with a function NAME, and as what its result is graded."""
+    levels: Annotated[tuple[CourseLevel, ...], Field(max_length=MAX_COURSE)] = ()
+    """The levels of the course, in their order."""
+
+    def graded_in(self, level: CourseLevel) -> tuple[str, ...]:
+        """Return the functions that are graded in a level."""
+        return (*self.functions,) if level.functions is None else level.functions
+
+    @model_validator(mode="after")
+    def _known(self) -> Self:
+        issues, seen = [], set[str]()
+        for number, each in enumerate(self.levels):
+            if each.level in seen:
+                message = f"`{each.level}` is listed twice"
+                issues.append(Issue("BR207", ("levels", number, "level"), message, "remove one"))
+            seen.add(each.level)
+            for index, name in enumerate(each.functions or ()):
+                if name not in self.functions:
+                    message = f"unknown function `{name}`{did_you_mean(name, self.functions)}"
+                    route = ("levels", number, "functions", index)
+                    issues.append(Issue("BR207", route, message, "add it to `functions`"))
+        if issues:
+            raise InvalidDocument(issues)
+        return self
 
     @model_validator(mode="after")
     def _portable(self) -> Self:

@@ -101,11 +101,16 @@ def _real(folder: Path) -> Path | None:
         return None
 
 
-def gallery_folder() -> Path:
-    """Return the gallery's folder: inside the installed package, or beside it in a checkout."""
+def data_folder(name: str) -> Path:
+    """Return a folder of data: inside the installed package, or beside it in a checkout."""
     package = Path(__file__).parents[1]
-    inside = package / "data" / "levels"
-    return inside if inside.is_dir() else package.parent / "levels"
+    inside = package / "data" / name
+    return inside if inside.is_dir() else package.parent / name
+
+
+def gallery_folder() -> Path:
+    """Return the gallery's folder."""
+    return data_folder("levels")
 
 
 def gallery_order() -> list[str]:

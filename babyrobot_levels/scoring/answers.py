@@ -27,6 +27,7 @@ from babyrobot_levels.analysis.solver.results import (
     action_names,
 )
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Flags, Floats
 from babyrobot_levels.scoring.score import score
 from babyrobot_levels.text.words import keywords_told
@@ -200,14 +201,12 @@ def grade_agent(
     except (TypeError, ValueError) as error:
         return _wrong(str(error), points)
     way = 1.0 if math.isnan(found.share) and found.regret <= 1e-9 else found.share
-    passed = bool(way >= at_least)
+    passed, has_exits = bool(way >= at_least), bool(world_of(level).exits)
     told = f"the agent covers {_percent(way)} of the way from the random policy to the optimum"
     if not passed:
-        told += (
-            f", where {_percent(at_least)} are needed; it reaches an exit in "
-            f"{_percent(found.success)} of the episodes"
-        )
-        told += ", and some never end" * math.isinf(found.steps)
+        told += f", where {_percent(at_least)} are needed"
+        told += f"; it reaches an exit in {_percent(found.success)} of the episodes" * has_exits
+        told += "; some of its episodes never end" * math.isinf(found.steps)
     return GradedAnswer(passed, 1.0 if passed else min(max(way, 0.0), 1.0), points, told)
 
 

@@ -102,6 +102,7 @@ def test_every_option_and_argument_is_in_it_and_explained() -> None:
 SLOW = (
     "babyrobot compare four-rooms.yaml",
     "babyrobot dataset levels",
+    "babyrobot course build",
     "babyrobot gallery final-maze",
     "babyrobot gallery levels --key",
     "babyrobot gallery levels -o site",
@@ -142,6 +143,8 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         Path(arguments[1]).write_text(WORLDS[arguments[1]], encoding="utf-8")
     if arguments[0] in ("pack", "install", "uninstall") or {"zoo/lion", "--packs"} & {*arguments}:
         prepare_zoo(arguments, variables)
+    if arguments[:2] == ["course", "build"]:
+        assert run_here(["course", "new", arguments[2]], variables).status == 0
     if arguments[0] in ("replay", "score"):
         arguments = prepare_plays(arguments)
     if "--watch" in arguments:

@@ -40,6 +40,7 @@ from babyrobot_levels.text.files import (
 )
 from babyrobot_levels.text.reader import open_document
 from babyrobot_levels.text.source import MAX_BYTES, START, SourceFile
+from babyrobot_levels.text.words import did_you_mean
 
 MAX_CELLS = 2 << 20
 """The limit of cells of all levels together: each level is compiled."""
@@ -97,6 +98,7 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
             found.diagnostics += error.diagnostics
             continue
         if path == PACK_FILE:
+            described = document
             found.fields, errors = check(document, PackFields)
             found.diagnostics += errors
         elif is_theme(path):
@@ -118,7 +120,47 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
                 raise PackError(f"its levels have more than {MAX_CELLS:,} cells together")
             digest = None if world.has_random_maze else world.digest
             found.levels[str(world.name)] = LevelEntry(digest=digest, file=path)
+    for number, each in enumerate(found.fields.levels if found.fields else ()):
+        if each.level not in found.levels:
+            known = [*found.levels]
+            message = f"there is no level `{each.level}` here{did_you_mean(each.level, known)}"
+            issue = Issue("BR207", ("levels", number, "level"), message, "name a level of the pack")
+            found.diagnostics.append(described.diagnostic(issue))
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A folder of levels whose `pack.yaml` tells their order and points.
+
+    Attributes:
+        folder: the folder.
+        fields: the fields of its `pack.yaml`.
+        files: the file of each level, by its name.
+    """
+
+    folder: Path
+    fields: PackFields
+    files: Mapping[str, Path]
+
+
+def read_course(path: str | os.PathLike[str]) -> Course:
+    """Return the course in a folder.
+
+    Raises:
+        PackError: there is no `pack.yaml`, or it lists no levels.
+        LevelError: a file has errors.
+    """
+    folder = Path(path)
+    if not os.path.lexists(folder / PACK_FILE):
+        raise PackError(f"there is no {PACK_FILE} in {os.fspath(path)}")
+    contents = survey(folder, _paths(folder)[0], folder)
+    if contents.fields is None or contents.diagnostics:
+        raise LevelError(contents.diagnostics)
+    if not contents.fields.levels:
+        raise PackError(f"{folder / PACK_FILE} is no course: it lists no `levels`")
+    files = {name: folder / entry.file for name, entry in contents.levels.items()}
+    return Course(folder, contents.fields, files)
 
 
 def check_contents(contents: Contents, manifest: Manifest) -> None:

@@ -1,0 +1,215 @@
+"""Courses: a folder to begin with, and what students and teachers get of one."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from babyrobot_levels.analysis.sharing import share
+from babyrobot_levels.language.names import slug
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.packs.archive import SUFFIX
+from babyrobot_levels.library.packs.build import Course, read_course
+from babyrobot_levels.library.search_path import data_folder
+from babyrobot_levels.publish.gallery import gallery
+from babyrobot_levels.publish.packing import pack
+from babyrobot_levels.publish.sheet import PAPERS, sheet
+from babyrobot_levels.suites.batch import FolderError
+from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.files import PACK_FILE, is_file, is_within, write_text, written_folder
+
+CONTENTS = "contents.txt"
+"""The list of what was built, by which a folder is known as one that may be replaced."""
+
+_HEAD = "made by babyrobot course"
+
+
+@dataclass(frozen=True, slots=True)
+class BuiltCourse:
+    """What was made of a course.
+
+    Attributes:
+        folder: the folder of what was made.
+        title: the title of the course.
+        files: all files, relative to the folder, in the order of their paths.
+        size: their bytes, all together.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    folder: Path
+    title: str
+    files: tuple[str, ...]
+    size: int
+
+
+def new_course(folder: str | os.PathLike[str]) -> Path:
+    """Write a course to change: levels, a skeleton of code for students, and `grade.py`.
+
+    Args:
+        folder: the folder, new or empty; its name becomes that of the course.
+
+    Returns:
+        The folder.
+
+    Raises:
+        FolderError: there is something in the folder.
+        OSError: it cannot be written.
+    """
+    path = Path(folder)
+    if os.path.lexists(path) and not (path.is_dir() and not any(path.iterdir())):
+        raise FolderError(f"{path} is there already", "choose a folder that is new or empty")
+    example = data_folder("course")
+    with written_folder(path) as new:
+        shutil.copytree(example, new, dirs_exist_ok=True, ignore=_IGNORED)
+        text = (new / PACK_FILE).read_text("utf-8")
+        name = slug(path.resolve().name) or "robot-course"
+        write_text(new / PACK_FILE, text.replace("robot-course", name, 1))
+    return path
+
+
+_IGNORED = shutil.ignore_patterns("__pycache__", ".*", f"*{SUFFIX}")
+
+
+def course(
+    folder: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> BuiltCourse:
+    """Make of a course all that students and teachers get.
+
+    For students, without hidden levels and answers: a site, sheets, a pack, share codes, and the
+    code with the levels. For teachers: the site and the sheets with the answers, and autograders.
+
+    Args:
+        folder: the folder of the course, whose `pack.yaml` lists `levels`.
+        output: the folder to write to: new, empty, or made by this function.
+        progress: told how many of how many parts are done.
+
+    Raises:
+        PackError: there is no course in the folder.
+        LevelError: a file of the course has errors, or a maze is random.
+        FolderError: the output is a folder of something else, or inside the course.
+        OSError: a folder cannot be written.
+    """
+    found, path = read_course(folder), Path(output)
+    _check_place(path, found.folder)
+    title = found.fields.title or found.fields.name
+    with written_folder(path) as new:
+        parts = [*_parts(found, title, new)]
+        for number, make in enumerate(parts, 1):
+            make()
+            if progress is not None:
+                progress(number, len(parts))
+        files = sorted(
+            each.relative_to(new).as_posix() for each in new.rglob("*") if each.is_file()
+        )
+        size = sum((new / each).stat().st_size for each in files)
+        write_text(new / CONTENTS, "\n".join([f"{_HEAD}: {title}", *files, ""]))
+    return BuiltCourse(path, title, (*files,), size)
+
+
+def _check_place(path: Path, course: Path) -> None:
+    if is_within(path, course) or is_within(course, path) or is_within(Path(), path):
+        advice = "choose a folder beside it"
+        raise FolderError(f"{path} is not apart from the course and the current folder", advice)
+    if not os.path.lexists(path) or (path.is_dir() and not any(path.iterdir())):
+        return
+    advice = "choose a folder that is new or empty"
+    if not is_file(path / CONTENTS):
+        raise FolderError(f"{path} is something else than a course that was built", advice)
+    head, *known = (path / CONTENTS).read_text("utf-8").splitlines() or [""]
+    if not head.startswith(_HEAD):
+        raise FolderError(f"{path} is something else than a course that was built", advice)
+    others = {each.relative_to(path).as_posix() for each in path.rglob("*") if each.is_file()}
+    others -= {*known, CONTENTS}
+    if others:
+        raise FolderError(f"there are other files in {path}: {min(others)}", "move them elsewhere")
+
+
+def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], object]]:
+    """Yield what makes each part."""
+    entries = course.fields.levels
+    everything = {each.level: load(course.files[each.level]) for each in entries}
+    given = [everything[each.level] for each in entries if not each.hidden]
+    students, teacher, code = new / "students", new / "teacher", new / "students" / "code"
+    yield lambda: gallery(given, students / "site", title=title, answers=False)
+    yield lambda: gallery([*everything.values()], teacher / "site", title=title, key=True)
+    for paper in PAPERS:
+        yield lambda paper=paper: sheet(given, title=title, paper=paper).save(  # type: ignore[misc]
+            students / f"sheet-{paper}.pdf"
+        )
+        yield lambda paper=paper: sheet(  # type: ignore[misc]
+            [*everything.values()], title=title, paper=paper, key=True
+        ).save(teacher / f"sheet-key-{paper}.pdf")
+    yield lambda: _copy(course, code)
+    archive = students / f"{course.fields.name}-{course.fields.version}{SUFFIX}"
+    yield lambda: pack(code, archive)
+    codes = "".join(f"{level.name}\n{share(level)}\n\n" for level in given)
+    yield lambda: write_text(students / "codes.txt", codes)
+    if course.fields.functions:
+        yield lambda: write_zip(teacher / "gradescope.zip", _gradescope(course))
+
+
+def _copy(course: Course, target: Path) -> None:
+    """Copy what students may have of a course: all but its hidden levels."""
+    hidden = {each.level for each in course.fields.levels if each.hidden}
+    secret = {course.files[name].resolve() for name in hidden}
+
+    def left_out(folder: str, names: list[str]) -> set[str]:
+        ours = {name for name in names if (Path(folder) / name).resolve() in secret}
+        return ours | _IGNORED(folder, names)
+
+    shutil.copytree(course.folder, target, ignore=left_out)
+    fields = course.fields.model_dump(mode="json", exclude_defaults=True)
+    fields["levels"] = [each for each in fields["levels"] if not each.get("hidden")]
+    write_text(target / PACK_FILE, emit(fields))
+
+
+# -- autograders ---------------------------------------------------------------------------
+
+_SETUP = """\
+#!/usr/bin/env bash
+set -e
+apt-get update
+apt-get install -y python3 python3-venv
+python3 -m venv /autograder/venv
+/autograder/venv/bin/pip install babyrobot-levels
+"""
+
+_RUN = """\
+#!/autograder/venv/bin/python3
+import json
+from pathlib import Path
+
+import babyrobot_levels as brl
+
+if __name__ == "__main__":
+    found = brl.grade_functions("/autograder/source/course", "/autograder/submission")
+    results = Path("/autograder/results/results.json")
+    results.write_text(json.dumps(found.to_gradescope()))
+"""
+
+
+def _gradescope(course: Course) -> Mapping[str, bytes]:
+    """Return the files of an autograder for Gradescope."""
+    files = {"setup.sh": _SETUP.encode(), "run_autograder": _RUN.encode()}
+    paths = [course.folder / PACK_FILE, *course.files.values()]
+    for path in sorted(paths):
+        files[f"course/{path.relative_to(course.folder).as_posix()}"] = path.read_bytes()
+    return files
+
+
+def write_zip(path: Path, files: Mapping[str, bytes]) -> None:
+    """Write an archive: the same files give the same bytes."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            info = zipfile.ZipInfo(name)
+            is_script = data.startswith(b"#!")
+            info.external_attr = (0o100755 if is_script else 0o100644) << 16
+            archive.writestr(info, data, zipfile.ZIP_DEFLATED)

@@ -1,0 +1,243 @@
+"""Submissions: the functions that students write, run in each level of a course, and graded.
+
+Their code runs in a process of its own, with a limit of time. Only plain data comes back, which is
+graded here. No code of students is kept from files and networks: that is what containers are for.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from itertools import groupby
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.packs.build import Course, read_course
+from babyrobot_levels.scoring.answers import (
+    GradedAnswer,
+    grade_agent,
+    grade_policy,
+    grade_values,
+)
+from babyrobot_levels.scoring.results import Table, plain
+
+GRADERS: Mapping[str, Callable[..., GradedAnswer]] = {
+    "values": grade_values,
+    "policy": grade_policy,
+    "agent": grade_agent,
+}
+"""What grades a function, by what it returns."""
+
+MAX_ANSWER = 64 << 20
+"""The most bytes of an answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class GradedFunction:
+    """What a function of a student is worth in a level.
+
+    Attributes:
+        function: its name.
+        level: the name of the level.
+        hidden: whether students have not seen the level.
+        passed: whether its answer is right.
+        points: its points.
+        out_of: the points of a right answer.
+        message: a sentence for the student, without the solution.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    function: str
+    level: str
+    hidden: bool
+    passed: bool
+    points: float
+    out_of: float
+    message: str
+
+
+class Submission(Table[GradedFunction]):
+    """The functions of a student, each in the levels of a course; its text is a report."""
+
+    __module__ = "babyrobot_levels"
+    ROW = GradedFunction
+
+    @property
+    def points(self) -> float:
+        """The points of all."""
+        return _total(self)[0]
+
+    @property
+    def out_of(self) -> float:
+        """The points of right answers."""
+        return _total(self)[1]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as a mapping that JSON can hold."""
+        rows = [plain(asdict(each)) for each in self]
+        return {"points": self.points, "out_of": self.out_of, "functions": rows}
+
+    def to_gradescope(self) -> dict[str, Any]:
+        """Return what Gradescope's autograder reads from `results.json`."""
+        tests = [
+            {
+                "name": f"{each.function} in {each.level}",
+                "status": "passed" if each.passed else "failed",
+                "score": round(each.points, 4),
+                "max_score": round(each.out_of, 4),
+                "output": each.message,
+                "visibility": "after_published" if each.hidden else "visible",
+            }
+            for each in self
+        ]
+        board = [{"name": "Points", "value": round(self.points, 2)}]
+        return {"score": round(self.points, 4), "tests": tests, "leaderboard": board}
+
+    def to_prairielearn(self) -> dict[str, Any]:
+        """Return what PrairieLearn's external grader reads from `results.json`."""
+        tests = [
+            {
+                "name": f"{each.function} in {each.level}",
+                "points": round(each.points, 4),
+                "max_points": round(each.out_of, 4),
+                "output": "" if each.hidden else each.message,
+            }
+            for each in self
+        ]
+        return {"gradable": True, "score": self.points / self.out_of, "tests": tests}
+
+    def __str__(self) -> str:
+        lines: list[str] = []
+        width = max((len(each.level) for each in self), default=0)
+        for name, rows in groupby(self, lambda each: each.function):
+            lines += [name]
+            # What is wrong in each level alike is said once.
+            for _, same in groupby(rows, lambda each: each.level if each.passed else each.message):
+                found = [*same]
+                levels = found[0].level if len(found) == 1 else f"{len(found)} levels"
+                points, out_of = _total(found)
+                mark = "right" if found[0].passed else "wrong"
+                total = f"{points:.4g}/{out_of:.4g}"
+                lines += [f"  {mark}  {levels:{width}}  {total:>9}  {found[0].message}"]
+        return "\n".join([*lines, f"{self.points:.4g} of {self.out_of:.4g} points"])
+
+
+def _total(found: Iterable[GradedFunction]) -> tuple[float, float]:
+    points, out_of = zip(*((each.points, each.out_of) for each in found), strict=True)
+    return math.fsum(points), math.fsum(out_of)
+
+
+def grade_functions(
+    course: str | os.PathLike[str],
+    code: str | os.PathLike[str] | None = None,
+    *,
+    functions: Sequence[str] | None = None,
+    seconds: float = 60.0,
+) -> Submission:
+    """Run the functions of a student in the levels of a course, and grade what they return.
+
+    Of each function NAME in the `pack.yaml`, the file NAME.py has to have a function of that name.
+    It gets a `Level`, and returns values, or a policy, as an array. Call this below
+    `if __name__ == "__main__":`, as processes are started.
+
+    Args:
+        course: the folder of the course.
+        code: the folder of the student's files; by default that of the course.
+        functions: those that are run; all by default.
+        seconds: how long each may take in a level. After one that takes longer, the function
+            is not run in the other levels.
+
+    Raises:
+        PackError: there is no course in the folder.
+        LevelError: a file of the course has errors.
+        ValueError: a function is none of the course.
+    """
+    found = read_course(course)
+    known = found.fields.functions
+    for name in functions or ():
+        if name not in known:
+            raise ValueError(f"{name!r} is no function of the course: {', '.join(known)}")
+    folder = Path(found.folder if code is None else code).resolve()
+    return Submission(
+        [each for name in functions or known for each in _graded(found, folder, name, seconds)]
+    )
+
+
+def _graded(course: Course, code: Path, name: str, seconds: float) -> Iterator[GradedFunction]:
+    fields = course.fields
+    entries = [each for each in fields.levels if name in fields.graded_in(each)]
+    paths = [course.files[each.level].resolve() for each in entries]
+    answers = _answers(code, name, paths, seconds)
+    for entry, answer in zip(entries, answers, strict=True):
+        out_of = entry.points / len(fields.graded_in(entry))
+        if "fault" in answer:
+            graded = GradedAnswer(False, 0.0, out_of, answer["fault"])
+        else:
+            grader = GRADERS[fields.functions[name]]
+            graded = grader(course.files[entry.level], answer.get("answer"), points=out_of)
+        yield GradedFunction(
+            name, entry.level, entry.hidden, graded.passed, graded.points, out_of, graded.message
+        )
+
+
+def _answers(
+    code: Path, name: str, levels: Sequence[Path], seconds: float
+) -> Iterator[dict[str, Any]]:
+    """Yield the answer of a function in each level, or its fault."""
+    context = get_context("spawn")
+    ours, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=_run, args=(code, name, levels, theirs), daemon=True)
+    process.start()
+    theirs.close()
+    fault = ""
+    try:
+        for level in levels:
+            answer: Any = {"fault": fault or f"it took longer than {seconds:g} seconds"}
+            if not fault and ours.poll(seconds):
+                answer = {"fault": "the process of the function ended, or its answer is too large"}
+                with suppress(EOFError, OSError, ValueError, RecursionError):
+                    answer = json.loads(ours.recv_bytes(MAX_ANSWER))
+            elif not fault:
+                fault = f"it was not run, as it took too long in {level.stem}"
+            yield answer
+    finally:
+        process.kill()
+        process.join()
+        ours.close()
+
+
+def _run(code: Path, name: str, levels: Sequence[Path], to: Connection) -> None:
+    """Run a function in each level, in a process of its own."""
+    sys.path.insert(0, str(code))
+    os.chdir(code)
+    for level in levels:
+        try:
+            function = getattr(import_module(name), name)
+            answer = {"answer": np.asarray(function(load(level))).tolist()}
+            line = json.dumps(answer)
+        except NotImplementedError:
+            line = json.dumps({"fault": "it is not written yet"})
+        except BaseException as error:
+            line = json.dumps({"fault": _told(error, code)})
+        to.send_bytes(line.encode())
+
+
+def _told(error: BaseException, code: Path) -> str:
+    """Return an error in one line, with the place in the student's code."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if code in Path(frame.filename).parents]
+    where = f" in {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""
+    return " ".join(f"{type(error).__name__}{where}: {error}".split())[:500]

@@ -1,0 +1,159 @@
+"""Courses: what `new` writes and `build` makes, and what students do not get."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from support.places import ROOT
+
+import babyrobot_levels as brl
+from babyrobot_levels.library.packs.archive import PackError
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Give a folder with the example and what is built of it."""
+    folder = tmp_path_factory.mktemp("course")
+    brl.course(brl.new_course(folder / "robots"), folder / "built")
+    return folder
+
+
+def test_the_example_has_no_findings(built: Path) -> None:
+    assert not brl.lint(built / "robots")
+    levels = sorted((built / "robots" / "levels").iterdir())
+    assert len(levels) == 11
+    for path in levels:
+        level = brl.load(path)
+        assert level.title
+        assert len(level.description or "") > 100
+
+
+def test_what_is_built(built: Path) -> None:
+    students, teacher = built / "built" / "students", built / "built" / "teacher"
+    assert {path.name for path in students.iterdir()} == {
+        "code",
+        "codes.txt",
+        "robots-1.0.0.brlpack",
+        "sheet-a4.pdf",
+        "sheet-letter.pdf",
+        "site",
+    }
+    assert {path.name for path in teacher.iterdir()} == {
+        "gradescope.zip",
+        "sheet-key-a4.pdf",
+        "sheet-key-letter.pdf",
+        "site",
+    }
+    data = json.loads((students / "site" / "gallery.json").read_text("utf-8"))
+    assert data["title"] == "A robot that decides"
+    assert [each["name"] for each in data["levels"]][:3] == ["first-step", "two-ways", "puddles"]
+    code = (students / "codes.txt").read_text("utf-8").split("\n")[1]
+    assert brl.load(code).digest == brl.load(built / "robots" / "levels" / "first-step.yaml").digest
+
+
+@pytest.mark.usefixtures("here")
+def test_students_get_nothing_of_hidden_levels(built: Path) -> None:
+    students, teacher = built / "built" / "students", built / "built" / "teacher"
+    assert (teacher / "site" / "exam").is_dir()
+    digest = brl.load(built / "robots" / "levels" / "exam.yaml").digest
+    for path in students.rglob("*"):
+        assert path.stem != "exam"
+        if path.is_file():
+            data = path.read_bytes()
+            assert b"The exam" not in data
+            assert digest.encode() not in data
+    assert brl.install(students / "robots-1.0.0.brlpack", force=True).pack.name == "robots"
+
+
+def test_the_code_of_students_grades_itself(built: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "grade.py", "value_iteration"],
+        cwd=built / "built" / "students" / "code",
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[1].split(None, 4) == ["wrong", "10", "levels", "0/27", "it is not written yet"]
+
+
+def test_the_autograder_runs_as_gradescope_runs_it(built: Path, tmp_path: Path) -> None:
+    """In its folders, with the same script, but under another root."""
+    source = tmp_path / "source"
+    with zipfile.ZipFile(built / "built" / "teacher" / "gradescope.zip") as archive:
+        archive.extractall(source)
+        modes = {each.filename: each.external_attr >> 16 for each in archive.infolist()}
+    assert modes["setup.sh"] == modes["run_autograder"] == 0o100755
+    assert (source / "setup.sh").read_text("utf-8").startswith("#!/usr/bin/env bash\nset -e\n")
+    (tmp_path / "submission").mkdir()
+    (tmp_path / "results").mkdir()
+    solution = ROOT / "tests" / "scoring" / "solutions" / "value_iteration.py"
+    (tmp_path / "submission" / "value_iteration.py").write_bytes(solution.read_bytes())
+    script = source / "run_autograder"
+    text = script.read_text("utf-8").replace("/autograder/", f"{tmp_path.as_posix()}/")
+    script.write_text(text, "utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, script], env=environment, cwd=tmp_path, check=True)
+    results = json.loads((tmp_path / "results" / "results.json").read_text("utf-8"))
+    names = {each["name"]: each for each in results["tests"]}
+    assert names["value_iteration in vault"]["status"] == "passed"
+    assert names["value_iteration in exam"]["visibility"] == "after_published"
+    assert names["q_learning in ice"]["score"] == 0
+    assert results["score"] == pytest.approx(32)
+
+
+def test_what_is_built_again_replaces_what_was_built(built: Path, tmp_path: Path) -> None:
+    course = tmp_path / "course"
+    course.mkdir()
+    (course / "row.yaml").write_text("version: 1\nsize: [4, 1]\n", "utf-8")
+    text = "name: row\nversion: 1.0.0\ndescription: A row.\nlevels: [{level: row}]\n"
+    (course / "pack.yaml").write_text(text, "utf-8")
+    parts: list[tuple[int, int]] = []
+    first = brl.course(course, tmp_path / "out", progress=lambda *done: parts.append(done))
+    assert parts[-1] == (len(parts), len(parts))
+    assert "teacher/gradescope.zip" not in first.files
+    assert brl.course(course, tmp_path / "out").files == first.files
+    (tmp_path / "out" / "notes.txt").write_text("mine", "utf-8")
+    with pytest.raises(brl.FolderError, match="there are other files"):
+        brl.course(course, tmp_path / "out")
+    with pytest.raises(brl.FolderError, match="something else"):
+        brl.course(course, built / "robots")
+    with pytest.raises(brl.FolderError, match="not apart"):
+        brl.course(course, course / "out")
+    with pytest.raises(brl.FolderError, match="is there already"):
+        brl.new_course(course)
+    with pytest.raises(PackError, match="there is no pack"):
+        brl.course(tmp_path / "nothing", tmp_path / "other")
+
+
+@pytest.mark.parametrize(
+    ("levels", "said"),
+    [
+        ("[{level: rwo}]", r"there is no level `rwo` here; did you mean `row`\?"),
+        ("[{level: row}, {level: row}]", "`row` is listed twice"),
+        ("[{level: row, functions: [value]}]", "unknown function `value`; did you mean `values`"),
+        ("[{level: row, points: 0}]", "`points` must be above 0"),
+        ("[{levle: row}]", "unknown field `levle`"),
+    ],
+)
+def test_mistakes_in_the_file_are_shown_where_they_are(
+    levels: str, said: str, tmp_path: Path
+) -> None:
+    course = tmp_path / "course"
+    course.mkdir()
+    (course / "row.yaml").write_text("version: 1\nsize: [4, 1]\n", "utf-8")
+    text = "name: row\nversion: 1.0.0\ndescription: A row.\nfunctions: {values: values}\n"
+    (course / "pack.yaml").write_text(f"{text}levels: {levels}\n", "utf-8")
+    with pytest.raises(brl.LevelError, match=said) as error:
+        brl.course(course, tmp_path / "out")
+    assert "pack.yaml:5:" in str(error.value)

@@ -1,0 +1,140 @@
+"""Submissions: the code of students is run in each level of the course, and graded."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from support.places import ROOT
+
+import babyrobot_levels as brl
+from babyrobot_levels.library.packs.archive import PackError
+
+SOLUTIONS = Path(__file__).parent / "solutions"
+
+PACK = """\
+name: small
+version: 1.0.0
+description: Two levels.
+functions: {value_iteration: values, policy_iteration: policy}
+levels:
+  - {level: row, points: 4}
+  - {level: lake, points: 6, functions: [value_iteration], hidden: true}
+"""
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    """Return the folder of a small course."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    (folder / "pack.yaml").write_text(PACK, "utf-8")
+    (folder / "row.yaml").write_text("version: 1\nsize: [4, 1]\n", "utf-8")
+    lake = brl.load("frozen-lake").replace(name="lake")
+    lake.save(folder / "lake.yaml")
+    return folder
+
+
+def code(folder: Path, **texts: str) -> Path:
+    """Write the files of a student."""
+    folder.mkdir(exist_ok=True)
+    for name, text in texts.items():
+        (folder / f"{name}.py").write_text(text, "utf-8")
+    return folder
+
+
+@pytest.mark.slow
+def test_solutions_have_all_points_in_the_example() -> None:
+    found = brl.grade_functions(ROOT / "course", SOLUTIONS)
+    assert [each.message for each in found if not each.passed] == []
+    assert (round(found.points, 9), found.out_of) == (100, 100)
+
+
+def test_the_skeleton_has_none_and_says_why(small: Path) -> None:
+    shutil.copy(ROOT / "course" / "value_iteration.py", small)
+    found = brl.grade_functions(small)
+    assert found.points == 0
+    assert found.out_of == 10
+    assert [each.out_of for each in found] == [2, 6, 2]
+    assert [each.hidden for each in found] == [False, True, False]
+    report = str(found).splitlines()
+    assert report[0] == "value_iteration"
+    assert report[1].split(None, 4) == ["wrong", "2", "levels", "0/8", "it is not written yet"]
+    assert "ModuleNotFoundError: No module named 'policy_iteration'" in report[3]
+    assert report[-1] == "0 of 10 points"
+
+
+def test_each_fault_of_code_is_told_in_a_line(small: Path, tmp_path: Path) -> None:
+    wrong = """\
+def value_iteration(level):
+    if level.name == "row":
+        return helper()
+    raise SystemExit(3)
+
+
+def helper():
+    return [1][2]
+"""
+    found = brl.grade_functions(small, code(tmp_path / "ada", value_iteration=wrong))
+    row, lake, policy = found
+    assert row.message == "IndexError in value_iteration.py, line 8: list index out of range"
+    assert lake.message == "SystemExit in value_iteration.py, line 4: 3"
+    assert "ModuleNotFoundError" in policy.message
+
+
+def test_a_function_that_never_returns_is_ended(small: Path, tmp_path: Path) -> None:
+    endless = "def value_iteration(level):\n    while True: pass\n"
+    ada = code(tmp_path / "ada", value_iteration=endless)
+    found = brl.grade_functions(small, ada, functions=["value_iteration"], seconds=4)
+    assert [each.message for each in found] == [
+        "it took longer than 4 seconds",
+        "it was not run, as it took too long in row",
+    ]
+
+
+def test_a_process_that_ends_and_answers_that_are_none(small: Path, tmp_path: Path) -> None:
+    ends = "import os\ndef value_iteration(level):\n    os._exit(0)\n"
+    none = "def policy_iteration(level):\n    return {1, 2}\n"
+    ada = code(tmp_path / "ada", value_iteration=ends, policy_iteration=none)
+    messages = [each.message for each in brl.grade_functions(small, ada)]
+    assert messages[0].startswith("the process of the function ended")
+    assert "TypeError: Object of type set is not JSON serializable" in messages[2]
+
+
+def test_results_for_other_systems(small: Path) -> None:
+    shutil.copy(SOLUTIONS / "value_iteration.py", small)
+    found = brl.grade_functions(small)
+    scope = json.loads(json.dumps(found.to_gradescope()))
+    assert scope["score"] == 8
+    assert scope["leaderboard"] == [{"name": "Points", "value": 8}]
+    assert [each["visibility"] for each in scope["tests"]] == [
+        "visible",
+        "after_published",
+        "visible",
+    ]
+    assert scope["tests"][0] == {
+        "name": "value_iteration in row",
+        "status": "passed",
+        "score": 2,
+        "max_score": 2,
+        "output": "all 4 values are right",
+        "visibility": "visible",
+    }
+    learn = found.to_prairielearn()
+    assert learn["score"] == pytest.approx(0.8)
+    assert [each["output"] == "" for each in learn["tests"]] == [False, True, False]
+    assert json.loads(found.to_json())["out_of"] == 10
+    assert found.to_csv().splitlines()[0].startswith("function,level,hidden,passed,points")
+
+
+def test_what_is_no_course(small: Path, tmp_path: Path) -> None:
+    with pytest.raises(PackError, match=r"there is no pack.yaml in"):
+        brl.grade_functions(tmp_path)
+    with pytest.raises(ValueError, match="'sarsa' is no function of the course"):
+        brl.grade_functions(small, functions=["sarsa"])
+    text = (small / "pack.yaml").read_text("utf-8")
+    (small / "pack.yaml").write_text(text.partition("functions")[0], "utf-8")
+    with pytest.raises(PackError, match="lists no `levels`"):
+        brl.grade_functions(small)
