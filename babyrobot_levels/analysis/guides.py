@@ -93,11 +93,11 @@ def guide_of(level: GridWorld, solution: Solution | None = None, *, turns: bool 
 
     solution = solve(level) if solution is None else solution
     turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
-    return replace(solution_guide(level, solution), turning=turning, **_luck(level, solution))
+    return replace(solution_guide(level, solution), turning=turning, **_graded(level, solution))
 
 
 def solution_guide(level: GridWorld, solution: Solution) -> Guide:
-    """Return what a page shows of a solution but for what it tells of luck, which takes longer.
+    """Return what a page shows of a solution but for what it grades decisions by.
 
     Args:
         level: the level.
@@ -124,7 +124,7 @@ def _turning_guide(level: GridWorld) -> Guide | None:
     assert overlay is not None
     policy: list[int] = solution.policy.ravel().tolist()
     guide = Guide(policy, overlay, best_average(level, solution))
-    return replace(guide, **_luck(level, solution))
+    return replace(guide, **_graded(level, solution))
 
 
 def best_average(level: GridWorld, solution: Solution) -> float:
@@ -161,28 +161,10 @@ def _random_within(level: GridWorld, actions: str) -> float:
     return float(found.returns[0])
 
 
-def _luck(level: GridWorld, solution: Solution) -> dict[str, Any]:
-    """Return what a page compares a return with, within the level's time limit.
-
-    These are quantiles of the optimal policy's return, and the expected return of random actions.
-    """
-    import numpy as np
-
-    from babyrobot_levels.analysis.solver.distribution import distribution_of
-    from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS as FOLLOWED
-    from babyrobot_levels.analysis.solver.policies import space_of
-
-    actions, limit = solution.actions, level.max_steps or FOLLOWED
-    luck: dict[str, Any] = {"random_return": random_return(level, actions)}
-    with suppress(ArithmeticError):
-        # Each stands for one in a hundred episodes.
-        found = distribution_of(
-            space_of(level, actions), solution, level.discount, limit, quick=True
-        )
-        quantiles = found.quantiles((np.arange(100) + 0.5) / 100)
-        alike = np.unique(quantiles).size == 1
-        luck["quantiles"] = quantiles[: 1 if alike else None].tolist()
-    return luck
+def _graded(level: GridWorld, solution: Solution) -> dict[str, Any]:
+    """Return what a page grades decisions by, besides its tables."""
+    values = solution.values.ravel().tolist() if level.max_steps is None else ()
+    return {"random_return": random_return(level, solution.actions), "values": values}
 
 
 def random_return(level: GridWorld, actions: str = "all") -> float | None:

@@ -16,7 +16,6 @@ from babyrobot_levels.cli.console import (
     fact_lines,
     fail,
     note,
-    percent,
     save,
     short,
     value_option,
@@ -58,9 +57,9 @@ def replay(
 
     An episode is valid if its level has the digest that it tells, each outcome is possible and, if
     it has a seed, drawn by this seed, the rewards add up to the return, and the end is the one
-    told. Luck is the probability of this return or a higher one if the same actions are taken
-    again. On a terminal, a single episode is shown step by step. The exit status is 1 if an episode
-    is not valid.
+    told. Decisions cost what their actions lose against the best ones by expected returns, and luck
+    is what chance added to that. On a terminal, a single episode is shown step by step. The exit
+    status is 1 if an episode is not valid.
 
     Examples:
 
@@ -146,7 +145,9 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
         "random": _finite(bounds.random),
         "share": None if play.end == "unfinished" else _finite(bounds.share(play.return_)),
         "log_probability": verification.log_probability,
-        "luck": verification.luck,
+        "regret": _finite(verification.regret),
+        "luck": _finite(verification.luck),
+        "chance": verification.chance,
         "expected_return": verification.expected_return,
     }
 
@@ -175,7 +176,9 @@ def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
         **facts,
         "optimum": f"{optimum:.6g} (random policy {chance:.6g}{share})" if is_known else "",
         "expected": "" if expected is None else f"{expected:.6g} with the same actions",
-        "luck": _luck(row["luck"]),
+        "decisions": f"cost {row['regret']:.4g}" if row["regret"] is not None else "",
+        "luck": f"{row['luck']:+.4g}" if row["luck"] is not None else "",
+        "chance": _chance(row["chance"]),
         "verified": "yes",
     }
 
@@ -190,13 +193,16 @@ def _discounted(play: Play) -> str:
     return f" (discount {play.discount:g})" if play.discount < 1 else ""
 
 
-def _luck(luck: float | None) -> str:
-    if luck is None:
+def _chance(chance: float | None) -> str:
+    if chance is None:
         return "not computed: too many returns are possible"
-    return f"{100 * luck:.3g} % of episodes with the same actions return this or more"
+    return f"{100 * chance:.3g} % of episodes with the same actions return this or more"
 
 
-_COLUMNS = ("episode", "level", "end", "steps", "return", "optimum", "share", "luck", "verified")
+_COLUMNS = (
+    *("episode", "level", "end", "steps", "return", "optimum", "share", "regret", "luck"),
+    "verified",
+)
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
@@ -209,7 +215,8 @@ def _cells(row: dict[str, Any]) -> list[str]:
         f"{row['return']:.6g}",
         short(row.get("optimum")),
         short(row.get("share")),
-        percent(row.get("luck")),
+        short(row.get("regret")),
+        short(row.get("luck")),
         "yes" if row["valid"] else f"no: {printable(row['fault'])}",
     ]
 

@@ -213,9 +213,6 @@ WatchedPolicy = Literal["best", "random"]
 _ROBOT_COLORS = ("robot", "puddle")
 """The colours of a theme in the robot's pictures: of its body, and of splashes."""
 
-MAX_QUANTILES = 101
-"""The most quantiles of returns on a page."""
-
 _OWN_COLORS = (OUTLINE, VISOR, GLOW, LAMP)
 """The colours that it has in any theme but those of greys."""
 
@@ -234,8 +231,8 @@ class Guide:
             limit; without one, it may be infinite.
         turning: the same for a robot that turns, with the actions of `Turn`, if it is known.
         random_return: that of random actions, if it is known.
-        quantiles: quantiles of the policy's return at evenly spaced probabilities, ascending, at
-            most `MAX_QUANTILES`; empty if they are unknown.
+        values: the optimal value of each state, `[states]`, of a level without a time limit; with
+            one, they depend on the steps that are left, and the page computes them.
     """
 
     policy: Sequence[int]
@@ -243,7 +240,7 @@ class Guide:
     expected_return: float
     turning: Guide | None = None
     random_return: float | None = None
-    quantiles: Sequence[float] = ()
+    values: Sequence[float] = ()
 
 
 def without_panels(level: GridWorld) -> GridWorld:
@@ -510,12 +507,13 @@ def _answers(level: GridWorld, guide: Guide | None) -> dict[str, Any]:
         random = guide.random_return
         data["returns"] = {
             "best": _brief(guide.expected_return),
-            "random": _brief(random) if random is not None and math.isfinite(random) else None,
-            "quantiles": list(map(_brief, guide.quantiles)),
+            "random": None if random is None else _brief(random),
         }
+        if guide.values:
+            data["returns"]["values"] = [_brief(value, 12) for value in guide.values]
     return data
 
 
-def _brief(value: float) -> float | int:
-    """Return a number with six digits."""
-    return short(float(f"{value:.6g}"))
+def _brief(value: float, digits: int = 6) -> float | int | None:
+    """Return a number with few digits; None for one that is not finite."""
+    return short(float(f"{value:.{digits}g}")) if math.isfinite(value) else None

@@ -19,6 +19,7 @@ from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, Undefi
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.scoring.decisions import decisions_of
 from babyrobot_levels.scoring.plays import Play, read_plays
 from babyrobot_levels.scoring.results import Table, plain
 from babyrobot_levels.scoring.score import score
@@ -99,8 +100,8 @@ class Grade:
             `(mean - random) / (optimum - random)`.
         success: how many of the episodes end at an exit, 0 to 1.
         steps: the mean number of steps.
-        luck: the probability of the highest return or a higher one under the actions of that
-            episode; nan where it is not computed.
+        regret: the least that the decisions of an episode cost; see `Verification`.
+        luck: what chance added to the highest return.
         hints: how many hints the player asked for, as the game tells.
         undone: how many steps the player took back, as the game tells.
         watched: how many steps the policy took that the player watched, as the game tells.
@@ -124,6 +125,7 @@ class Grade:
     share: float
     success: float
     steps: float
+    regret: float
     luck: float
     hints: int
     undone: int
@@ -255,7 +257,7 @@ def _grade(player: str, level: str, plays: Sequence[Play], copies: int, fault: s
     ended = [play for play in plays if play.end != "unfinished"]
     returns = [play.return_ for play in ended]
     best = max(ended, key=lambda play: play.return_, default=None)
-    luck = None if best is None else verify_play(best).luck
+    decisions = [decisions_of(play) for play in ended]
     bounds = bounds_of(plays[0]) if plays else Bounds(math.nan, math.nan)
     mean = _mean(returns)
     return Grade(
@@ -270,7 +272,8 @@ def _grade(player: str, level: str, plays: Sequence[Play], copies: int, fault: s
         share=bounds.share(mean),
         success=_mean([float(reaches_exit(play)) for play in ended]),
         steps=_mean([float(play.steps) for play in ended]),
-        luck=math.nan if luck is None else luck,
+        regret=min((each.regret for each in decisions), default=math.nan),
+        luck=math.nan if best is None else decisions_of(best).luck,
         hints=sum(play.hints for play in plays),
         undone=sum(play.undone for play in plays),
         watched=sum(play.watched for play in plays),

@@ -30,9 +30,6 @@ REWARDS = ("world", "advantage", "success")
 MOVES = {action.name.lower(): action for action in Action if action is not Action.STAY}
 """The moves by their directions."""
 
-_EQUAL = 1e-9
-"""Actions are equally good if their values differ by no more than this share."""
-
 _MAX_SEED = 2**31
 
 
@@ -273,17 +270,15 @@ class TextWorld:
         possible = bool(self._env.action_masks()[action])
         _, reward, self._ended, _, info = self._env.step(int(action))
         after, left = self.state, self.within - len(self._moves)
-        found = values.action_values(before, left)
-        lost = float(found.max() - found[action])
-        if lost <= _EQUAL * float(np.abs(found).max()):
-            lost = 0.0
-        ahead = 0.0 if self._ended else values.value(after, left - 1)
+        lost, luck = values.graded(
+            before, action, float(reward), None if self._ended else after, left
+        )
         move = GradedMove(
             state=before,
             action=action.name.lower(),
             reward=float(reward),
             advantage=0.0 - lost,
-            luck=float(reward) + values.discount * ahead - float(found[action]),
+            luck=luck,
             is_blunder=lost > max(0.0, self._blunder * (self.optimum - values.random)),
             is_loop=after in self._visited,
         )

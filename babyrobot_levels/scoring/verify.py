@@ -1,4 +1,4 @@
-"""Verification of plays by the tables of their level and by their seed; and their luck.
+"""Verification of plays by the tables of their level and by their seed; and how likely they were.
 
 Whether a play is genuine cannot be known: a cheat may look for a lucky seed, or tell none. What is
 verified is that it can have happened, that its seed gives it, and how likely it was.
@@ -27,6 +27,7 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.tables import Event, events_of
+from babyrobot_levels.scoring.decisions import Decisions, decisions_of
 from babyrobot_levels.scoring.plays import Play, read_plays, return_of
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import write_bytes
@@ -87,7 +88,7 @@ class Verification:
         return None if found is None else found.mean
 
     @property
-    def luck(self) -> float | None:
+    def chance(self) -> float | None:
         """The probability of this return or a higher one under the same actions.
 
         1 where chance plays no part; the smaller, the luckier. None as for `distribution`.
@@ -97,6 +98,25 @@ class Verification:
             return None
         at_least = found.values >= self.play.return_ - _margin(self.play)
         return min(1.0, float(found.probabilities[at_least].sum()))
+
+    @cached_property
+    def _decisions(self) -> Decisions:
+        none = Decisions(math.nan, math.nan)
+        return decisions_of(self.play) if self.fault is None else none
+
+    @property
+    def regret(self) -> float:
+        """What the decisions of a valid play cost: what its actions lose against the best ones.
+
+        It goes by expected returns, so that chance plays no part; the return is the optimum, less
+        this, and `luck`. nan where the level has no optimum, or it takes too long to be found.
+        """
+        return self._decisions.regret
+
+    @property
+    def luck(self) -> float:
+        """What chance added to a valid play, by its start and its outcomes; nan as `regret`."""
+        return self._decisions.luck
 
     def to_gif(
         self,

@@ -92,7 +92,8 @@ interface Answers {
 interface Returns {
   best: number;
   random: number | null;
-  quantiles: number[];
+  /** Of levels without a time limit; null where no return is finite. */
+  values?: (number | null)[];
 }
 
 interface PictureData {

@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { formatted, Game, swiped } from "../../babyrobot_levels/render/static/game.js";
 import { checksum, playLine } from "../../babyrobot_levels/render/static/play.js";
-import { resultFacts, starsOf, titleOf } from "../../babyrobot_levels/render/static/result.js";
+import { decisionsOf } from "../../babyrobot_levels/render/static/regret.js";
+import { resultFacts, ruleOf, starsOf } from "../../babyrobot_levels/render/static/result.js";
 import { surroundings } from "../../babyrobot_levels/render/static/speech.js";
 import { corridor } from "./page.js";
 
@@ -24,7 +25,7 @@ test("an episode ends at the exit, and its rewards add up", () => {
 
 test("an episode ends after the most steps", () => {
   const game = finished({ max_steps: 1 });
-  assert.deepEqual([game.end, game.isGood, titleOf(game)], ["time", false, "Time limit reached"]);
+  assert.deepEqual([game.end, game.isGood, game.cause], ["time", false, "Time limit reached"]);
 });
 
 test("later rewards count less with a discount", () => {
@@ -62,25 +63,75 @@ test("numbers have two decimals, or two digits", () => {
   assert.deepEqual([1.005, -0.5, 0.00123456, 1e-9].map(formatted), ["1", "\u22120.5", "0.0012", "0"]);
 });
 
-test("stars are given by the return", () => {
-  const stars = (total, isGood = false) => starsOf({ known: corridor(), total, isGood });
-  assert.deepEqual(
-    [8, 7.4, 7.3, 2.5, 2].map((total) => stars(total)),
-    [3, 2, 1, 1, 0],
-  );
-  assert.equal(stars(-5, true), 1);
+/** Play an episode whose next random numbers are given. */
+function lucky(draws, actions, changes = {}) {
+  const game = new Game(corridor(changes));
+  game.random.random = () => draws.shift();
+  for (const action of actions) game.step(action);
+  return game;
+}
+
+test("stars are given by decisions, and not by luck", () => {
+  const hole = { exits: [], rows: corridor().rows.map((row) => row.map((each) => (each === 10 ? -10 : each))) };
+  const of = (...episode) => starsOf(lucky(...episode));
+  assert.equal(of([0.9, 0.9, 0.1], [EAST, EAST, EAST, EAST]), 3);
+  assert.equal(of([0.9, 0.9, 0.9], [EAST, EAST, EAST, EAST]), 3);
+  // Each step that is wasted costs what it pays, and a chance less.
+  assert.equal(of([0.1], [0, EAST, EAST]), 1);
+  assert.equal(of([0.1], [0, EAST, EAST], { max_steps: null, returns: free() }), 1);
+  assert.equal(of([], [0, 0, 0, 0]), 0);
+  assert.equal(of([0.1], [EAST, EAST], hole), 0);
+  assert.equal(starsOf(lucky([], [0, 0], { returns: undefined })), null);
 });
 
-test("a result tells the luck, and help only where there was some", () => {
-  const game = finished({ max_steps: null });
-  game.total = 8;
-  assert.deepEqual(resultFacts(game).slice(0, 2), [
+/** Return what is known of the corridor without a limit. */
+const free = (changes = {}) => ({ best: 8, random: 2, values: [8, 9, null], ...changes });
+
+test("decisions that cost little earn two stars", () => {
+  const stars = (random) => starsOf(lucky([0.1], [0, EAST, EAST], { max_steps: null, returns: free({ random }) }));
+  assert.deepEqual([-2, -1.9, null].map(stars), [2, 1, 1]);
+});
+
+test("regret and luck add up to what a return is less than the optimum", () => {
+  const game = lucky([0.9, 0.9, 0.1], [0, EAST, EAST, EAST, EAST], { max_steps: null, returns: free() });
+  assert.deepEqual(decisionsOf(game), { cost: 1, luck: -1, optimum: 8 });
+  const late = lucky([0.9, 0.1], [0, EAST, EAST, EAST]);
+  const { cost, luck, optimum } = decisionsOf(late);
+  assert.equal(optimum, -1 + 0.5 * 10 + 0.5 * (-1 + 0.5 * 10 + 0.5 * (-1 + 0.5 * 10 - 0.5)));
+  assert.ok(Math.abs(late.total - (optimum - cost + luck)) < 1e-12);
+});
+
+test("with few steps left, another action than that of the policy may be the best", () => {
+  const dear = corridor().rows.map((row) => row.map((each, at) => (at % 6 === 2 && each < 0 ? -20 : each)));
+  const game = new Game(corridor({ rows: [[1, 0, 0, 0, 0, 0], ...dear.slice(1)], max_steps: 1 }));
+  assert.equal(game.best, 0);
+  assert.equal(new Game(corridor()).best, EAST);
+});
+
+test("a result tells decisions and luck apart, and help only where there was some", () => {
+  const game = lucky([0.9, 0.1], [EAST, EAST, EAST], { max_steps: null, returns: free() });
+  assert.deepEqual(resultFacts(game), [
     ["Return", "8"],
-    ["Best average", "8.00"],
+    ["Decisions", "cost 0"],
+    ["Luck", "0"],
   ]);
-  const told = new Map(resultFacts(game));
-  assert.equal(told.get("Luck"), "better than 25 %, equal to 50 %, worse than 25 % of the optimal policy's episodes");
-  assert.equal(told.has("Help"), false);
+  game.hint();
+  game.hints = 1;
+  assert.deepEqual(resultFacts(game).at(-1), ["Help", "1 hint"]);
+  assert.deepEqual(resultFacts(lucky([], [0], { returns: undefined })), [["Return", "\u22121"]]);
+  assert.match(ruleOf(game), /cost at most 0.6, 10 %/);
+  assert.doesNotMatch(ruleOf(lucky([], [], { returns: free({ random: null }) })), /Two/);
+});
+
+test("what ended an episode is told by its name", () => {
+  const hole = [[], "hole: ends the episode, pays 0", [2, 1]];
+  const ended = (changes) => {
+    const game = lucky([0.1], [EAST, EAST], changes);
+    return [game.end, game.cause];
+  };
+  assert.deepEqual(ended({}), ["exit", "Exit reached"]);
+  assert.deepEqual(ended({ exits: [], good_ends: [], rules: [hole] }), ["over", "Hole at [2, 0]"]);
+  assert.deepEqual(ended({ exits: [], good_ends: [2] }), ["good", "Ended at [2, 0]"]);
 });
 
 test("a play has the episode and its checksum", () => {

@@ -56,7 +56,7 @@ const DEFECTS = {
   "too many cells": { width: 101 },
   "no limit of steps": { max_steps: 0 },
   "a policy of another size": { policy: [2] },
-  "quantiles out of order": { returns: { best: 1, random: null, quantiles: [2, 1] } },
+  "values of another size": { returns: { best: 1, random: null, values: [2, 1] } },
   "a discount above one": { discount: 1.5 },
   "an unknown walker": { walker: "worst" },
   "a colour that is a script": { robot: ["red", "url(x)"] },

@@ -64,7 +64,7 @@ export function corridor(changes = {}) {
     shown: [],
     policy: [2, 2, -1],
     best: "8.00",
-    returns: { best: 8, random: 2, quantiles: [6, 8, 8, 9] },
+    returns: { best: 8, random: 2 },
     code: "brl1.6.Abc-_9",
     ...changes,
   };

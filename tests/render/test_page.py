@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import math
 import re
 import zlib
 from dataclasses import replace
@@ -256,9 +257,10 @@ def test_returns_are_compared_with_what_is_known() -> None:
     def returns(guide: Guide) -> Any:
         return data_of(to_html(ROW, guide=guide)).get("returns")
 
-    known = replace(GUIDE, random_return=-9.87654321, quantiles=[-2.0, -1.0, -0.5])
-    assert returns(known) == {"best": -1, "random": -9.87654, "quantiles": [-2, -1, -0.5]}
-    assert returns(GUIDE) == {"best": -1, "random": None, "quantiles": []}
+    known = replace(GUIDE, random_return=-9.87654321, values=[-2.0, -1 / 3, -math.inf])
+    values = [-2, -0.333333333333, None]
+    assert returns(known) == {"best": -1, "random": -9.87654, "values": values}
+    assert returns(GUIDE) == {"best": -1, "random": None}
     assert returns(replace(known, random_return=-float("inf")))["random"] is None
     assert returns(replace(known, expected_return=float("inf"))) is None
 

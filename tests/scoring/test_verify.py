@@ -1,4 +1,4 @@
-"""Plays are verified by tables and seed; what is forged is refused, and luck is exact."""
+"""Plays are verified by tables and seed; what is forged is refused, and chance is exact."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from support.plays import forged, recorded
 
@@ -60,7 +61,7 @@ def test_a_forged_play_is_refused(play: brl.Play) -> None:
         assert not verification.is_valid
         assert verification.fault is not None
         assert message in verification.fault
-        assert (verification.probability, verification.luck) == (0.0, None)
+        assert (verification.probability, verification.chance) == (0.0, None)
 
 
 @pytest.mark.parametrize("kind", ["environment", "page"])
@@ -124,14 +125,16 @@ def walks(level: brl.Level, actions: list[int], state: int, discount: float) -> 
 
 
 @pytest.mark.parametrize("discount", [1.0, 0.9])
-def test_luck_equals_that_of_all_sequences_of_outcomes(tmp_path: Path, discount: float) -> None:
+def test_the_chance_equals_that_of_all_sequences_of_outcomes(
+    tmp_path: Path, discount: float
+) -> None:
     level = brl.load({**SLIPPERY, "discount": discount})
     for seed in range(12):
         play = recorded(tmp_path, level, seed=seed)
         verification = verify_play(play)
         every = walks(level, play.actions, play.states[0], discount)
         expected = sum(chance for total, chance in every.items() if total >= play.return_ - 1e-6)
-        assert verification.luck == pytest.approx(expected, abs=1e-12)
+        assert verification.chance == pytest.approx(expected, abs=1e-12)
         mean = sum(total * chance for total, chance in every.items())
         assert verification.expected_return == pytest.approx(mean)
         product = 1.0
@@ -141,12 +144,12 @@ def test_luck_equals_that_of_all_sequences_of_outcomes(tmp_path: Path, discount:
         assert verification.probability == pytest.approx(product)
 
 
-def test_without_chance_luck_plays_no_part(tmp_path: Path) -> None:
+def test_without_chance_a_return_is_certain(tmp_path: Path) -> None:
     verification = verify_play(recorded(tmp_path, "first-key"))
-    assert (verification.probability, verification.luck) == (1.0, 1.0)
+    assert (verification.probability, verification.chance) == (1.0, 1.0)
 
 
-def test_luck_that_would_take_too_long_is_not_computed(
+def test_a_chance_that_would_take_too_long_is_not_computed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from babyrobot_levels.analysis.solver import distribution
@@ -154,7 +157,7 @@ def test_luck_that_would_take_too_long_is_not_computed(
     monkeypatch.setattr(distribution, "MAX_OUTCOMES", 10)
     verification = verify_play(recorded(tmp_path, "final-maze"))
     assert verification.is_valid
-    assert verification.luck is None
+    assert verification.chance is None
     assert math.isfinite(verification.log_probability)
 
 
@@ -179,3 +182,80 @@ def test_the_film_shows_the_steps(tmp_path: Path, level: str, actions: str) -> N
 def test_what_did_not_happen_has_no_film(play: brl.Play) -> None:
     with pytest.raises(brl.PlayError, match="the play is not valid: its rewards add up"):
         verify_play(forged(play, **{"return": 0.5})).to_gif()
+
+
+# -- decisions -----------------------------------------------------------------------------------
+
+
+def played(level: brl.Level, path: Path, choose: Any, actions: str = "all", **reset: Any) -> Any:
+    """Record an episode, and verify it; `choose` returns an action from a state and a step."""
+    env = brl.RecordPlay(level.make(observation="index", actions=actions), path)
+    state, _ = env.reset(**reset)
+    is_over, step = False, 0
+    while not is_over:
+        state, _, terminated, truncated, _ = env.step(int(choose(state, step)))
+        is_over, step = terminated or truncated, step + 1
+    env.close()
+    return brl.replay(path)[-1]
+
+
+@pytest.mark.parametrize("name", ["frozen-lake", "final-maze"])
+def test_the_optimum_within_the_limit_costs_nothing_whatever_chance_does(
+    tmp_path: Path, name: str
+) -> None:
+    level = brl.load(name)
+    best = brl.solve(level, within="max_steps")
+    assert best.policies is not None
+    policies = best.policies.reshape(len(best.policies), -1)
+    path = tmp_path / "a.brlplay"
+    returns = set()
+    for seed in range(20):
+        found = played(level, path, lambda state, step: policies[step, state], seed=seed)
+        returns.add(found.play.return_)
+        assert found.regret == 0
+        assert found.luck == pytest.approx(found.play.return_ - best.expected_return)
+    assert len(returns) > 1
+
+
+@pytest.mark.parametrize("actions", ["all", "moves", "turns"])
+@pytest.mark.parametrize("limit", [None, 12])
+def test_regret_and_luck_add_up_to_what_a_return_lacks(
+    tmp_path: Path, actions: str, limit: int | None
+) -> None:
+    level = brl.load({**SLIPPERY, "size": [3, 3], "max_steps": limit, "discount": 0.9})
+    random = np.random.default_rng(1)
+    optimum = brl.solve(level, within=limit, actions=actions).expected_return
+    count = {"all": 5, "moves": 4, "turns": 3}[actions]
+    for seed in range(3):
+        found = played(level, tmp_path / "a", lambda *_: random.integers(count), actions, seed=seed)
+        assert found.regret > 0
+        assert found.play.return_ == pytest.approx(optimum - found.regret + found.luck)
+
+
+def test_decisions_are_those_of_text_worlds(tmp_path: Path) -> None:
+    world = brl.TextWorld("frozen-lake")
+    world.reset(seed=3)
+    for direction in ("east", "south", "south", "west", "north", "east"):
+        world.move(direction)
+    found = verify_play(world.play)
+    assert (found.regret, found.luck) == pytest.approx((world.regret, world.luck))
+
+
+def test_a_blunder_is_no_bad_luck_and_a_chosen_start_is_none(tmp_path: Path) -> None:
+    level = brl.load({"version": 1, "size": [4, 1], "start": [1, 0]})
+    found = played(level, tmp_path / "a", lambda _, step: [4, 2, 2, 2, 2][step])
+    assert (found.regret, found.luck) == (2, 0)
+    found = played(level, tmp_path / "b", lambda *_: 2, options={"start": (0, 0)})
+    assert (found.regret, found.luck) == (0, 0)
+
+
+def test_where_nothing_can_be_won_any_more_nothing_more_is_lost(tmp_path: Path) -> None:
+    shut_in = {"walls": [{"at": [2, 0], "side": "E"}], "warps": [{"at": [0, 0], "to": [4, 0]}]}
+    level = brl.load({"version": 1, "size": [5, 1], "start": [1, 0], "exit": [2, 0], **shut_in})
+    env = brl.RecordPlay(level.make(), tmp_path / "a")
+    env.reset()
+    for action in (4, 4, 2):
+        env.step(action)
+    env.close()
+    (found,) = brl.replay(tmp_path / "a")
+    assert (found.is_valid, found.regret) == (True, math.inf)

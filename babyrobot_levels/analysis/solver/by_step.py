@@ -1,4 +1,7 @@
-"""Optimal values of every state by the steps that are left: what single moves are graded by."""
+"""Optimal values of every state by the steps that are left: what single moves are graded by.
+
+`render/static/regret.js` computes the same numbers for pages.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from babyrobot_levels.analysis.solver.horizon import worth_within
+from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 from babyrobot_levels.analysis.solver.within import weights_by_step
@@ -14,6 +18,9 @@ from babyrobot_levels.mdp.tables import Floats
 
 MAX_SIZE = 25_000_000
 """The most values: states times steps after which they still change."""
+
+_EQUAL = 1e-9
+"""Actions are equally good if their values differ by no more than this share."""
 
 MAX_WORK = 500_000_000
 """The most outcomes that are looked at to find the largest regret; else it is bounded."""
@@ -24,21 +31,26 @@ class ValuesByStep:
 
     Args:
         space: the states.
-        limit: after how many steps episodes are truncated.
+        limit: after how many steps episodes are truncated; None for values that do not depend on
+            the steps that are left, which are -inf where no return is finite.
         discount: the factor by which each further reward counts less.
 
     Raises:
         EpisodeTooLongError: there are too many states and steps.
+        UndefinedReturnError: without a limit, there is no solution.
     """
 
-    def __init__(self, space: StateSpace, limit: int, discount: float) -> None:
+    def __init__(self, space: StateSpace, limit: int | None, discount: float) -> None:
         self.space, self.limit, self.discount = space, limit, discount
         self._model = model = space.model()
         self._row = np.full(space.mdp.num_states, model.size)
         self._row[model.states] = np.arange(model.size)
         # The last entry of each is the end, which has no value.
         self._values = [np.zeros(model.size + 1)]
-        while len(self._values) <= limit:
+        if limit is None:
+            solution = solve(space.level, actions=space.actions, discount=discount)
+            self._values[0][:-1] = solution.values.ravel()[model.states]
+        while limit is not None and len(self._values) <= limit:
             before = self._values[-1]
             best = model.action_values(before[:-1], discount).max(axis=1)
             if np.array_equal(best, before[:-1]):
@@ -69,14 +81,36 @@ class ValuesByStep:
         found: Floats = model.reward[row] + self.discount * (model.probability[row] * ahead).sum(1)
         return found
 
+    def graded(
+        self, state: int, action: int, reward: float, after: int | None, left: int
+    ) -> tuple[float, float]:
+        """Return what an action loses against the best one, and what chance adds in its step.
+
+        Args:
+            state: the state before.
+            action: the action.
+            reward: the reward.
+            after: the state after; None if the step ends the episode.
+            left: how many steps are left before it, at least 1; any number without a limit.
+        """
+        found = self.action_values(state, left)
+        best, own = float(found.max()), float(found[action])
+        lost = best - own
+        # Where all is lost, nothing more can be.
+        if best == -np.inf or lost <= _EQUAL * np.abs(found[np.isfinite(found)]).max():
+            lost = 0.0
+        ahead = 0.0 if after is None else self.value(after, left - 1)
+        return lost, reward + self.discount * ahead - own
+
     @cached_property
     def optimum(self) -> float:
         """The optimal expected return from the starts of the level."""
-        return self.space.at_start(self._model, self._at(self.limit)[:-1])
+        return self.space.at_start(self._model, self._at(self.limit or 0)[:-1])
 
     @cached_property
     def random(self) -> float:
         """The expected return of the random policy."""
+        assert self.limit is not None
         weights = weights_by_step("random", self.space, self.limit)(0)
         found = worth_within([self.space], [self.limit], [self.discount], [weights])
         return float(found.returns[0])
@@ -84,6 +118,7 @@ class ValuesByStep:
     @cached_property
     def largest_regret(self) -> float:
         """A bound of what an episode can lose by its actions, discounted: the largest regret."""
+        assert self.limit is not None
         model = self._model
         work, worst, most = model.probability.size * self.limit, np.zeros(model.size + 1), 0.0
         goes_on = model.probability > 0
@@ -99,4 +134,4 @@ class ValuesByStep:
         return float(worst[self._row[np.flatnonzero(self.space.mdp.start)]].max())
 
     def _at(self, left: int) -> Floats:
-        return self._values[min(left, len(self._values) - 1)]
+        return self._values[min(max(left, 0), len(self._values) - 1)]

@@ -27,11 +27,11 @@ from babyrobot_levels.text.words import keywords_told
 MAX_OUTCOMES = 4_000_000
 """The most outcomes that are followed, over all steps: about a second."""
 
-_STEP, _QUICK_STEP = 400, 1000
-"""As how many outcomes a step counts, however few there are; and where it is to be quick."""
+_STEP = 400
+"""As how many outcomes a step counts, however few there are."""
 
-MAX_SIMULATED, QUICK_SIMULATED = 150_000_000, 20_000_000
-"""The most steps that simulated episodes take together, and where it is to be quick: a second."""
+MAX_SIMULATED = 150_000_000
+"""The most steps that simulated episodes take together."""
 
 EPISODES = 10_000
 """The number of simulated episodes where there are more."""
@@ -124,7 +124,7 @@ def return_distribution(
 
 
 def distribution_of(
-    space: StateSpace, policy: Policy, discount: float, limit: int, *, quick: bool = False
+    space: StateSpace, policy: Policy, discount: float, limit: int
 ) -> ReturnDistribution:
     """Do what `return_distribution` does.
 
@@ -133,15 +133,13 @@ def distribution_of(
         policy: the policy.
         discount: the discount factor.
         limit: the number of steps after which episodes are truncated.
-        quick: whether simulated episodes may take a second at most.
 
     Raises:
         EpisodeTooLongError: they would take longer.
     """
     chain_at = chains(space, weights_by_step(policy, space, limit))
     largest = float(np.abs(space.mdp.reward).max(initial=0.0))
-    overhead = _QUICK_STEP if quick else _STEP
-    followed = _followed(chain_at, space.mdp.start, discount, limit, largest, overhead)
+    followed = _followed(chain_at, space.mdp.start, discount, limit, largest)
     if followed is not None:
         values, probabilities = followed
         return ReturnDistribution(values, probabilities, 0, discount, limit)
@@ -152,7 +150,7 @@ def distribution_of(
         0,
         discount=discount,
         limit=limit,
-        most=QUICK_SIMULATED if quick else MAX_SIMULATED,
+        most=MAX_SIMULATED,
     )
     values, counts = np.unique(simulated.returns, return_counts=True)
     return ReturnDistribution(values, counts / EPISODES, EPISODES, discount, limit)
@@ -195,7 +193,6 @@ def _followed(
     discount: float,
     limit: int,
     largest_reward: float,
-    overhead: int = _STEP,
 ) -> tuple[Floats, Floats] | None:
     """Return the possible returns and their probabilities; None if there are too many."""
     unit = _EQUAL * max(1.0, largest_reward)
@@ -205,7 +202,7 @@ def _followed(
     factor, outcomes = 1.0, 0
     for step in range(limit):
         chain = chain_at(step)
-        outcomes += state.size * chain.probability.shape[1] + ended[0].size + overhead
+        outcomes += state.size * chain.probability.shape[1] + ended[0].size + _STEP
         if outcomes > MAX_OUTCOMES:
             return None
         ahead = mass[:, None] * chain.probability[state]

@@ -8,7 +8,6 @@ export const MOST_SHAPES = 200000;
 export const MOST_PLACES = 6e6; // Numbers in all paths together.
 const MOST_OUTCOMES = 2e7; // Numbers in the rows of all states and actions together.
 const MOST_THINGS = 1000;
-const MOST_QUANTILES = 101;
 const FARTHEST = 1e8; // In tenths of a pixel.
 
 /** A defect of a link, with a message for people. */
@@ -224,7 +223,7 @@ function checkTable({ rows, table, starts, possible }, states) {
 function checkAdvice({ policy, walker, marks, returns, turns, picture }, states) {
   need(walker === null || walker === "random" || (walker === "best" && policy !== null));
   checkNumbers(policy, states, 4);
-  checkReturns(returns);
+  checkReturns(returns, states);
   const last = list(picture?.marks ?? []).length - 1;
   whole(picture?.never ?? -1, -1, last);
   for (const name of ["values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
@@ -232,22 +231,24 @@ function checkAdvice({ policy, walker, marks, returns, turns, picture }, states)
   need(turns !== null && typeof turns === "object" && typeof turns.on === "boolean");
   whole(turns.heading, 0, 3);
   text(turns.best);
-  checkReturns(turns.returns);
+  checkReturns(turns.returns, 4 * states);
   checkNumbers(turns.policy, 4 * states, 2);
   checkNumbers(turns.marks?.values ?? null, 4 * states, last);
 }
 
 /**
- * The returns of the optimal policy, ascending, with their average, and that of random actions.
+ * The average returns of the optimal policy and of random actions, and the values of all states.
  *
  * @param {any} returns
+ * @param {number} states
  */
-function checkReturns(returns) {
+function checkReturns(returns, states) {
   if (returns === undefined) return;
   need(returns !== null && Number.isFinite(returns.best));
   need(returns.random === null || Number.isFinite(returns.random));
-  const quantiles = list(returns.quantiles, MOST_QUANTILES);
-  need(quantiles.every((value, at) => Number.isFinite(value) && !(value < quantiles[at - 1])));
+  for (const value of returns.values === undefined ? [] : list(returns.values, states, states)) {
+    need(value === null || Number.isFinite(value));
+  }
 }
 
 /**

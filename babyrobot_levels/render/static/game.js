@@ -3,6 +3,7 @@
 import { OUTCOME_LENGTH } from "./checks.js";
 import { COMMON } from "./common.js";
 import { Generator } from "./random.js";
+import { optimalAction } from "./regret.js";
 import { Things } from "./things.js";
 
 export const SIDES = ["", "north", "east", "south", "west"];
@@ -44,6 +45,7 @@ export class Game {
     this.steps = 0;
     this.total = 0;
     this.end = null;
+    this.hitter = null; // The mover that ended the episode.
     this.past = []; // What `undo` goes back to.
     this.taken = []; // The steps of the episode.
     this.undone = 0;
@@ -142,7 +144,7 @@ export class Game {
    * @returns {number}
    */
   get best() {
-    return this.end === null ? (this.known.policy?.[this.number] ?? -1) : -1;
+    return this.end === null ? optimalAction(this) : -1;
   }
 
   /** Return the action of the optimal policy here, and count that it was asked for. */
@@ -204,6 +206,7 @@ export class Game {
    * @returns {End}
    */
   endOf(state, reward, hit) {
+    this.hitter = hit;
     if (hit !== null) return "hit";
     if (this.isExit(state)) return "exit";
     // Old links do not tell which ends are good.
@@ -264,7 +267,8 @@ export class Game {
     const step = `${words[event]}: ${reward > 0 ? "+" : ""}${formatted(reward)}`;
     const [before, after] = [from, next].map((state) => this.configurationOf(state));
     const changes = this.things.changes(before, after);
-    return [step, ...(hit === null ? [] : [`Hit by the ${hit.name}`]), ...changes].join(". ");
+    // What ended the episode is told by `describeEnd`.
+    return [step, ...(hit === null || this.end === "hit" ? [] : [`Hit by the ${hit.name}`]), ...changes].join(". ");
   }
 
   /**
@@ -277,17 +281,21 @@ export class Game {
     return `Hint: ${this.isTurning ? turns[action] : action ? `move ${SIDES[action]}` : "stay"}.`;
   }
 
+  /** What ended the episode. */
+  get cause() {
+    const ways = { exit: "Exit reached", hit: `Hit by the ${this.hitter?.name}`, time: "Time limit reached" };
+    const cell = this.state % this.cells;
+    const isThere = ([, text, runs]) =>
+      text.includes("ends the episode") &&
+      runs.some((first, at) => at % 2 === 0 && cell >= first && cell < first + runs[at + 1]);
+    const name = this.data.rules?.find(isThere)?.[1].split(":")[0] ?? "Ended";
+    return ways[this.end] ?? `${capital(name)} at [${this.place(cell).join(", ")}]`;
+  }
+
   /** Describe how the episode ended. */
   describeEnd() {
     const after = `after ${this.steps} step${this.steps === 1 ? "" : "s"}`;
-    const how = {
-      exit: `Exit reached ${after}!`,
-      good: `The episode ended ${after}!`,
-      hit: `The episode ended ${after}.`,
-      over: `The episode ended ${after}.`,
-      time: `Time limit reached ${after}.`,
-    };
-    return `${how[this.end]} Return ${formatted(this.total)}.`;
+    return `${this.cause} ${after}${this.isGood ? "!" : "."} Return ${formatted(this.total)}.`;
   }
 }
 

@@ -7,7 +7,7 @@ import { Legend } from "./legend.js";
 import { element, pixels } from "./paint.js";
 import { levelPicture, Picture } from "./picture.js";
 import { downloadPlay, playLine } from "./play.js";
-import { resultFacts, ruleOf, starsOf, titleOf } from "./result.js";
+import { resultFacts, ruleOf, starsOf } from "./result.js";
 import { ShownSets } from "./shown.js";
 import { closedSides, surroundings } from "./speech.js";
 import { lookElement } from "./things.js";
@@ -115,10 +115,8 @@ function lookAround() {
 function showResult() {
   byId("result").hidden = game.end === null;
   if (game.end === null) return;
-  // The card does not cover the robot.
-  byId("result").classList.toggle("high", 2 * game.place(game.state)[1] >= game.data.height);
   const stars = starsOf(game);
-  byId("result-title").textContent = titleOf(game);
+  byId("result-title").textContent = game.cause + (game.isGood ? "!" : "");
   byId("stars").hidden = byId("result-help").parentElement.hidden = stars === null;
   showStars(byId("stars"), stars ?? 0);
   byId("result-help").textContent = stars === null ? "" : ruleOf(game);
@@ -293,10 +291,6 @@ const CONTROLS = {
   turning: turn,
   look: lookAround,
   download: () => downloadPlay(game),
-  close: () => {
-    byId("result").hidden = true;
-    byId("stage").focus();
-  },
   fit: () => view.fit(),
   larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),

@@ -1,33 +1,28 @@
-// The result of an episode: how good it is, and how lucky.
+// The result of an episode: how it ended, what one's own decisions cost, and how lucky it was.
 
-import { formatted, rounded } from "./game.js";
+import { formatted } from "./game.js";
+import { decisionsOf } from "./regret.js";
 
-const WAY_TO_TWO_STARS = 0.9;
+const SHARE_OF_TWO_STARS = 0.1;
 
-/**
- * Return how the episode ended, as a title.
- *
- * @param {Game} game
- */
-export function titleOf({ end, isGood }) {
-  if (end === "time") return "Time limit reached";
-  const how = end === "exit" ? "Exit reached" : "Episode ended";
-  return isGood ? `${how}!` : how;
-}
+/** @param {Game} game */
+const isBad = ({ end }) => end === "hit" || end === "over";
 
 /**
- * Return how many of three stars an episode earns; null if the level's returns are unknown.
+ * Return how many of three stars the decisions of an episode earn; null if that is not known.
  *
  * @param {Game} game
  * @returns {number | null}
  */
-export function starsOf({ known, total, isGood }) {
-  if (known.returns === undefined) return null;
-  const { best, random } = known.returns;
-  if (rounded(total) >= rounded(best)) return 3;
-  if (random === null) return Number(isGood);
-  if (total >= random + WAY_TO_TWO_STARS * (best - random)) return 2;
-  return Number(isGood || total > random);
+export function starsOf(game) {
+  const decisions = decisionsOf(game);
+  if (decisions === null) return null;
+  const { cost, optimum } = decisions;
+  if (cost === 0) return 3;
+  if (isBad(game)) return 0;
+  const { random } = game.known.returns;
+  if (random !== null && cost <= SHARE_OF_TWO_STARS * (optimum - random)) return 2;
+  return Number(game.isGood);
 }
 
 /**
@@ -37,36 +32,12 @@ export function starsOf({ known, total, isGood }) {
  */
 export function ruleOf({ known }) {
   const { best, random } = known.returns;
-  const three = `Three stars: a return of at least the best average (${formatted(best)}).`;
-  if (random === null) return `${three} One: a good end.`;
+  const most = random === null ? 0 : SHARE_OF_TWO_STARS * (best - random);
+  const two = `Two: together they cost at most ${formatted(most)}, ${100 * SHARE_OF_TWO_STARS} % of what the best average is above that of random actions (${formatted(random ?? 0)}). `;
   return (
-    `${three} Two: at least ${100 * WAY_TO_TWO_STARS} % of the way there from the average of ` +
-    `random actions (${formatted(random)}). One: a good end, or more than that of random actions.`
+    `Luck does not count. Three stars: no decision costs anything. ${random === null ? "" : two}` +
+    "One: a good end. None for a bad end that one's own decisions helped to bring about."
   );
-}
-
-/**
- * Compare a return with the optimal policy's; the empty text if these are unknown.
- *
- * @param {Game} game
- */
-function luckOf({ known, total }) {
-  const quantiles = known.returns?.quantiles ?? [];
-  const [first, last] = [quantiles[0], quantiles.at(-1)];
-  if (first === undefined) return "";
-  if (first === last) return `none: the optimal policy always has a return of ${formatted(first)}`;
-  const margin = 1e-9 + 1e-5 * Math.abs(total);
-  const percent = (wanted) => Math.round((100 * quantiles.filter(wanted).length) / quantiles.length);
-  const less = percent((other) => other < total - margin);
-  const more = percent((other) => other > total + margin);
-  /** @type {[string, number][]} */
-  const parts = [
-    ["better than", less],
-    ["equal to", 100 - less - more],
-    ["worse than", more],
-  ];
-  const told = parts.filter(([, share]) => share > 0).map(([how, share]) => `${how} ${share} %`);
-  return `${told.join(", ")} of the optimal policy's episodes`;
 }
 
 /**
@@ -87,13 +58,13 @@ function helpOf({ hints, undone, watched }) {
  * @returns {[string, string][]}
  */
 export function resultFacts(game) {
-  const { known, total, steps } = game;
+  const { total } = game;
+  const { cost, luck } = decisionsOf(game) ?? { cost: null, luck: null };
   /** @type {[string, string][]} */
   const facts = [
     ["Return", formatted(total)],
-    ["Best average", known.best],
-    ["Steps", String(steps)],
-    ["Luck", luckOf(game)],
+    ["Decisions", cost === null ? "" : `cost ${formatted(cost)}`],
+    ["Luck", Number.isFinite(luck) ? `${luck > 0 ? "+" : ""}${formatted(luck)}` : ""],
     ["Help", helpOf(game)],
   ];
   return facts.filter(([, text]) => text !== "");

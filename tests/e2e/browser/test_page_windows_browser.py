@@ -224,16 +224,23 @@ def test_the_map_shows_no_answers(ground: Playground) -> None:
     assert "heat" not in image
 
 
-def test_the_result_does_not_cover_the_robot(ground: Playground) -> None:
-    ground.open(level(size=[4, 3], exit=[[3, 2], [2, 0]]))
-    for keys in ("dd", "ssddd"):
-        ground.press(*keys)
-        ground.wait_until_still()
-        card, robot = (box(ground.page.locator(place)) for place in ("#result", "#robot"))
-        assert card[1] > robot[3] or card[3] < robot[1]
-        ground.page.get_by_role("button", name="Close").click()
-        expect(ground.page.locator("#result")).to_be_hidden()
-        ground.press("r")
+@pytest.mark.parametrize("size", [(1280, 720), (390, 844), (844, 390)])
+def test_the_result_lies_beside_the_board_or_below_it(
+    size: tuple[int, int], ground: Playground
+) -> None:
+    width, height = size
+    ground.page.set_viewport_size({"width": width, "height": height})
+    ground.open(level(size=[4, 3], exit=[3, 0]))
+    before = box(ground.page.locator("#stage"))
+    ground.press(*"ddd")
+    ground.wait_until_still()
+    card, board = (box(ground.page.locator(place)) for place in ("#result", "#stage"))
+    assert board == before
+    assert card[0] >= board[2] or card[1] >= board[3]
+    assert card[3] <= height
+    expect(ground.page.locator(".pad:visible")).to_have_count(0)
+    ground.press("r")
+    expect(ground.page.locator(".pad:visible")).to_have_count(1)
 
 
 def test_a_mouse_drags_a_picture_that_is_zoomed(ground: Playground) -> None:

@@ -10,6 +10,7 @@ from playwright.sync_api import Page
 from support.playground import KEYS, Playground
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.render.page import link_fragment, to_html
 from babyrobot_levels.scoring.verify import verify_play
 
@@ -86,6 +87,44 @@ def test_a_watched_policy_is_told(ground: Playground, tmp_path: Path) -> None:
     assert (play.watched, play.hints) == (play.steps, 0)
     assert verify_play(play).is_valid
     assert f"{play.steps} watched steps" in ground.page.locator("#result-facts").inner_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "actions"),
+    [
+        ("frozen-lake", {}, "all"),
+        ("final-maze", {"max_steps": None, "discount": 0.99}, "all"),
+        ("puddle-test", {"max_steps": None, "heading": "E"}, "turns"),
+        ("first-key", {"max_steps": 40}, "turns"),
+        ("night-watch", {}, "all"),
+    ],
+)
+def test_pages_grade_decisions_as_python_does(
+    ground: Playground, tmp_path: Path, name: str, changes: Any, actions: str
+) -> None:
+    level = brl.load(name)
+    display = {**level.display.model_dump(), "robot": {"speed": 100}}
+    level = level.replace(display=display, **changes)
+    turns = actions == "turns"
+    ground.open(level, guide=guide_of(level, turns=turns), turns=turns)
+    # Every other decision is a good one, so that episodes end.
+    ground.page.evaluate(
+        """() => {
+          const random = new Generator("5");
+          while (game.end === null && game.steps < 5000) {
+            game.step(random.random() < 0.6 ? game.best : random.integer(3));
+          }
+          show("");
+        }"""
+    )
+    play = downloaded(ground.page, tmp_path)
+    verified = verify_play(play)
+    told = ground.page.evaluate("() => decisionsOf(game)")
+    assert verified.regret > 0
+    assert told["cost"] == pytest.approx(verified.regret, rel=1e-9)
+    assert told["luck"] == pytest.approx(verified.luck, rel=1e-9, abs=1e-9)
+    optimum = brl.score("random", level, actions=actions)[0].optimum
+    assert told["optimum"] == pytest.approx(optimum)
 
 
 LATE: Any = {"version": 1, "size": [3, 1], "max_steps": 3, "discount": 0.9}
