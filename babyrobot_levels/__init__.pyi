@@ -117,6 +117,7 @@ from .scoring.many import solve_many as solve_many
 from .scoring.plays import Play as Play
 from .scoring.plays import RecordPlay as RecordPlay
 from .scoring.plays import read_plays as read_plays
+from .scoring.policy_tables import policy_table as policy_table
 from .scoring.results import LevelScore as LevelScore
 from .scoring.results import Scores as Scores
 from .scoring.score import score as score

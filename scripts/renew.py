@@ -238,6 +238,17 @@ def _gallery() -> bytes:
         return pictures.reduced(page.screenshot(), 256)
 
 
+def _agent() -> bytes:
+    """Return the picture of a page with an agent beside the optimum, as `docs/pictures.md` says."""
+    *_, learned = brl.sarsa("cliff-walking", 500, actions="moves", seed=1)
+    text = brl.load("cliff-walking").to_html(policy=learned, values=True)
+    with _page(1200, 900) as page:
+        page.set_content(text)
+        page.wait_for_selector("body.ready")
+        page.locator("#views label", has_text="Difference").click()
+        return pictures.reduced(page.screenshot(), 256)
+
+
 def _editor() -> bytes:
     """Return the picture of the editor in a browser."""
     from support.editors import is_shown, served
@@ -291,6 +302,7 @@ GENERATED = (
     _one("docs/images/structure.svg", _rooms, "imports between rooms"),
     _one("docs/editor.md", editor_page, "its keys from the front end"),
     _one("docs/images/editor.png", _editor, "the editor", "playwright"),
+    _one("docs/images/agent.png", _agent, "`docs/pictures.md`", "playwright"),
     _one("docs/images/gallery.png", _gallery, "the gallery", "playwright"),
     Generated(
         ("notebooks/*.ipynb",), "a run of each", partial(_notebooks, with_jax=False), ("nbclient",)

@@ -50,7 +50,7 @@ class PageOptions(TypedDict, total=False):
     """What a page to play on shows, and how; see `Level.to_html`."""
 
     values: bool
-    policy: str | bool | None
+    policy: Any
     seed: int
     coordinates: bool | None
     theme: Any

@@ -268,8 +268,6 @@ def episode(level: GridWorld, policy: Any, seed: int) -> tuple[list[Step], bool]
 
 def _chooser(level: GridWorld, policy: Any, seed: int) -> Callable[[int], int] | None:
     """Return the function that chooses an action in a state; None to draw one at random."""
-    from babyrobot_levels.analysis.solver.results import TURNS
-
     if isinstance(policy, str) and policy == RANDOM:
         return None
     if policy is None or policy is True or (isinstance(policy, str) and policy == BEST):
@@ -278,16 +276,10 @@ def _chooser(level: GridWorld, policy: Any, seed: int) -> Callable[[int], int] |
         return policy_of(solve(level)).__getitem__
     import numpy as np
 
-    from babyrobot_levels.analysis.solver.policies import read_policy
-    from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES
+    from babyrobot_levels.analysis.agent_guides import weights_of_moves
 
-    if getattr(policy, "actions", None) == TURNS:
-        raise ValueError("a film cannot show a robot that turns; give a policy of moves")
-    mdp, shape = level.compile(), np.shape(getattr(policy, "policy", policy))
-    is_of_moves = len(shape) > len(mdp.shape) and shape[-1] == NUM_MOVES
-    weights = read_policy(policy, mdp, "moves" if is_of_moves else "all", level.things())
-    random, first = np.random.default_rng(seed), NUM_ACTIONS - weights.shape[1]
-    return lambda state: first + int(random.choice(weights.shape[1], p=weights[state]))
+    weights, random = weights_of_moves(level, policy), np.random.default_rng(seed)
+    return lambda state: int(random.choice(weights.shape[1], p=weights[state]))
 
 
 # -- pages ---------------------------------------------------------------------------------
@@ -306,47 +298,62 @@ def to_html(
     Args:
         level: the level; a maze needs a seed.
         path: a file to write it to as well, atomically; an existing one is replaced.
-        values: whether optimal values are shown at first.
+        values: whether values are shown at first.
         policy: the policy that can be watched, `"best"` or `"random"`. By default it is the
-            best one; with `"best"` or True, optimal actions are shown at first.
+            best one; with `"best"` or True, optimal actions are shown at first. Or an agent: a
+            policy as `evaluate` takes it, of a robot that does not turn, such as a `Solution`, a
+            `Sweep` of learning, an array, or what `brl.policy_table` returns. The page shows its
+            actions and values beside the optimum, where they differ, and what that costs.
         seed: the random seed of the first episode.
         coordinates: whether cells show their coordinates; by default, what the level says.
         theme: another theme: a name, or a mapping as in a level file.
         answers: whether the page knows the solution: values, optimal actions, hints, and how
-            good a return is. With False, nothing of it is in the page.
+            good a return is. With False, nothing of it is in the page, and of an agent only its
+            actions.
         tell: called with a text if there is no solution that the page could show, and none is
             asked for; by default, this is a warning.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
         UndefinedReturnError: the level has no solution that could be shown.
-        ValueError: the level is too large for a page, there is no such policy, or answers are
+        ValueError: the level is too large for a page, the policy is none for it, or answers are
             to be shown without answers.
     """
+    from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page import to_html as paint
     from babyrobot_levels.render.page import without_panels
 
     policy, values = shown.get("policy"), shown["values"]
-    is_known = policy is None or isinstance(policy, bool) or policy in (BEST, RANDOM)
-    if not is_known:
+    is_named = policy is None or isinstance(policy, bool | str)
+    if isinstance(policy, str) and policy not in (BEST, RANDOM):
         raise ValueError(f"the policy of a page is {BEST!r} or {RANDOM!r}, not {policy!r}")
     level = dressed(level, theme=shown.get("theme"), coordinates=shown.get("coordinates"))
     # A level that is too large is refused before it is solved.
     without_panels(level)
-    arrows = policy is True or policy == BEST
+    arrows = is_named and (policy is True or policy == BEST)
     if not shown["answers"] and (values or arrows):
         raise ValueError("a page without answers shows neither values nor optimal actions")
-    guide = None
+    solution, guide, agent = None, None, None
     try:
-        guide = guide_of(level) if shown["answers"] else None
+        if shown["answers"]:
+            solution = solve(level)
+            guide = guide_of(level, solution)
     except UndefinedReturnError as error:
         if values or arrows:
             raise
         tell(f"the page shows no optimal moves: {error}")
-    watched: WatchedPolicy = "random" if policy == RANDOM else "best"
+    watched: WatchedPolicy = "random" if is_named and policy == RANDOM else "best"
+    if not is_named:
+        from babyrobot_levels.analysis.agent_guides import page_agent
+
+        best = None if guide is None else guide.expected_return
+        agent = page_agent(level, policy, solution, best)
+        watched, arrows = "agent", True
     seed = shown["seed"]
-    page = paint(level, guide=guide, policy=watched, seed=seed, values=values, arrows=arrows)
+    page = paint(
+        level, guide=guide, agent=agent, policy=watched, seed=seed, values=values, arrows=arrows
+    )
     return _saved(page, path)
 
 

@@ -49,7 +49,8 @@ def picture(
         report: told of how much is done.
     """
     chosen = FORMATS[format_name]
-    check_policy(chosen, asked.get("policy"))
+    if isinstance(asked.get("policy"), str):
+        check_policy(chosen, asked["policy"])
     if "held" in chosen.options and asked.get("held") is not None:
         configuration_of(level, asked["held"])
     smaller = "use a smaller --scale or --cell"

@@ -20,6 +20,7 @@ from babyrobot_levels.analysis.pictures import (
     dressed,
     titles_of,
 )
+from babyrobot_levels.cli.agents import AGENTS, PLAYS, blamed, named_agent, table_of
 from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
@@ -70,6 +71,13 @@ else:
     FormatName = StrEnum("FormatName", [(name, name) for name in FORMATS])
 
 _PLAYED = listed(titles_of("seed"))
+
+
+class MoveSet(StrEnum):
+    """The sets of actions of robots that do not turn."""
+
+    ALL = "all"
+    MOVES = "moves"
 
 
 class PreviewCommand(TyperCommand):
@@ -126,6 +134,30 @@ def preview(
             f"[default for {_PLAYED}: best]",
         ),
     ] = None,
+    agent: Annotated[
+        str | None,
+        value_option(
+            "FILE",
+            f"Show the policy of this agent, in a page beside the optimum: {AGENTS}, or recorded "
+            f"episodes ({PLAYS}).",
+        ),
+    ] = None,
+    observation: Annotated[
+        str,
+        typer.Option(metavar="NAMES", help="What an agent that is a model observes."),
+    ] = "position",
+    actions: Annotated[
+        MoveSet,
+        typer.Option(help="The actions of the agent: stay and the four moves; or the moves."),
+    ] = MoveSet.ALL,
+    trust: Annotated[
+        bool,
+        typer.Option(
+            "--trust",
+            help="Load a model, although its file can run any code: only of authors whom you "
+            "trust.",
+        ),
+    ] = False,
     rules: Annotated[
         bool,
         typer.Option(
@@ -201,6 +233,8 @@ def preview(
 
       babyrobot preview final-maze --no-answers -o homework.html
 
+      babyrobot preview frozen-lake --agent policy.npy -o agent.html
+
       babyrobot preview levels/ -o pictures/
 
       babyrobot preview final-maze frozen-lake --values --format png -o pictures/
@@ -217,6 +251,15 @@ def preview(
     _check_for("visits", chosen, given=visits)
     if no_answers and (values or policy == PolicyName.BEST):
         fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
+    if agent is not None and (is_text or policy is not None):
+        fail(
+            "--agent is for pictures, films and pages"
+            if is_text
+            else "--agent and --policy cannot be combined",
+            "add -o FILE.html" if is_text else "leave out one of the two",
+        )
+    with blamed(agent or ""):
+        given = None if agent is None else named_agent(agent, trust=trust, plays=True)
     times = _scale(scale, cell, chosen)
     if watch and not one:
         fail("--watch is for one level")
@@ -244,7 +287,11 @@ def preview(
             check_policy(chosen, policy)
             text = _text(shown, values=values, policy=policy is not None, held=held, plain=plain)
             return text + (_rules_text(shown) if rules else "")
-        return picture(shown, chosen.name, asked, report)
+        if agent is None:
+            return picture(shown, chosen.name, asked, report)
+        with blamed(agent):
+            table = table_of(given, shown, observation=observation, actions=actions)
+        return picture(shown, chosen.name, {**asked, "policy": table}, report)
 
     def made() -> str | bytes:
         with working("drawing") as report:

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import sys
-import traceback
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from enum import StrEnum
 from pathlib import Path
-from runpy import run_path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from babyrobot_levels.cli.agents import AGENTS, BEST, FITTING, PLAYS, RANDOM, blamed, named_agent
 from babyrobot_levels.cli.console import (
     FINDINGS,
     ForceOption,
@@ -40,15 +37,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.scoring.grades import Grade, Grades
     from babyrobot_levels.scoring.results import LevelScore, Scores
 
-_PLAYS = ".brlplay"
-_TABLES = (".json", ".npy", ".npz")
-_MODEL = ".zip"
-_BEST, _RANDOM = "best", "random"
-_AGENTS = (
-    f"`{_RANDOM}`, `{_BEST}`, a policy (.json, .npy, .npz), a model (.zip), or what a Python file "
-    "calls by a name (agent.py:name)"
-)
-
 
 class Sight(StrEnum):
     """What an agent sees that reads and writes."""
@@ -64,7 +52,7 @@ def score(
         typer.Argument(
             metavar="AGENT LEVELS or PLAYS",
             help="An agent, and the levels, folders and packs, or the suite, to score it in; or "
-            f"files of recorded episodes ({_PLAYS}). An agent is {_AGENTS}; `{_BEST}` is an "
+            f"files of recorded episodes ({PLAYS}). An agent is {AGENTS}; `{BEST}` is an "
             "optimal policy without a time limit.",
         ),
     ],
@@ -113,7 +101,7 @@ def score(
     ] = False,
     record: Annotated[
         Path | None,
-        value_option("FILE", f"With --sight: append each episode to this file ({_PLAYS})."),
+        value_option("FILE", f"With --sight: append each episode to this file ({PLAYS})."),
     ] = None,
     trust: Annotated[
         bool,
@@ -153,7 +141,7 @@ def score(
 
       babyrobot score plays/*.brlplay --level frozen-lake
     """
-    are_plays = {word.lower().endswith(_PLAYS) for word in what}
+    are_plays = {word.lower().endswith(PLAYS) for word in what}
     if are_plays == {True, False}:
         fail(
             "files of recorded episodes cannot be mixed with agents and levels",
@@ -170,14 +158,14 @@ def score(
             )
         _score_plays(what, level, table_format, output, force=force)
         return
-    if Path(what[0]).is_dir() and any(Path(what[0]).glob(f"*{_PLAYS}")):
-        fail(f"{what[0]} is a folder", f"give its files: {Path(what[0], '*')}{_PLAYS}")
+    if Path(what[0]).is_dir() and any(Path(what[0]).glob(f"*{PLAYS}")):
+        fail(f"{what[0]} is a folder", f"give its files: {Path(what[0], '*')}{PLAYS}")
     if level is not None:
-        fail("--level is for recorded episodes", f"give files that end in {_PLAYS}")
+        fail("--level is for recorded episodes", f"give files that end in {PLAYS}")
     if len(what) < 2:
         fail(
             "give an agent and at least one level, folder, pack or suite",
-            f"for example: babyrobot score {_RANDOM} final-maze",
+            f"for example: babyrobot score {RANDOM} final-maze",
         )
     scores = _scores(
         what,
@@ -213,8 +201,8 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
         # The command itself notes that episodes are few.
         warnings.filterwarnings("ignore", "of an agent with memory")
         try:
-            with _blamed(word, is_reader=options["sight"] is not None):
-                agent = _agent(word, trust=trust)
+            with blamed(word, is_reader=options["sight"] is not None):
+                agent = named_agent(word, trust=trust)
                 return scores_of(agent, levels, **options)
         except (UndefinedReturnError, EpisodeTooLongError) as error:
             fail(str(error))
@@ -223,70 +211,8 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
         except (TypeError, ValueError) as error:
             fail(
                 str(error).partition("\n")[0],
-                None
-                if word in (_BEST, _RANDOM) or options["sight"]
-                else "give --observation and --actions as those that the agent was made with",
+                None if word in (BEST, RANDOM) or options["sight"] else FITTING,
             )
-
-
-@contextmanager
-def _blamed(word: str, *, is_reader: bool) -> Iterator[None]:
-    """End the command if the code of a Python file raises an error, with its line."""
-    try:
-        yield
-    except Exception as error:
-        file = str(Path(word.rpartition(":")[0]))
-        frames = traceback.extract_tb(error.__traceback__)
-        lines = [frame.lineno for frame in frames if frame.filename == file]
-        if isinstance(error, SyntaxError) and error.filename == file:
-            lines.append(error.lineno)
-        if lines:
-            fail(
-                f"{file}:{lines[-1]}: the agent failed: {type(error).__name__}: {error}",
-                None if is_reader else "without --sight, an agent gets observations, not texts",
-            )
-        raise
-
-
-def _code(path: Path, name: str) -> Any:
-    """Return what a Python file calls by a name."""
-    if not path.is_file():
-        fail(f"there is no file {path}")
-    # As when Python runs it: it can import what stands beside it.
-    sys.path.insert(0, str(path.parent.resolve()))
-    found = run_path(str(path))
-    if name not in found:
-        fail(f"{path} has nothing called {name!r}")
-    return found[name]
-
-
-def _agent(word: str, *, trust: bool) -> Any:
-    """Return the agent that an argument names."""
-    from babyrobot_levels.scoring.agents import AgentError, load_model, load_policy
-
-    if word in (_RANDOM, _BEST):
-        return word
-    file, _, name = word.rpartition(":")
-    if file.endswith(".py"):
-        return _code(Path(file), name)
-    path = Path(word)
-    suffix = path.suffix.lower()
-    if suffix == ".py":
-        fail(f"{word} is a file of Python", f"name the agent in it, as in {word}:agent")
-    if suffix not in (*_TABLES, _MODEL):
-        fail(f"there is no agent {word!r}", f"an agent is {_AGENTS}")
-    try:
-        if suffix == _MODEL and not trust:
-            path.stat()
-            fail(
-                f"{word} is a model, and loading a model can run any code",
-                "if you trust its author, add --trust",
-            )
-        return load_model(path) if suffix == _MODEL else load_policy(path)
-    except AgentError as error:
-        fail(str(error), error.help)
-    except OSError as error:
-        fail(f"{word} cannot be read ({error.strerror or error})")
 
 
 def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:

@@ -21,7 +21,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Unpack
 
 from babyrobot_levels.language.base import SIDES
@@ -32,6 +32,7 @@ from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, V
 from babyrobot_levels.mdp.actions import HEADINGS, Action
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import gray, is_gray
+from babyrobot_levels.render.page_agent import PageAgent, agent_data
 from babyrobot_levels.render.page_format import (
     CHEER,
     EVENTS,
@@ -112,7 +113,8 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         title=title_of(level),
         description=data["description"],
         icon="data:image/svg+xml;base64," + base64.b64encode(icon.encode()).decode(),
-        picture=as_html(_picture(level, shown.get("guide"), data["shown"])),
+        picture=as_html(_picture(level, shown, data["shown"])),
+        agent=shown.get("agent"),
         facts=facts(level),
         common=embedded_json(common),
         data=embedded_json(data),
@@ -130,19 +132,23 @@ def icon_svg(theme: Theme) -> str:
     return to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
 
 
-def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
+def _picture(level: GridWorld, options: PageOptions, shown: list[str]) -> str:
     """Return the picture that is shown without JavaScript."""
-    overlay = Overlay()
-    if guide is not None and shown:
-        answers = guide.overlay.at()
-        overlay = replace(
-            answers,
-            values=answers.values if "values" in shown else None,
-            actions=answers.actions if "policy" in shown else None,
-        )
+    answers = _answer_overlay(options).at() if shown else Overlay()
+    overlay = replace(
+        answers,
+        values=answers.values if "values" in shown else None,
+        actions=answers.actions if "policy" in shown else None,
+    )
     scene = build_scene(level, robot=False, overlay=overlay)
     width, height = number(scene.width), number(scene.height)
     return element(scene, f'viewBox="0 0 {width} {height}" width="{width}" height="{height}"')
+
+
+def _answer_overlay(options: PageOptions) -> Overlay:
+    """Return what is shown over the cells at first: of an agent if there is one."""
+    shown = options.get("agent") or options.get("guide")
+    return Overlay() if shown is None else shown.overlay
 
 
 @cache
@@ -208,7 +214,7 @@ MAX_CELLS = 16_384
 MAX_STATES = 200_000
 """The most states of a level with things on a page."""
 
-WatchedPolicy = Literal["best", "random"]
+WatchedPolicy = Literal["best", "random", "agent"]
 
 _ROBOT_COLORS = ("robot", "puddle")
 """The colours of a theme in the robot's pictures: of its body, and of splashes."""
@@ -277,6 +283,8 @@ class PageOptions(TypedDict, total=False):
         guide: the solution of the level, if it is known.
         policy: the policy that can be watched; without a guide there is no best one, which is the
             default.
+        agent: the agent that is shown beside the optimum, or without it, and watched with the
+            policy `"agent"`.
         seed: the random seed of the first episode.
         values: whether the values of cells are shown at first.
         arrows: whether the optimal actions are shown at first.
@@ -285,6 +293,7 @@ class PageOptions(TypedDict, total=False):
     """
 
     guide: Guide | None
+    agent: PageAgent | None
     policy: WatchedPolicy
     seed: int
     values: bool
@@ -308,11 +317,11 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
             *(hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS),
             *(hexadecimal(gray(color)) for color in _OWN_COLORS if is_gray(colors)),
         ],
-        **_picture_data(level, guide, turns=shown.get("turns", False)),
+        **_picture_data(level, shown),
         "goal": goal_of(level),
         "alt": describe(level, robot=False),
         "seed": str(shown.get("seed", 0)),
-        "walker": policy if guide is not None or policy == "random" else None,
+        "walker": policy if guide is not None or policy != "best" else None,
         "shown": [name for name, is_shown in at_first.items() if is_shown],
         **_answers(level, guide),
     }
@@ -408,7 +417,7 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
     yield from ((name, text) for name, text in values.items() if text)
 
 
-def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str, Any]:
+def _picture_data(level: GridWorld, options: PageOptions) -> dict[str, Any]:
     """Return the picture, what it shows of things and of a robot that turns, and the rules.
 
     A rule is its sample, shapes of a cell in the picture's palette, its text, and the runs of cells
@@ -419,9 +428,10 @@ def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict
     the level off from the colours of the values, and its coordinates are in inks for these; those
     beside actions alone have a layer of their own.
     """
+    guide, agent, turns = options.get("guide"), options.get("agent"), options.get("turns", False)
     may_turn = turns or "heading" in level.model_fields_set
     is_still = not (level.has_things or may_turn)
-    overlay = guide.overlay.at() if guide is not None else Overlay()
+    overlay = _answer_overlay(options).at()
     # What the caption tells, the page has outside of the picture, as it has what is held.
     layout = replace(layout_of(level, overlay=overlay), caption=0.0)
     palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
@@ -433,7 +443,7 @@ def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict
         "grid": floor_shapes(level, layout, beside),
         "signs": sign_shapes(level, layout, alone, own),
     }
-    if guide is not None:
+    if overlay.fills_cells:
         shapes["beside"] = sign_shapes(level, layout, beside, False)
     picture: dict[str, Any] = {
         "width": round(seen.width),
@@ -444,15 +454,18 @@ def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict
     if level.has_things:
         data["things"], picture["looks"] = things_data(level, layout, palette)
     turning = guide.turning if guide is not None and may_turn else None
-    moves, turned = (
-        [*_overlays(level, guide)] if guide is not None else [],
-        [*_overlays(level, turning, turns=True)] if turning is not None else [],
+    moves, turned, by_agent = (
+        _overlays(level, each.overlay, turns=each is turning) if each is not None else []
+        for each in (guide, turning, agent)
     )
-    marks = Marks(level, layout, palette, beside, [*moves, *turned])
-    if moves:
+    marks = Marks(level, layout, palette, beside, [*moves, *turned, *by_agent])
+    if moves or by_agent:
         picture["legend"], picture["scale"] = round(layout.legend), marks.scale.stops
         palette.use(marks.scale.colors)
-        data["marks"] = {"values": marks.values(moves), "policy": marks.actions(moves)}
+        if moves:
+            data["marks"] = {"values": marks.values(moves), "policy": marks.actions(moves)}
+        if agent is not None:
+            data["agent"] = agent_data(agent, marks, moves, partial(_overlays, level))
         heat = Heat(level, layout, overlay, beside)
         edges = heat.edges if is_still else frame_shapes(level, beside.acting, layout)
         over = {"heat": tuple(edges)}
@@ -463,7 +476,8 @@ def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict
             over["beside"] = (*coordinate_texts(level, layout, beside, on_plates=True),)
         for name, each in over.items():
             picture["layers"].setdefault(name, []).extend(pack(each, palette, layout.margin))
-        picture["layers"]["heat"] += marks.legend
+        if agent is None:
+            picture["layers"]["heat"] += marks.legend
     if may_turn:
         data["turns"] = _turns(level, turning, on=turns)
         if turned:
@@ -480,11 +494,13 @@ def _picture_data(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict
     return data
 
 
-def _overlays(level: GridWorld, guide: Guide, *, turns: bool = False) -> Iterator[Overlay]:
-    """Yield what a guide shows in each configuration, and in each heading of one that turns."""
-    for configuration in range(level.compile().num_configurations):
-        for heading in range(HEADINGS) if turns else (None,):
-            yield guide.overlay.at(configuration, heading)
+def _overlays(level: GridWorld, overlay: Overlay, *, turns: bool = False) -> list[Overlay]:
+    """Return what is shown in each configuration, and in each heading of a robot that turns."""
+    return [
+        overlay.at(configuration, heading)
+        for configuration in range(level.compile().num_configurations)
+        for heading in (range(HEADINGS) if turns else (None,))
+    ]
 
 
 def _turns(level: GridWorld, guide: Guide | None, *, on: bool) -> dict[str, Any]:

@@ -10,6 +10,7 @@ that show the same.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Sequence
+from copy import copy
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.base import SIDES
@@ -29,6 +30,7 @@ from babyrobot_levels.render.scene.heat import (
     Heat,
     legend_bar,
     legend_plate,
+    legend_shapes,
     legend_texts,
     never_shapes,
     scale_of,
@@ -73,17 +75,27 @@ class Marks:
         overlays: Iterable[Overlay],
     ) -> None:
         self._level, self._layout, self._palette, self._slots = level, layout, palette, slots
-        heats = [Heat(level, layout, overlay, slots) for overlay in overlays]
-        numbers = [value for heat in heats for value in heat.values.values()]
-        self.scale = scale_of(numbers, level.resolved_theme.colors)
-        self._precision = heats[0].overlay.precision if heats else 0
-        self._form = number_form(numbers, self._precision)
+        self._set_scale(overlays)
         self._covered = busy_cells(level, layout, slots) | {*level.starts}
         self._numbers: dict[Hashable, int] = {}
         self._by_look: dict[tuple[str, int], int] = {}
         self.packed: list[list[Group]] = []
         self.tiles: list[int] = []
         self.never = -1
+
+    def _set_scale(self, overlays: Iterable[Overlay]) -> None:
+        heats = [Heat(self._level, self._layout, each, self._slots) for each in overlays]
+        numbers = [value for heat in heats for value in heat.values.values()]
+        self.scale = scale_of(numbers, self._level.resolved_theme.colors)
+        self._precision = heats[0].overlay.precision if heats else 0
+        self._form = number_form(numbers, self._precision)
+
+    def on_own_scale(self, overlays: Iterable[Overlay]) -> Marks:
+        """Return marks beside these, with the scale and the form of numbers of other overlays."""
+        other = copy(self)
+        other._numbers = {key: number for key, number in self._numbers.items() if key == "never"}
+        other._set_scale(overlays)
+        return other
 
     @property
     def legend(self) -> list[Group]:
@@ -101,6 +113,15 @@ class Marks:
         )
         colors = [BAR, -1, *box, *map(self.scale.step, ends)]
         return [*plate, [0, 0, [colors]], *texts]
+
+    @property
+    def drawn_legend(self) -> list[Group]:
+        """The same in colours of its own, which are not those of the page's scale."""
+        if not self._layout.legend:
+            return []
+        form = form_of((self.scale.low, self.scale.high), self._precision)
+        shapes = legend_shapes(self._level, self._layout, self.scale, form)
+        return pack(shapes, self._palette, self._layout.margin)
 
     def values(self, overlays: Iterable[Overlay]) -> list[int]:
         """Return the mark of each cell's value in each overlay in turn; -1 for none."""
@@ -123,6 +144,25 @@ class Marks:
                 marks.append(self._actions(cell, found) if found else self._blank(cell, overlay))
         return marks
 
+    def pairs(self, overlays: Iterable[Overlay], others: Iterable[Overlay]) -> list[int]:
+        """Return the mark of each cell's actions, with those of another overlay as light arrows.
+
+        Cells without actions show none of the other overlay.
+        """
+        marks = []
+        for overlay, other in zip(overlays, others, strict=True):
+            lengths, beside = (
+                dict(arrow_lengths(each, self._slots, self._layout)) for each in (overlay, other)
+            )
+            for cell in self._layout.cells():
+                found = lengths.get(cell)
+                marks.append(
+                    self._actions(cell, found, beside.get(cell))
+                    if found
+                    else self._blank(cell, overlay)
+                )
+        return marks
+
     def _blank(self, cell: Cell, overlay: Overlay) -> int:
         """Return the mark of a cell without answers."""
         if cell not in overlay.never:
@@ -143,11 +183,16 @@ class Marks:
             self._add(key, cell, shapes, self._palette.place(color))
         return self._numbers[key]
 
-    def _actions(self, cell: Cell, lengths: Lengths) -> int:
-        key = "actions", self._slots.plan(cell).arrow, tuple(lengths.items())
+    def _actions(self, cell: Cell, lengths: Lengths, light: Lengths | None = None) -> int:
+        parts = [light or {}, lengths]
+        key = "actions", self._slots.plan(cell).arrow, *(tuple(part.items()) for part in parts)
         if key not in self._numbers:
             color = self._level.resolved_theme.colors.arrows
-            shapes = arrow_shapes([(cell, lengths)], self._slots, self._layout, color)
+            shapes = [
+                shape
+                for part, ink in zip(parts, (rim_on([color]), color), strict=True)
+                for shape in arrow_shapes([(cell, part)], self._slots, self._layout, ink)
+            ]
             self._add(key, cell, shapes)
         return self._numbers[key]
 

@@ -68,13 +68,15 @@ interface LevelData {
   robot: string[];
   picture: PictureData;
   things?: Thing[];
-  marks?: { values: number[]; policy: number[] };
-  turns?: Answers & { on: boolean; heading: number; marks?: { values: number[] } };
+  marks?: Marks;
+  turns?: Answers & { on: boolean; heading: number };
   rules?: [Group[], string, number[]][];
   goal?: string;
   alt?: string;
   seed: string;
-  walker: "best" | "random" | null;
+  walker: "best" | "random" | "agent" | null;
+  /** Of pages, not of links. */
+  agent?: AgentData;
   shown: string[];
   policy: number[] | null;
   best: string;
@@ -82,8 +84,24 @@ interface LevelData {
   code?: string;
 }
 
+/** An agent: the number of its choice in each state, and what is shown; see `agent_data`. */
+interface AgentData {
+  choices: number[][];
+  policy: number[];
+  marks: Marks;
+  legend?: Group[];
+  costs?: { marks: Marks; legend: Group[] };
+}
+
+/** The number of the mark of each state. */
+interface Marks {
+  values?: number[];
+  policy?: number[];
+}
+
 /** What is known about the robot as it moves. */
 interface Answers {
+  marks?: Marks;
   policy: number[] | null;
   best: string;
   returns?: Returns;

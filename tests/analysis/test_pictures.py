@@ -140,7 +140,7 @@ def test_a_film_follows_any_policy() -> None:
 
 def test_a_film_of_a_robot_that_turns_is_refused() -> None:
     level = brl.load("puddles")
-    with pytest.raises(ValueError, match="a film cannot show a robot that turns"):
+    with pytest.raises(ValueError, match="cannot show a robot that turns"):
         level.to_gif(policy=brl.solve(level, actions="turns"))
 
 

@@ -16,6 +16,7 @@ import pypdfium2 as pdfium
 import pytest
 from PIL import Image, ImageSequence
 from support.places import DOCS
+from support.plays import record
 from support.sessions import babyrobot
 
 from babyrobot_levels.analysis.pictures import MAX_STEPS
@@ -25,6 +26,8 @@ from babyrobot_levels.render.gif import Step, to_gif
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.words.rules import rules_of
+from babyrobot_levels.scoring.plays import read_plays
+from babyrobot_levels.scoring.policy_tables import policy_table
 
 CHESTS = load("treasure-chests")
 HEAD = "version: 1\nsize: [3, 1]\n"
@@ -285,6 +288,86 @@ def test_no_answers_is_for_pages_that_show_none(arguments: str, wrong: str) -> N
 def test_without_answers_the_random_policy_is_watched() -> None:
     page = made("maze", "--no-answers", "--policy", "random", "a.html")
     assert data_of(page)["walker"] == "random"
+
+
+# -- agents ------------------------------------------------------------------------------------
+
+
+def test_an_agent_is_shown_in_pages_pictures_and_films() -> None:
+    level = load("frozen-lake")
+    policy = np.array(solve(level, actions="moves").policy)
+    policy[3, 2] = 0
+    np.save("policy.npy", policy)
+    options = ("frozen-lake", "--agent", "policy.npy", "--actions", "moves")
+    page = made(*options, "--values", "a.html").decode()
+    told = re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", page.partition("<tbody>")[2])
+    assert told[:3] == ["[2, 3]", "north", "south"]
+    table = np.eye(5)[1 + np.maximum(policy, 0)]
+    assert page == level.to_html(policy=table, values=True)
+    assert made(*options, "a.svg").decode() == level.to_svg(policy=table)
+    assert made(*options, "--seed", "3", "a.gif") == level.to_gif(policy=table, seed=3)
+
+
+def test_without_answers_an_agent_has_neither_costs_nor_values() -> None:
+    np.save("policy.npy", np.full((5, 8), 2))
+    plain = made("final-maze", "--agent", "policy.npy", "--no-answers", "a.html")
+    data = data_of(plain)
+    assert (data["policy"], data["walker"], data["best"]) == (None, "agent", "")
+    assert not {"marks", "returns"} & set(data)
+    assert set(data["agent"]) == {"choices", "policy", "marks", "legend"}
+    assert set(data["agent"]["marks"]["values"]) == {-1}
+    assert data["agent"]["legend"] == []
+    assert not re.search(rb"<table|[Rr]egret", plain.partition(b"<script")[0])
+
+
+def test_several_levels_have_the_agents_policy_of_each() -> None:
+    best: dict[str, Any] = {name: solve(name).policy for name in ("maze", "frozen-lake")}
+    np.savez("best.npz", **best)
+    assert preview("maze", "frozen-lake", "--agent", "best.npz", "-o", "pictures").status == 0
+    for name, policy in best.items():
+        picture = Path("pictures", f"{name}.svg").read_text("utf-8")
+        assert picture == load(name).to_svg(policy=np.eye(5)[np.maximum(policy, 0)])
+
+
+def test_what_a_python_file_calls_by_a_name_is_an_agent() -> None:
+    lines = ("def east(position):", "    return 2", "def bad(position):", "    1 / 0", "")
+    Path("mine.py").write_text("\n".join(lines))
+    page = made("frozen-lake", "--agent", "mine.py:east", "a.html").decode()
+    assert page == load("frozen-lake").to_html(policy=np.full((4, 4), 2))
+    refused = preview("frozen-lake", "--agent", "mine.py:bad", "-o", "a.html")
+    assert refused.status == 2
+    assert refused.err.startswith("error: mine.py:4: the agent failed: ZeroDivisionError")
+
+
+def test_recorded_episodes_are_an_agent() -> None:
+    record(Path("ada.brlplay"), "frozen-lake", episodes=2)
+    page = made("frozen-lake", "--agent", "ada.brlplay", "a.html").decode()
+    table = policy_table(read_plays("ada.brlplay"), "frozen-lake")
+    assert page == load("frozen-lake").to_html(policy=table)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        ("--agent p.npy", "--agent is for pictures, films and pages"),
+        ("--agent p.npy --policy best -o a.html", "--agent and --policy cannot be combined"),
+        ("--agent p.txt -o a.html", "there is no agent 'p.txt'"),
+        ("--agent none.npy -o a.html", "none.npy cannot be read (No such file or directory)"),
+        ("--agent p.npy -o a.html", "a policy for this level and actions='all' is an array [4, 4]"),
+        ("--agent ada.brlplay -o a.gif", "this policy has no action in some states"),
+        ("--agent bob.brlplay -o a.html", "episode 1: it is one of another level"),
+        ("--agent by-step.npy -o a.html", "the policy changes with the step"),
+        ("--agent m.zip -o a.html", "m.zip is a model, and loading a model can run any code"),
+    ],
+)
+def test_what_is_no_agent_of_a_level_is_told(arguments: str, wrong: str) -> None:
+    np.save("p.npy", np.zeros((2, 2), int))
+    np.save("by-step.npy", np.array(solve("frozen-lake", within=100).policies))
+    record(Path("ada.brlplay"), "frozen-lake")
+    record(Path("bob.brlplay"), "maze")
+    Path("m.zip").write_bytes(b"")
+    refused = preview("frozen-lake", *shlex.split(arguments))
+    assert (refused.status, wrong in refused.err, "Traceback" in refused.err) == (2, True, False)
 
 
 # -- what it has written before ----------------------------------------------------------------

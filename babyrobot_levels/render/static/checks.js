@@ -220,8 +220,9 @@ function checkTable({ rows, table, starts, possible }, states) {
  * @param {any} data
  * @param {number} states
  */
-function checkAdvice({ policy, walker, marks, returns, turns, picture }, states) {
-  need(walker === null || walker === "random" || (walker === "best" && policy !== null));
+function checkAdvice({ policy, walker, agent, marks, returns, turns, picture }, states) {
+  const known = { random: true, best: policy !== null, agent: agent !== undefined };
+  need(walker === null || known[walker] === true);
   checkNumbers(policy, states, 4);
   checkReturns(returns, states);
   const last = list(picture?.marks ?? []).length - 1;

@@ -22,6 +22,8 @@ export class Game {
     this.cells = data.width * data.height;
     this.things = new Things(data);
     this.isTurning = isTurning;
+    /** @type {"optimum" | "agent" | "costs"} What is shown over the cells. */
+    this.view = data.agent === undefined ? "optimum" : "agent";
     this.begin(data.seed);
   }
 
@@ -68,6 +70,20 @@ export class Game {
     return this.isTurning ? this.data.turns : this.data;
   }
 
+  /** What is shown over the cells: the optimum, or an agent of a robot that moves, or its costs. */
+  get seen() {
+    const { agent } = this.data;
+    if (agent === undefined || this.isTurning || this.view === "optimum") return this.known;
+    return this.view === "agent" ? agent : agent.costs;
+  }
+
+  /** The policy that is watched; null for none. */
+  get walker() {
+    const { walker } = this.data;
+    if (walker === "random" || (walker === "agent" && this.seen !== this.known)) return walker;
+    return this.known.policy === null ? null : walker && "best";
+  }
+
   /** Go back to before the last action; the same action will have the same outcome again. */
   undo() {
     const { place, ...before } = this.past.pop();
@@ -100,7 +116,7 @@ export class Game {
    * @returns {number[]}
    */
   marks(name, configuration = this.configuration) {
-    const { marks } = this.isTurning ? this.data.turns : this.data;
+    const { marks } = this.seen;
     const first = (this.isTurning ? 4 * configuration + this.heading : configuration) * this.cells;
     return marks?.[name]?.slice(first, first + this.cells) ?? [];
   }
@@ -132,7 +148,8 @@ export class Game {
    * @returns {number}
    */
   advice() {
-    if (this.data.walker === "best") return this.best;
+    if (this.walker === "best") return this.best;
+    if (this.walker === "agent") return this.chosen;
     if (this.isTurning) return this.policyRandom.integer(3);
     const possible = [0, 1, 2, 3, 4].filter((action) => this.isPossible(action));
     return possible[this.policyRandom.integer(possible.length)];
@@ -145,6 +162,15 @@ export class Game {
    */
   get best() {
     return this.end === null ? optimalAction(this) : -1;
+  }
+
+  /** The action of the agent here, drawn with its probabilities; -1 if it has none. */
+  get chosen() {
+    const { choices, policy } = this.data.agent;
+    const chances = choices[policy[this.state]] ?? [];
+    const draw = this.policyRandom.random();
+    let sum = 0;
+    return chances.findIndex((chance) => draw < (sum += chance));
   }
 
   /** Return the action of the optimal policy here, and count that it was asked for. */

@@ -1,6 +1,6 @@
 // Links: a level after the `#` of the page's address, as a share code and a play part.
 
-import { checked, LinkError, NOT_A_LEVEL } from "./checks.js";
+import { checked, LinkError, NOT_A_LEVEL, need } from "./checks.js";
 import { COMMON } from "./common.js";
 import { checksum } from "./play.js";
 
@@ -43,6 +43,8 @@ export async function linkedLevel(fragment) {
   } catch {
     throw new LinkError(NOT_A_LEVEL);
   }
+  // Only a page that was made for an agent has one.
+  need(data?.agent === undefined);
   const level = checked(data);
   level.code ??= letters;
   return level;

@@ -46,7 +46,7 @@ export function levelPicture(data, symbols = sprites(data.robot)) {
       "g",
       { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },
       ...layer("base"),
-      answer("heat", "values", element("g", { id: "cells" })),
+      answer("heat", "values", element("g", { id: "cells" }), ...legends(data, painter)),
       element("g", { id: "never" }),
       ...layer("grid"),
       element("g", { id: "signs" }, ...layer("signs")),
@@ -59,6 +59,12 @@ export function levelPicture(data, symbols = sprites(data.robot)) {
     element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
     things.moving,
   );
+}
+
+/** Return the legends of an agent's values and of its costs, of which one is shown. */
+function legends({ agent }, painter) {
+  const found = { "value-scale": agent?.legend, "cost-scale": agent?.costs?.legend };
+  return Object.entries(found).map(([id, layer]) => element("g", { id }, ...painter.layer(layer ?? [])));
 }
 
 /** Return whether a colour, such as that of the cells, is dark. */

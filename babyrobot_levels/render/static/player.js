@@ -13,17 +13,26 @@ import { closedSides, surroundings } from "./speech.js";
 import { lookElement } from "./things.js";
 import { Trail } from "./trail.js";
 import { View, ZOOM_STEP } from "./view.js";
+import { Views } from "./views.js";
 
 const view = new View(byId("stage"), byId("map"));
 const legend = new Legend(view, byId("rules"), byId("cell"));
 
 const sets = new ShownSets(byId("sets"), (configuration) => picture.look(configuration));
 
+const views = new Views(showView, (cells) => legend.outline(cells));
+
 let game = null;
 let picture = null;
 let trail = null;
 let isWatching = false;
 let timer = null;
+
+const WATCHED = {
+  best: "Watch the optimal policy",
+  random: "Watch the random policy",
+  agent: "Watch the agent",
+};
 
 /** Show a level and start to play it; nothing changes if that fails. */
 export function showLevel(data) {
@@ -35,7 +44,7 @@ export function showLevel(data) {
   trail = new Trail(game, svg);
   legend.show(game);
   sets.begin(game);
-  byId("watched").textContent = data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
+  views.begin(game);
   for (const name of ["values", "policy"]) {
     byId(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
   }
@@ -54,13 +63,22 @@ function showActions() {
   for (const place of document.querySelectorAll("[data-mode]")) {
     place.hidden = (place.dataset.mode === "turns") !== isTurning;
   }
-  const { walker } = data;
-  byId("watch").hidden = walker === null || (walker === "best" && known.policy === null);
+  views.stand();
+  byId("watch").hidden = game.walker === null;
+  byId("watched").textContent = WATCHED[game.walker];
   byId("best").textContent = known.best;
   byId("best").parentElement.hidden = known.best === "";
   byId("hint").hidden = known.policy === null;
   byId("show-values").hidden = known.policy === null;
-  byId("show-policy").hidden = known.policy === null || isTurning;
+  byId("show-policy").hidden = (known.policy === null && data.agent === undefined) || isTurning;
+}
+
+/** Show the optimum, the agent, or what the agent costs, as one chose. */
+function showView() {
+  watch(false);
+  showActions();
+  picture.showAnswers();
+  showSets();
 }
 
 export function factElements([name, value]) {
@@ -140,7 +158,7 @@ function showTrail() {
 
 /** Show for what is held values and optimal actions are shown, while they are. */
 function showSets() {
-  sets.stand(game.known.policy !== null && picture.showsAnswers);
+  sets.stand((game.known.policy !== null || game.seen !== game.known) && picture.showsAnswers);
 }
 
 /** Show what is held, and what is on. */
@@ -186,6 +204,7 @@ function takeAdvice() {
   const action = game.end === null ? game.advice() : -1;
   if (action < 0) {
     watch(false);
+    if (game.end === null) show("The agent has no action here.");
     return;
   }
   game.watched += 1;

@@ -27,7 +27,8 @@ export class ShownSets {
     });
     if (names.length > MOST) chips.push(made("span", `and ${names.length - MOST} more, when one comes to them`));
     this.told = made("p", "");
-    if (chips.length > 0) chips.unshift(made("legend", "Values and optimal actions for"));
+    const actions = game.data.agent === undefined ? "optimal actions" : "actions";
+    if (chips.length > 0) chips.unshift(made("legend", `Values and ${actions} for`));
     this.place.replaceChildren(...chips, this.told);
   }
 
