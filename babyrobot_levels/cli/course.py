@@ -37,8 +37,9 @@ def course(
     tells them what is right. pack.yaml lists the levels with their points.
 
     `build` makes for students, without hidden levels and answers: a site, sheets, a pack, share
-    codes, and the code with the levels; for teachers: the site and the sheets with the answers,
-    and an autograder. What was built before is replaced.
+    codes, and the code with the levels; for teachers: the site and the sheets with the answers, an
+    autograder for Gradescope, and pages that report to a school's system (SCORM). What was built
+    before is replaced.
 
     Exits with status 1 if a file of the course has an error.
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from babyrobot_levels.library.packs.build import Course, read_course
 from babyrobot_levels.library.search_path import data_folder
 from babyrobot_levels.publish.gallery import gallery
 from babyrobot_levels.publish.packing import pack
+from babyrobot_levels.publish.schools import gradescope, scorm, write_zip
 from babyrobot_levels.publish.sheet import PAPERS, sheet
 from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.text.emitter import emit
@@ -152,8 +152,9 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
     yield lambda: pack(code, archive)
     codes = "".join(f"{level.name}\n{share(level)}\n\n" for level in given)
     yield lambda: write_text(students / "codes.txt", codes)
+    yield lambda: write_zip(teacher / "scorm.zip", scorm(given, title))
     if course.fields.functions:
-        yield lambda: write_zip(teacher / "gradescope.zip", _gradescope(course))
+        yield lambda: write_zip(teacher / "gradescope.zip", gradescope(course))
 
 
 def _copy(course: Course, target: Path) -> None:
@@ -169,47 +170,3 @@ def _copy(course: Course, target: Path) -> None:
     fields = course.fields.model_dump(mode="json", exclude_defaults=True)
     fields["levels"] = [each for each in fields["levels"] if not each.get("hidden")]
     write_text(target / PACK_FILE, emit(fields))
-
-
-# -- autograders ---------------------------------------------------------------------------
-
-_SETUP = """\
-#!/usr/bin/env bash
-set -e
-apt-get update
-apt-get install -y python3 python3-venv
-python3 -m venv /autograder/venv
-/autograder/venv/bin/pip install babyrobot-levels
-"""
-
-_RUN = """\
-#!/autograder/venv/bin/python3
-import json
-from pathlib import Path
-
-import babyrobot_levels as brl
-
-if __name__ == "__main__":
-    found = brl.grade_functions("/autograder/source/course", "/autograder/submission")
-    results = Path("/autograder/results/results.json")
-    results.write_text(json.dumps(found.to_gradescope()))
-"""
-
-
-def _gradescope(course: Course) -> Mapping[str, bytes]:
-    """Return the files of an autograder for Gradescope."""
-    files = {"setup.sh": _SETUP.encode(), "run_autograder": _RUN.encode()}
-    paths = [course.folder / PACK_FILE, *course.files.values()]
-    for path in sorted(paths):
-        files[f"course/{path.relative_to(course.folder).as_posix()}"] = path.read_bytes()
-    return files
-
-
-def write_zip(path: Path, files: Mapping[str, bytes]) -> None:
-    """Write an archive: the same files give the same bytes."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in files.items():
-            info = zipfile.ZipInfo(name)
-            is_script = data.startswith(b"#!")
-            info.external_attr = (0o100755 if is_script else 0o100644) << 16
-            archive.writestr(info, data, zipfile.ZIP_DEFLATED)

@@ -48,6 +48,7 @@ def test_what_is_built(built: Path) -> None:
     }
     assert {path.name for path in teacher.iterdir()} == {
         "gradescope.zip",
+        "scorm.zip",
         "sheet-key-a4.pdf",
         "sheet-key-letter.pdf",
         "site",

@@ -1,0 +1,98 @@
+"""What of a course goes into the systems of schools: autograders, and pages that report to them."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.packs.build import Course
+from babyrobot_levels.render.templates import html, put_together
+from babyrobot_levels.text.files import PACK_FILE
+
+_SETUP = """\
+#!/usr/bin/env bash
+set -e
+apt-get update
+apt-get install -y python3 python3-venv
+python3 -m venv /autograder/venv
+/autograder/venv/bin/pip install babyrobot-levels
+"""
+
+_RUN = """\
+#!/autograder/venv/bin/python3
+import json
+from pathlib import Path
+
+import babyrobot_levels as brl
+
+if __name__ == "__main__":
+    found = brl.grade_functions("/autograder/source/course", "/autograder/submission")
+    results = Path("/autograder/results/results.json")
+    results.write_text(json.dumps(found.to_gradescope()))
+"""
+
+
+def gradescope(course: Course) -> Mapping[str, bytes]:
+    """Return the files of an autograder for Gradescope."""
+    files = {"setup.sh": _SETUP.encode(), "run_autograder": _RUN.encode()}
+    paths = [course.folder / PACK_FILE, *course.files.values()]
+    for path in sorted(paths):
+        files[f"course/{path.relative_to(course.folder).as_posix()}"] = path.read_bytes()
+    return files
+
+
+def write_zip(path: Path, files: Mapping[str, bytes]) -> None:
+    """Write an archive: the same files give the same bytes."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            info = zipfile.ZipInfo(name)
+            is_script = data.startswith(b"#!")
+            info.external_attr = (0o100755 if is_script else 0o100644) << 16
+            archive.writestr(info, data, zipfile.ZIP_DEFLATED)
+
+
+# -- SCORM ---------------------------------------------------------------------------------
+
+_PACKAGING = "http://www.imsproject.org/xsd/imscp_rootv1p1p2"
+_SCORM = "http://www.adlnet.org/xsd/adlcp_rootv1p2"
+
+
+def scorm(levels: Sequence[Level], title: str) -> Mapping[str, bytes]:
+    """Return the files of a package of SCORM 1.2: each level is a page that reports its score."""
+    files = {"imsmanifest.xml": _manifest(levels, title)}
+    files["scorm.js"] = put_together("publish/static/scorm.js").encode()
+    for level in levels:
+        page = html("publish/static/scorm.html", title=level.title or level.name)
+        files[f"{level.name}/index.html"] = page.encode()
+        files[f"{level.name}/level.html"] = level.to_html(answers=False).encode()
+    return files
+
+
+def _manifest(levels: Sequence[Level], title: str) -> bytes:
+    root = ElementTree.Element("manifest", identifier="course", version="1.0", xmlns=_PACKAGING)
+    root.set("xmlns:adlcp", _SCORM)
+    about = ElementTree.SubElement(root, "metadata")
+    ElementTree.SubElement(about, "schema").text = "ADL SCORM"
+    ElementTree.SubElement(about, "schemaversion").text = "1.2"
+    organizations = ElementTree.SubElement(root, "organizations", default="levels")
+    organization = ElementTree.SubElement(organizations, "organization", identifier="levels")
+    ElementTree.SubElement(organization, "title").text = title
+    resources = ElementTree.SubElement(root, "resources")
+    for level in levels:
+        item = ElementTree.SubElement(
+            organization, "item", identifier=f"item-{level.name}", identifierref=f"of-{level.name}"
+        )
+        ElementTree.SubElement(item, "title").text = level.title or level.name
+        pages = [f"{level.name}/index.html", f"{level.name}/level.html", "scorm.js"]
+        resource = ElementTree.SubElement(
+            resources, "resource", identifier=f"of-{level.name}", type="webcontent", href=pages[0]
+        )
+        resource.set("adlcp:scormtype", "sco")
+        for page in pages:
+            ElementTree.SubElement(resource, "file", href=page)
+    ElementTree.indent(root)
+    data: bytes = ElementTree.tostring(root, "utf-8", xml_declaration=True)
+    return data
