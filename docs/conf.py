@@ -37,7 +37,13 @@ extensions = [
 ]
 
 root_doc = "docs/index"
-include_patterns = ["*.md", "benchmarks/*.md", "docs/**.md", "notebooks/*.ipynb"]
+include_patterns = [
+    "*.md",
+    "benchmarks/*.md",
+    "benchmarks/design/*.md",
+    "docs/**.md",
+    "notebooks/*.ipynb",
+]
 
 myst_enable_extensions = ["html_image"]
 # Headings get the anchors that they have on GitHub.
