@@ -294,6 +294,8 @@ class Judge:
 
 def serve(asked: IO[str], answered: IO[str]) -> None:
     """Judge what comes in lines, one after the other: the process of `Judge`."""
+    # Libraries are loaded when they are first needed, which takes seconds.
+    Brief("", "", expect={"success": 1}).judge("version: 1")
     print("ready", file=answered, flush=True)
     for line in asked:
         data, answer = json.loads(line)

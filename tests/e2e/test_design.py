@@ -208,12 +208,12 @@ def test_facts_about_things_are_told_of_levels_without_things() -> None:
 
 
 def test_a_level_that_takes_too_long_is_not_met() -> None:
-    with design.Judge(seconds=0.5) as judge:
+    with design.Judge(seconds=2) as judge:
         assert judge(WET, GOOD) == []
         begin = time.monotonic()
-        (found,) = judge(WET, "version: 1\nsize: [1000, 1000]\nskid: 0.4\n")
-        assert found["message"] == "the level could not be judged in 0.5 seconds"
-        assert time.monotonic() - begin < 5
+        (found,) = judge(WET, "version: 1\nsize: [800, 800]\nskid: 0.4\n")
+        assert found["message"] == "the level could not be judged in 2 seconds"
+        assert time.monotonic() - begin < 30
         assert judge(WET, GOOD) == []
         assert "more than" in judge(WET, "#" * (design.MAX_CHARACTERS + 1))[0]["message"]
 
