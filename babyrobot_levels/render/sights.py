@@ -235,7 +235,7 @@ class Narrator:
             lines = [
                 *self._place(cell, now),
                 *self._painter.lines(state, held=False),
-                *_told("there", {at: self._things(at, now) for at in self._thing_cells(now)}),
+                *_told("there", {at: self._contents(at, now) for at in self._covered(now)}),
                 *self._movers(now, lambda _: True),
             ]
         elif self._sight == "view":
@@ -342,21 +342,19 @@ class Narrator:
         yield f"columns {columns[0]} to {columns[-1]}, rows {rows[0]} to {rows[-1]}:"
         lines = self._painter.lines(state, held=False)
         for row in range(2 * rows.start, 2 * rows.stop + 1):
-            ys = {(row - 1) // 2, row // 2}
-            text = ""
-            for column in range(4 * columns.start, 4 * columns.stop + 1):
-                xs = {(column - 1) // 4, column // 4}
-                is_seen = any((x, y) in seen for x in xs for y in ys)
-                hidden = "?" if row % 2 and column % 4 == 2 else " "
-                text += lines[row][column] if is_seen else hidden
-            if text.strip():
-                yield text.rstrip()
+            shown = [*("  ? " if row % 2 else "    ") * columns.stop, " "]
+            for x in {x for x, y in seen if y in ((row - 1) // 2, row // 2)}:
+                span = slice(4 * x, 4 * x + 5)
+                shown[span] = lines[row][span]
+            if told := "".join(shown[4 * columns.start :]).rstrip():
+                yield told
 
-    def _thing_cells(self, now: Configuration) -> Iterable[Cell]:
-        """Return the cells in which items lie and switches are."""
+    def _covered(self, now: Configuration) -> Iterable[Cell]:
+        """Return the cells whose sign in a drawing is that of a thing, which may hide others."""
         things = self._level.things()
         lying = [at for at in now.items if at is not None]
-        return dict.fromkeys([*lying, *(things[column].entry.at for column in things.fixed)])
+        switches = [things[column].entry.at for column in things.fixed]
+        return dict.fromkeys([*lying, *switches, *now.movers])
 
 
 def _told(where: str, contents: Mapping[Cell, Iterable[str]]) -> Iterator[str]:

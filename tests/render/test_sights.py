@@ -108,6 +108,18 @@ def test_a_map_tells_things_apart_that_have_one_sign() -> None:
     assert told in lines
 
 
+def test_a_map_tells_what_things_and_movers_hide() -> None:
+    wet = level(
+        size=[4, 1],
+        puddles=[{"at": [1, 0]}, {"at": [2, 0], "size": "large"}],
+        items=[{"name": "key", "at": [1, 0]}],
+        movers=[{"name": "guard", "path": [[2, 0], [3, 0]]}],
+        max_steps=9,
+    )
+    told = "there: the key at [1, 0]; a small puddle at [1, 0]; a large puddle at [2, 0]"
+    assert told in scene(wet, "map", (0, 0))
+
+
 def test_a_view_hides_what_is_not_seen(house: brl.Level) -> None:
     lines = scene(house, "view", (1, 1))
     assert "?" in "".join(lines)
