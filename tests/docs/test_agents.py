@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from hashlib import sha256
 from typing import Any
+from xml.etree.ElementTree import fromstring
 
 import pytest
 from support.places import DOCS, ROOT
@@ -78,6 +79,23 @@ def test_the_wall_follower_gets_through_any_maze_without_loops(script: Any) -> N
     maze = brl.Level(version=1, size=[6, 6], maze={"seed": 3}, exit=[5, 5], max_steps=200)
     (score,) = brl.score(script.wall_follower(), maze, sight="words", episodes=2)
     assert (score.success, score.invalid) == (1, 0)
+
+
+def test_mean_regrets_come_to_the_exact_ones(script: Any) -> None:
+    level = brl.load(script.LEVEL)
+    picture = (DOCS / "images" / "regret.svg").read_text("utf-8")
+    for name, policy in script.policies(level).items():
+        (score,) = brl.score(policy.reshape(*level.compile().shape, 5), level)
+        assert f">{score.regret:.2f}  {name}<" in picture
+        regrets, lacks = script.lost(level, policy, 60)
+        assert abs(regrets.mean() - score.regret) <= 3 * regrets.std() / 60**0.5
+        assert regrets.std() < lacks.std() / 2
+    assert regrets.max() == 0, "the optimal agent's"
+
+
+def test_the_figure_has_a_curve_for_each_mean(script: Any) -> None:
+    picture = fromstring(script.figure(4))
+    assert len(picture.findall("{*}polyline")) == 6
 
 
 def test_moves_and_labels_are_counted(script: Any) -> None:
