@@ -59,6 +59,8 @@ from .envs.samplers import WeightedSampler as WeightedSampler
 from .envs.single import LevelEnv as LevelEnv
 from .envs.text import TextObservation as TextObservation
 from .envs.vector.env import LevelVectorEnv as LevelVectorEnv
+from .generation.mutation import crossover as crossover
+from .generation.mutation import mutate as mutate
 from .generation.search import UnsatisfiableError as UnsatisfiableError
 from .generation.starter import new_level as new_level
 from .language.json_schema import schema as schema

@@ -16,6 +16,7 @@ import typer
 
 from babyrobot_levels.cli.app import INTERRUPTED
 from babyrobot_levels.cli.console import FINDINGS, fail, note, value_option, write
+from babyrobot_levels.cli.inputs import load_level
 from babyrobot_levels.cli.parallel import (
     JobsOption,
     RayAddressOption,
@@ -138,6 +139,16 @@ def generate(
             show_default=False,
         ),
     ] = None,
+    base: Annotated[
+        str | None,
+        value_option(
+            "LEVEL", "Mutate this level instead of growing mazes: its name or file.", "--from"
+        ),
+    ] = None,
+    edits: Annotated[
+        str | None,
+        value_option(RANGE, "Number of random edits, with --from: 3, 1..5.  [default: 1]"),
+    ] = None,
     names: Annotated[
         str | None,
         value_option(
@@ -200,6 +211,8 @@ def generate(
       babyrobot generate --count 200 --split train=0.8,test=0.2 -o data
 
       babyrobot generate small-mazes --count 100 -o data
+
+      babyrobot generate --from final-maze --edits 1..5 --count 20 -o mutants
     """
     from babyrobot_levels.suites.batch import FolderError, Target
 
@@ -211,7 +224,9 @@ def generate(
     if any(output.resolve().is_relative_to(folder.resolve()) for folder in exclude or []):
         fail("--exclude contains the folder to write to", "write to another folder")
     excluded = _digests_in(exclude or [], workers)
-    batch = _batch(suite, conditions, excluded, names, title, first)
+    if edits is not None and base is None:
+        fail("--edits needs a level to edit", "add --from LEVEL")
+    batch = _batch(suite, conditions, excluded, names, title, first, base, edits)
     target = Target(batch, output, resume, force)
     try:
         _write(target, workers, keep_going=keep_going)
@@ -226,16 +241,27 @@ def _batch(
     names: str | None,
     title: str | None,
     first: int,
+    base: str | None,
+    edits: str | None,
 ) -> Batch:
-    from babyrobot_levels.suites.batch import Batch, is_pattern, is_title
+    from babyrobot_levels.suites.batch import Batch, Original, is_pattern, is_title
     from babyrobot_levels.suites.generate import described
     from babyrobot_levels.suites.sources import name_pattern
     from babyrobot_levels.text.errors import LevelError
 
+    own: dict[str, Any] = {}
+    original, parents = None, frozenset[str]()
+    if base is not None:
+        _check_mutants(suite, conditions)
+        level, own = load_level(base), {"--from": base, "--edits": edits or "1"}
+        original = Original.of(level, _range("edits", own["--edits"]))
+        parents = frozenset([level.digest])
     if suite is None:
         if conditions["count"] is None:
             fail("the number of levels is missing", "add --count N, or the name of a suite")
-        fields, description = suite_of(conditions), command_line(conditions)
+        description = command_line(conditions, own or {"--size": "8x5"})
+        # All metrics may be expected of mutants, as of levels with things.
+        fields = suite_of({**conditions, "guards": "1"} if own else conditions)
     else:
         fields = _suite_named(suite, conditions)
         description = described(fields)
@@ -248,13 +274,28 @@ def _batch(
         fail(f"--title: invalid pattern {title!r}", "expected a text such as 'Maze {index}'")
     if excluded:
         description += f", without {len(excluded):,} games"
-    batch = Batch(fields, pattern, description, excluded, first, title)
+    batch = Batch(fields, pattern, description, excluded | parents, first, title, original)
     try:
-        batch.maker().draw(0, 0)
+        maker = batch.maker()
+        if original is None:
+            maker.draw(0, 0)
+    except ValueError as error:
+        fail(f"--{error}")
     except LevelError as error:
         # Only the theme can be wrong: the files must be valid wherever they are.
         fail(error.diagnostics[0].message, error.diagnostics[0].help)
     return batch
+
+
+def _check_mutants(suite: str | None, conditions: dict[str, Any]) -> None:
+    """End the command if mutants of a level cannot meet a condition."""
+    from babyrobot_levels.generation.mutation import MUTANT_FIELDS
+
+    known = {*map(option, MUTANT_FIELDS), "--count"}
+    wrong = [name for name in given_options(conditions) if name not in known]
+    if suite is not None or wrong:
+        what = wrong[0] if wrong else "a suite"
+        fail(f"{what} cannot be combined with --from", "leave out one of the two")
 
 
 def _suite_named(suite: str, conditions: dict[str, Any]) -> SuiteFields:
@@ -388,9 +429,14 @@ def given_options(typed: Mapping[str, Any]) -> dict[str, Any]:
     return {option(name): value for name, value in typed.items() if value not in (None, [])}
 
 
-def command_line(typed: Mapping[str, Any]) -> str:
-    """Return the call that generates the same levels, as a line for a shell."""
-    given = {"--size": "8x5", **given_options(typed), "--seed": typed["seed"] or 0}
+def command_line(typed: Mapping[str, Any], first: Mapping[str, Any]) -> str:
+    """Return the call that generates the same levels, as a line for a shell.
+
+    Args:
+        typed: the values that were given, by the names of parameters.
+        first: what the line begins with, by option, unless another value was given.
+    """
+    given = {**first, **given_options(typed), "--seed": typed["seed"] or 0}
     del given["--count"]
     if "--split" in given:
         # The splits depend on the number of levels.

@@ -248,7 +248,7 @@ class Candidate:
             )
         fields |= self._things or {}
         if "movers" in fields:
-            fields["hit"] = suite.hit or Hit(reward=_hit_reward(suite, self.size))
+            fields["hit"] = suite.hit or Hit(reward=hit_reward(suite, self.size))
         if self._wind:
             fields["wind"] = Wind.model_validate(self._wind)
         level = self._grown.model_copy(update=fields)
@@ -277,6 +277,8 @@ class Maker:
     ) -> None:
         self.suite, self.names, self.folder, self.first = suite, names, folder, first
         self.splits = split_ranges(suite)
+        self.promised: dict[str, Any] = {"success": 1.0}
+        """What must be true of all levels' metrics, unless the suite expects something else."""
         self._blank = lru_cache(SIZES_KEPT)(self._make_blank)
 
     def name(self, number: int) -> str:
@@ -299,9 +301,7 @@ class Maker:
 
     def draw(self, number: int, attempt: int) -> Candidate:
         """Return a candidate for a level."""
-        suite = self.suite
-        key = sha256(f"{suite.seed}/{number}/{attempt}".encode("ascii")).digest()
-        rng = random.Random(int.from_bytes(key, "big"))
+        suite, rng = self.suite, self._rng(number, attempt)
         (least_wide, least_high), (most_wide, most_high) = bounds(suite.size)
         width = _between(rng, least_wide, most_wide)
         height = _between(rng, least_high, most_high)
@@ -318,6 +318,11 @@ class Maker:
         if "farthest" in (suite.start, suite.exit):
             start, exit_ = _far_apart(suite, neighbours(grown.grid()), start, exit_)
         return Candidate(self, self.name(number), rng, grown, start, exit_)
+
+    def _rng(self, number: int, attempt: int) -> random.Random:
+        """Return the generator from which a candidate is drawn."""
+        key = sha256(f"{self.suite.seed}/{number}/{attempt}".encode("ascii")).digest()
+        return random.Random(int.from_bytes(key, "big"))
 
     def _draw_maze(self, rng: random.Random) -> dict[str, Any]:
         suite = self.suite
@@ -365,9 +370,9 @@ def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
     return level
 
 
-def _hit_reward(suite: SuiteFields, size: tuple[int, int]) -> float:
+def hit_reward(rules: SuiteFields | Level, size: tuple[int, int]) -> float:
     """Return a reward that is worse than any way to the exit: a round number, by the size alone."""
-    rewards = suite.rewards
+    rewards = rules.rewards
     step = max(abs(rewards.step), abs(rewards.closer or 0), abs(rewards.farther or 0))
     cost = HIT_STEPS * size[0] * size[1] * step + abs(rewards.exit) or 1.0
     power = 10.0 ** math.floor(math.log10(cost))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -127,6 +127,7 @@ class Tally:
     suite: SuiteFields
     layouts: tuple[float, float]
     split: str | None
+    promised: Mapping[str, Any]
     tries: int = 0
     playable: int = 0
     in_split: int = 0
@@ -151,7 +152,7 @@ class Tally:
             if asked is not None:
                 self.conditions[name] = Condition(name, asked, name)
         stated = {} if self.suite.expect is None else self.suite.expect.stated
-        for metric, value in {"success": 1.0, **stated}.items():
+        for metric, value in {**self.promised, **stated}.items():
             name = f"expect {metric}"
             self.conditions[name] = Condition(metric, value, name)
         for name, condition in self.conditions.items():
@@ -277,7 +278,7 @@ def find_level(
         UnsatisfiableError: no candidate meets them, within the limits of the search.
     """
     layouts = maker.layouts(number)
-    tally = Tally(maker.suite, layouts, maker.split(number))
+    tally = Tally(maker.suite, layouts, maker.split(number), maker.promised)
     for attempt in range(first, first + most_tries(maker.suite, layouts)):
         candidate = maker.draw(number, attempt)
         if tally.accepts(candidate):

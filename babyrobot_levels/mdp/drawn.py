@@ -69,18 +69,18 @@ def resolved_fields(level: LevelSpec, grid: Grid) -> dict[str, Any]:
 
     Tables and picture stay the same.
     """
-    walls = _walls(level, grid)
+    walls = inner_walls(level, grid)
     fields: dict[str, Any] = {"maze": None, "openings": None}
     if level.map is not None:
         fields["map"] = d.compose(drawing_of(level, grid))
         # `walls` only gives what a drawing cannot show.
         drawn: tuple[Traits, ...] = ({}, {"pass": GLASS_PASS})
         walls = {edge: traits for edge, traits in walls.items() if traits not in drawn}
-    fields["walls"] = list(_entries(walls)) or None
+    fields["walls"] = list(wall_entries(walls)) or None
     return fields
 
 
-def _walls(level: LevelSpec, grid: Grid) -> dict[Edge, Traits]:
+def inner_walls(level: LevelSpec, grid: Grid) -> dict[Edge, Traits]:
     """Return all walls between cells, and of the outer wall what has looks of its own."""
     walls: dict[Edge, Traits] = {edge: {} for edge in _inner_edges(grid)}
     for (cell, side), probability in grid.glass.items():
@@ -116,7 +116,7 @@ def _edge(side: str, x: int, y: int, grid: Grid) -> tuple[Edge, bool]:
     return ("S", x, y - 1) if side == "N" else ("E", x - 1, y), False
 
 
-def _entries(walls: dict[Edge, Traits]) -> Iterator[dict[str, Any]]:
+def wall_entries(walls: dict[Edge, Traits]) -> Iterator[dict[str, Any]]:
     """Yield entries of `walls`, those in a line as one: by rows, then by columns."""
     edges = sorted(walls, key=_position)
     for line in consecutive(edges, _position):

@@ -13,13 +13,16 @@ from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.generation.candidates import Maker
+from babyrobot_levels.generation.edits import EDITED, flat_fields
+from babyrobot_levels.generation.mutation import Mutants
 from babyrobot_levels.generation.search import Found, UnsatisfiableError, find_level
 from babyrobot_levels.language.names import SLUG
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.level import Level, loads
 from babyrobot_levels.parallel.executor import Executor, Failure
+from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import SUFFIXES, write_text
 
@@ -29,6 +32,28 @@ FORMAT_VERSION = 1
 _NAMES = re.compile(r"([a-z0-9-]*)\{index(:0[1-9])?\}([a-z0-9-]*)")
 _HEADER = re.compile(r"# Level (\d+) of the order ([0-9a-f]{12}), try (\d+):\n")
 _FOR_PEOPLE = ("name", "title", "description", "author", "license", "source", "tags")
+
+
+@dataclass(frozen=True)
+class Original:
+    """The level of which a batch has mutants.
+
+    Attributes:
+        text: the level, in the language.
+        edits: how many edits, or a range such as `"1..5"`.
+    """
+
+    text: str
+    edits: int | str
+
+    @classmethod
+    def of(cls, level: Level, edits: int | str) -> Original:
+        """Return a level as workers and marks need it.
+
+        Raises:
+            LevelError: its maze has no seed yet.
+        """
+        return cls(emit(flat_fields(level)), edits)
 
 
 @dataclass(frozen=True)
@@ -42,6 +67,7 @@ class Batch:
         excluded: the digests of levels that must not be among them.
         first: the index of the first level in its name and title.
         title: their titles, a text that may have `{index}` in it; None for no titles.
+        original: the level of which they are mutants; None for levels that are grown.
     """
 
     suite: SuiteFields
@@ -50,6 +76,7 @@ class Batch:
     excluded: frozenset[str] = field(default_factory=frozenset)
     first: int = 0
     title: str | None = None
+    original: Original | None = None
 
     @cached_property
     def mark(self) -> str:
@@ -65,6 +92,8 @@ class Batch:
         whole = [version, stated, self.names, sorted(self.excluded)]
         if self.first or self.title is not None:
             whole += [self.first, self.title]
+        if self.original is not None:
+            whole += [self.original.text, self.original.edits]
         return sha256(json.dumps(whole, sort_keys=True).encode("utf-8")).hexdigest()[:12]
 
     def name(self, number: int) -> str:
@@ -96,7 +125,10 @@ class Batch:
 
 @lru_cache(maxsize=2)
 def _maker(batch: Batch) -> Maker:
-    return Maker(batch.suite, batch.names, first=batch.first)
+    if batch.original is None:
+        return Maker(batch.suite, batch.names, first=batch.first)
+    level, edits = loads(batch.original.text), batch.original.edits
+    return Mutants(level, edits, EDITED, batch.suite, names=batch.names, first=batch.first)
 
 
 def origin_of(text: str) -> tuple[str, int, int] | None:

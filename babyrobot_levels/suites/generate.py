@@ -9,6 +9,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.generation.mutation import MUTANT_FIELDS
 from babyrobot_levels.language.documents import grown_from_mapping, read_theme, theme_folders
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
@@ -17,7 +18,14 @@ from babyrobot_levels.language.validation import validate
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.parallel import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor
-from babyrobot_levels.suites.batch import Batch, Generated, Target, is_pattern, is_title
+from babyrobot_levels.suites.batch import (
+    Batch,
+    Generated,
+    Original,
+    Target,
+    is_pattern,
+    is_title,
+)
 from babyrobot_levels.suites.sources import name_pattern
 from babyrobot_levels.suites.suite import Levels, Suite, load_suite, named_levels
 
@@ -44,6 +52,8 @@ def generate(
     folder: str | os.PathLike[str] = "levels",
     *,
     count: int | None = None,
+    base: Any = None,
+    edits: int | str = 1,
     names: str | None = None,
     title: str | None = None,
     first: int = 0,
@@ -67,6 +77,10 @@ def generate(
             one of the conditions.
         folder: the folder to write to, with a folder inside for each split.
         count: the number of levels, instead of that of the suite.
+        base: a level, of which the others are mutants instead of being grown: a name, a path, a
+            mapping or a `Level`; see `mutate`. Of the conditions, mutants have `seed`, `splits`,
+            `path_length`, `dead_ends`, `detour`, `difficulty` and `expect`.
+        edits: how many edits a mutant has; a range such as `"1..5"` draws how many.
         names: the names of the levels, a text with `{index}` or `{index:02}` in it; by default
             the suite's name, or `level`, and a number of five digits.
         title: their titles, a text that may have `{index}` in it; by default they have none.
@@ -97,6 +111,10 @@ def generate(
             leaves a split without levels; or another argument has an invalid value.
         OSError: a file cannot be written.
     """
+    original = None
+    if base is not None:
+        level = load(base)
+        original, conditions = Original.of(level, edits), mutant_conditions(suite, conditions)
     if suite is None:
         given = {"version": 1, "kind": "suite", **conditions}
         suite = given if count is None else {**given, "count": count}
@@ -105,14 +123,19 @@ def generate(
     fields = _fields_of(load_suite(suite), count)
     others = map(load, named_levels(exclude))
     excluded = frozenset(level.digest for level in others if not level.has_random_maze)
+    about = described(fields)
+    if original is not None:
+        about = f"mutants of {level.name or 'a level'}, edits {edits}, seed {fields.seed}"
     batch = Batch(
         fields,
         names or name_pattern(fields),
-        described(fields) + (f", without {len(excluded):,} games" if excluded else ""),
-        excluded,
+        about + (f", without {len(excluded):,} games" if excluded else ""),
+        excluded if original is None else excluded | {level.digest},
         first,
         title,
+        original,
     )
+    batch.maker()
     if not is_pattern(batch.names):
         raise ValueError(f"names: expected a text such as 'maze-{{index:02}}', not {names!r}")
     if title is not None and not is_title(title):
@@ -125,6 +148,21 @@ def generate(
             if progress is not None:
                 progress(len(made), fields.count)
     return made
+
+
+def mutant_conditions(suite: Any, conditions: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a suite of mutants, as data.
+
+    Raises:
+        ValueError: there is a suite, or mutants have no such condition.
+    """
+    if suite is not None:
+        raise ValueError("a suite cannot be combined with the level that is mutated")
+    for name in conditions:
+        if name not in MUTANT_FIELDS:
+            raise ValueError(f"{name} cannot be combined with the level that is mutated")
+    # All metrics may be expected, as those of levels with things.
+    return {"guards": 1, **conditions}
 
 
 def _fields_of(suite: Suite, count: int | None) -> SuiteFields:
