@@ -55,6 +55,8 @@ class PageOptions(TypedDict, total=False):
     coordinates: bool | None
     theme: Any
     answers: bool
+    previous_page: str | None
+    next_page: str | None
 
 
 def takes(options: Any, **defaults: Any) -> Callable[[Callable[P, T]], Callable[P, T]]:

@@ -6,6 +6,7 @@ The methods of `Level` and the command line make them here, and therefore make t
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -310,6 +311,10 @@ def to_html(
         answers: whether the page knows the solution: values, optimal actions, hints, and how
             good a return is. With False, nothing of it is in the page, and of an agent only its
             actions.
+        previous_page: the address of the page of another level, as its file's name beside this
+            page: the page leads back to it.
+        next_page: the same for the level that follows; the result of a good end leads there, too.
+            Pages with either keep what is reached, in the browser.
         tell: called with a text if there is no solution that the page could show, and none is
             asked for; by default, this is a warning.
 
@@ -352,9 +357,31 @@ def to_html(
         watched, arrows = "agent", True
     seed = shown["seed"]
     page = paint(
-        level, guide=guide, agent=agent, policy=watched, seed=seed, values=values, arrows=arrows
+        level,
+        guide=guide,
+        agent=agent,
+        policy=watched,
+        seed=seed,
+        values=values,
+        arrows=arrows,
+        previous_page=page_address("previous_page", shown.get("previous_page")),
+        next_page=page_address("next_page", shown.get("next_page")),
     )
     return _saved(page, path)
+
+
+def page_address(name: str, given: str | None) -> str | None:
+    """Return an address that a page leads to.
+
+    Raises:
+        ValueError: it is none of a page, but of a script, for example.
+    """
+    scheme = re.match(r"\s*([^/?#:]*):", given or "")
+    if scheme and scheme[1].lower() not in ("http", "https", "file"):
+        raise ValueError(
+            f"{name} must be the address of a page, such as ../index.html, not {given}"
+        )
+    return given
 
 
 # -- the formats -----------------------------------------------------------------------------

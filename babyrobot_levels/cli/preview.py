@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
 import typer
 from typer.core import TyperCommand
@@ -69,6 +69,8 @@ if TYPE_CHECKING:
     FormatName: TypeAlias = str
 else:
     FormatName = StrEnum("FormatName", [(name, name) for name in FORMATS])
+
+Item = TypeVar("Item")
 
 _PLAYED = listed(titles_of("seed"))
 
@@ -210,6 +212,7 @@ def preview(
 
     Several levels, folders and packs are drawn one below the other. With -o FOLDER, a picture of
     each is written there, also of the levels of a suite: SVG files unless --format says otherwise.
+    Pages lead from one level to the next.
 
     Examples:
 
@@ -281,17 +284,17 @@ def preview(
     }
     plain = chosen.name == "ascii" or output is not None
 
-    def drawn(level: Level, report: Report) -> str | bytes:
+    def drawn(level: Level, report: Report, **pages: str | None) -> str | bytes:
         shown = _prepared(level, theme, coordinates, maze_seed, several=not one)
         if is_text:
             check_policy(chosen, policy)
             text = _text(shown, values=values, policy=policy is not None, held=held, plain=plain)
             return text + (_rules_text(shown) if rules else "")
         if agent is None:
-            return picture(shown, chosen.name, asked, report)
+            return picture(shown, chosen.name, asked | pages, report)
         with blamed(agent):
             table = table_of(given, shown, observation=observation, actions=actions)
-        return picture(shown, chosen.name, {**asked, "policy": table}, report)
+        return picture(shown, chosen.name, {**asked, **pages, "policy": table}, report)
 
     def made() -> str | bytes:
         with working("drawing") as report:
@@ -306,7 +309,7 @@ def preview(
 
 def _put_all(
     levels: Suite | list[Any],
-    drawn: Callable[[Level, Report], str | bytes],
+    drawn: Callable[..., str | bytes],
     chosen: PictureFormat,
     output: Path | None,
 ) -> None:
@@ -317,11 +320,22 @@ def _put_all(
         levels, _ = valid_levels(levels, "pictures were")
     folder = None if output is None else folder_for(output)
     loaded = track(each_loaded(levels), len(levels), "drawing")
-    for index, (name, level) in enumerate(names_of_files(loaded)):
-        result = drawn(level, lambda done, total: None)
+    named = ((f"{name}{chosen.suffixes[0]}", level) for name, level in names_of_files(loaded))
+    for before, (file, level), after in _with_neighbours(named):
+        pages = {"previous_page": before and before[0], "next_page": after and after[0]}
+        result = drawn(level, lambda done, total: None, **pages)
         if folder is None:
-            write(("\n" if index else "") + f"{printable(level.name or name)}\n\n")
-        put(result, folder and folder / f"{name}{chosen.suffixes[0]}", chosen.title)
+            write(("\n" if before else "") + f"{printable(level.name or Path(file).stem)}\n\n")
+        put(result, folder and folder / file, chosen.title)
+
+
+def _with_neighbours(items: Iterator[Item]) -> Iterator[tuple[Item | None, Item, Item | None]]:
+    """Yield each item between the one before and the one after it; None where there is none."""
+    before, here = None, next(items, None)
+    while here is not None:
+        after = next(items, None)
+        yield before, here, after
+        before, here = here, after
 
 
 def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:

@@ -135,8 +135,8 @@ def gallery(
     """
     if key and not answers:
         raise ValueError("a teacher's copy (key) shows the answers; leave out answers=False")
-    _check_address("home", home)
-    _check_address("editor", editor)
+    pictures.page_address("home", home)
+    pictures.page_address("editor", editor)
     path = Path(folder)
     check_place(path, force=force)
     named = named_levels(levels)
@@ -195,14 +195,6 @@ def _write_shared(folder: Path, facts: list[Facts], shown: GalleryPages, home: s
         "levels": [each.to_dict() for each in facts],
     }
     (folder / LIST).write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", "utf-8")
-
-
-def _check_address(name: str, given: str | None) -> None:
-    scheme = re.match(r"\s*([^/?#:]*):", given or "")
-    if scheme and scheme[1].lower() not in ("http", "https", "file"):
-        raise ValueError(
-            f"{name} must be the address of a page, such as ../index.html, not {given}"
-        )
 
 
 # -- names ---------------------------------------------------------------------------------

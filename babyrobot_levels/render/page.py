@@ -114,7 +114,7 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         description=data["description"],
         icon="data:image/svg+xml;base64," + base64.b64encode(icon.encode()).decode(),
         picture=as_html(_picture(level, shown, data["shown"])),
-        agent=shown.get("agent"),
+        **{name: shown.get(name) for name in ("agent", "previous_page", "next_page")},
         facts=facts(level),
         common=embedded_json(common),
         data=embedded_json(data),
@@ -288,6 +288,8 @@ class PageOptions(TypedDict, total=False):
         seed: the random seed of the first episode.
         values: whether the values of cells are shown at first.
         arrows: whether the optimal actions are shown at first.
+        previous_page: the address of the page of the level before, to which the page leads.
+        next_page: that of the level after it, to which also the card of a result leads.
         turns: whether the robot turns at first. The page can change between turning and moving
             if it does, or if the level sets a `heading`.
     """
@@ -298,6 +300,8 @@ class PageOptions(TypedDict, total=False):
     seed: int
     values: bool
     arrows: bool
+    previous_page: str | None
+    next_page: str | None
     turns: bool
 
 

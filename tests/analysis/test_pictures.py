@@ -107,6 +107,8 @@ def test_what_does_not_fit_is_refused() -> None:
         level.to_svg(policy="random")
     with pytest.raises(ValueError, match="a policy given by name is 'best', not 'bset'"):
         level.to_png(policy="bset")
+    with pytest.raises(ValueError, match="next_page must be the address of a page"):
+        level.to_html(next_page="javascript:alert(1)")
     with pytest.raises(ValueError, match="the policy of a page is 'best' or 'random'"):
         level.to_html(policy="bset")
     with pytest.raises(ValueError, match="no item or switch 'kye'; did you mean `key`"):

@@ -411,6 +411,20 @@ def test_pictures_of_several_levels_have_names_that_every_system_allows() -> Non
     assert names == {"con-2.svg", "con-3.svg", "ready.svg", "ready-2.svg"}
 
 
+def test_pages_of_several_levels_lead_from_one_to_the_next() -> None:
+    assert preview("maze", "first-key", "maze", "--format", "html", "-o", "pages").status == 0
+    links = {
+        path.name: dict(re.findall(r'<a rel="(\w+)" href="([^"]*)"', path.read_text("utf-8")))
+        for path in Path("pages").iterdir()
+    }
+    assert links == {
+        "maze.html": {"next": "first-key.html"},
+        "first-key.html": {"prev": "maze.html", "next": "maze-2.html"},
+        "maze-2.html": {"prev": "first-key.html"},
+    }
+    assert made("maze", "alone.html").decode() == load("maze").to_html()
+
+
 def test_other_files_are_not_overwritten_by_pictures() -> None:
     Path("level.yaml").write_text("version: 1\n")
     refused = preview("puddles", "--format", "svg", "-o", "level.yaml")

@@ -253,6 +253,9 @@ def test_progress_is_shown_filtered_and_forgotten(wall: Wall) -> None:
     assert wall.page.locator(".done").all_inner_texts() == ["★★☆"]
     link = wall.page.get_by_role("link", name="The garden", exact=True)
     expect(link).to_have_accessible_description(re.compile("5.5.*Solved with 2 of 3 stars"))
+    following = wall.page.locator("#next")
+    assert following.inner_text() == f"Next: {FACTS[1].title}"
+    assert (following.get_attribute("href") or "").endswith(FACTS[1].files.page)
     wall.box("solved").check()
     assert wall.titles == ["The garden"]
     wall.page.on("dialog", lambda dialog: dialog.accept())
@@ -261,6 +264,12 @@ def test_progress_is_shown_filtered_and_forgotten(wall: Wall) -> None:
     assert wall.page.locator(".done").count() == 0
     stored = wall.page.evaluate("JSON.parse(localStorage.getItem('babyrobot:progress'))")
     assert stored == {"other": other}, "progress of other galleries was lost"
+
+
+def test_a_gallery_that_is_solved_leads_nowhere(wall: Wall) -> None:
+    solve(wall, json.dumps({facts.digest: {"solved": True} for facts in FACTS}))
+    assert wall.page.inner_text("#solved") == "4 of 4 solved"
+    expect(wall.page.locator("#next")).to_be_hidden()
 
 
 @pytest.mark.parametrize(

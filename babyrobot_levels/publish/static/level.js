@@ -1,7 +1,7 @@
 // The page of a level: tabs, texts to copy, and what the visitor has reached.
 
-import { byId, showStars } from "../../render/static/dom.js";
-import { storedProgress, storeProgress } from "./progress.js";
+import { byId } from "../../render/static/dom.js";
+import { reachedIn } from "../../render/static/progress.js";
 
 const COPIED = 2000; // Milliseconds for which a button says so.
 const level = byId("level");
@@ -120,42 +120,7 @@ for (const sets of document.querySelectorAll("#panel-values .sets")) {
 
 // -- what the visitor has reached ----------------------------------------------------------
 
-function keep(entry) {
-  try {
-    storeProgress({ ...storedProgress(), [level.dataset.digest]: entry });
-  } catch {
-    // Without storage, the result is shown until the page is left.
-  }
-}
-
-function showReached({ best, stars }) {
-  const line = byId("progress");
-  line.hidden = false;
-  const text = Number.isFinite(best) ? `Your best return: ${Number(best.toFixed(2))}` : "Solved";
-  line.replaceChildren(text.replace("-", "\u2212"));
-  if (![1, 2, 3].includes(stars)) return;
-  const mark = document.createElement("span");
-  mark.className = "stars";
-  mark.setAttribute("role", "img");
-  showStars(mark, stars);
-  line.append(" ", mark);
-}
-
-let reached = storedProgress()[level.dataset.digest];
-if (reached?.solved === true) showReached(reached);
-else reached = null;
-
-/** Keep what an episode has reached; `stars` is null if they are unknown. */
-export function reach(game, stars) {
-  if (!game.isGood || game.watched > 0) return;
-  reached = {
-    solved: true,
-    best: Math.max(game.total, Number.isFinite(reached?.best) ? reached.best : -Infinity),
-    ...(stars !== null && { stars: Math.max(stars, reached?.stars ?? 0) }),
-  };
-  keep(reached);
-  showReached(reached);
-}
+export const reach = reachedIn(level.dataset.digest, byId("progress"));
 
 tabList.hidden = false;
 level.classList.add("tabbed");

@@ -2,7 +2,7 @@
 // after its `#` holds what is chosen, so that it can be linked and the Back button returns to it.
 
 import { byId, starSigns } from "../../render/static/dom.js";
-import { STORE, storedProgress, storeProgress } from "./progress.js";
+import { STORE, storedProgress, storeProgress } from "../../render/static/progress.js";
 
 const SORTS = ["size", "difficulty", "steps", "return"];
 const FILM_DELAY = 150; // Milliseconds: the pointer passes over tiles on its way to another.
@@ -196,6 +196,12 @@ function readProgress() {
   byId("solved").textContent = `${solved.toLocaleString("en")} of ${tiles.length.toLocaleString("en")} solved`;
   byId("solved-bar").max = tiles.length;
   byId("solved-bar").value = solved;
+  const open = tiles.filter((tile) => !tile.isSolved).sort((a, b) => a.index - b.index)[0];
+  byId("next").hidden = open === undefined;
+  if (open !== undefined) {
+    byId("next").href = open.element.querySelector("a").href;
+    byId("next").textContent = `Next: ${open.title}`;
+  }
   if (solved === 0) boxes.filter((box) => box.name === "progress").forEach((box) => (box.checked = false));
 }
 

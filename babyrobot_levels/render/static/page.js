@@ -4,8 +4,15 @@ import { checked, LinkError, NOT_A_LEVEL } from "./checks.js";
 import { byId } from "./dom.js";
 import { linkedLevel } from "./link.js";
 import { factElements, showLevel } from "./player.js";
+import { goOn, reachedIn } from "./progress.js";
+import { starsOf } from "./result.js";
 
 const OWN = JSON.parse(byId("data").textContent);
+
+// Pages of several levels lead on, and keep what is reached.
+const levels = document.querySelector("nav");
+let reach = null;
+if (levels) goOn(levels.querySelector('[rel="next"]'), "Next level", (game) => reach(game, starsOf(game)));
 
 /** Show a level with its texts; nothing changes if that fails. */
 function showPage(data) {
@@ -13,6 +20,8 @@ function showPage(data) {
   document.title = data.title;
   for (const name of ["title", "description"]) byId(name).textContent = data[name];
   byId("facts").replaceChildren(...data.facts.flatMap(factElements));
+  byId("progress").hidden = true;
+  if (levels) reach = reachedIn(data.facts.find(([name]) => name === "Digest")[1], byId("progress"));
 }
 
 /** Show the level of the address, or the page's own level if there is none or it is invalid. */

@@ -267,3 +267,34 @@ def test_what_gets_in_all_the_same_is_not_run(page: Page, tmp_path: Path) -> Non
     assert page.locator("#steps").inner_text() == "1"
     assert page.evaluate("() => window.hacked") is None
     assert sum("Content Security Policy" in text for text in refused) == 2
+
+
+# -- one after the other -----------------------------------------------------------------------
+
+
+def test_a_page_leads_on_and_keeps_what_is_reached(ground: Playground) -> None:
+    row = level(name="row", size=[4, 1])
+    ground.open(row, next_page="two.html", previous_page="zero.html")
+    page, onwards = ground.page, ground.page.locator("#result .onwards")
+    names = [link.get_attribute("href") for link in page.get_by_label("Levels").locator("a").all()]
+    assert names == ["zero.html", "two.html"]
+    expect(onwards).to_be_hidden()
+    expect(page.locator("#progress")).to_be_hidden()
+    ground.press("d", "d", "d")
+    expect(onwards).to_be_visible()
+    assert (onwards.inner_text(), onwards.get_attribute("href")) == (
+        "Next level",
+        ground.address.rpartition("/")[0] + "/two.html",
+    )
+    page.reload()
+    expect(page.locator("#progress")).to_have_text("Your best return: \N{MINUS SIGN}2")
+    stored = page.evaluate("JSON.parse(localStorage.getItem('babyrobot:progress'))")
+    assert stored == {row.digest: {"solved": True, "best": -2}}
+    # The last one leads nowhere; a page alone keeps nothing.
+    for options in ({"previous_page": "zero.html"}, {}):
+        page.evaluate("localStorage.clear()")
+        ground.open(row, **options)
+        ground.press("d", "d", "d")
+        expect(page.locator("#result")).to_be_visible()
+        expect(page.get_by_role("link", name="Next level")).to_have_count(0)
+        assert page.evaluate("localStorage.length") == len(options)

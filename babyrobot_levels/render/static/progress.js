@@ -1,0 +1,89 @@
+// What the visitor has reached: kept in the browser, for all levels by their digests.
+
+import { byId, showStars } from "./dom.js";
+
+export const STORE = "babyrobot:progress";
+
+/**
+ * Return the progress in all levels; nothing if there is none, or no storage.
+ *
+ * @returns {Record<string, any>}
+ */
+export function storedProgress() {
+  try {
+    const found = JSON.parse(localStorage.getItem(STORE));
+    return found !== null && typeof found === "object" && !Array.isArray(found) ? found : {};
+  } catch {
+    return {};
+  }
+}
+
+/**
+ * Keep the progress in all levels; without storage, this fails.
+ *
+ * @param {Record<string, any>} progress
+ */
+export function storeProgress(progress) {
+  localStorage.setItem(STORE, JSON.stringify(progress));
+}
+
+/**
+ * Show what the visitor has reached in a level, and return the function that keeps what an episode
+ * has reached; its stars are null if they are unknown.
+ *
+ * @param {string} digest
+ * @param {HTMLElement} line
+ * @returns {(game: Game, stars: number | null) => void}
+ */
+export function reachedIn(digest, line) {
+  let reached = storedProgress()[digest];
+  if (reached?.solved === true) showReached(line, reached);
+  else reached = null;
+  return (game, stars) => {
+    if (!game.isGood || game.watched > 0) return;
+    reached = {
+      solved: true,
+      best: Math.max(game.total, Number.isFinite(reached?.best) ? reached.best : -Infinity),
+      ...(stars !== null && { stars: Math.max(stars, reached?.stars ?? 0) }),
+    };
+    try {
+      storeProgress({ ...storedProgress(), [digest]: reached });
+    } catch {
+      // Without storage, the result is shown until the page is left.
+    }
+    showReached(line, reached);
+  };
+}
+
+function showReached(line, { best, stars }) {
+  line.hidden = false;
+  const text = Number.isFinite(best) ? `Your best return: ${Number(best.toFixed(2))}` : "Solved";
+  line.replaceChildren(text.replace("-", "\u2212"));
+  if (![1, 2, 3].includes(stars)) return;
+  const mark = document.createElement("span");
+  mark.className = "stars";
+  mark.setAttribute("role", "img");
+  showStars(mark, stars);
+  line.append(" ", mark);
+}
+
+/**
+ * Have the card of a result lead on to another page after a good end, and keep what is reached.
+ *
+ * @param {HTMLAnchorElement | null} link
+ * @param {string} textContent
+ * @param {(game: Game) => void} keep
+ */
+export function goOn(link, textContent, keep) {
+  const onwards = Object.assign(document.createElement("a"), {
+    className: "button onwards",
+    textContent,
+    hidden: true,
+  });
+  if (link !== null) onwards.href = link.href;
+  byId("result").querySelector(".quick").prepend(onwards);
+  document.addEventListener("episodeend", (/** @type {any} */ { detail: game }) => {
+    keep(game);
+    onwards.hidden = link === null || !game.isGood || game.watched > 0;
+  });
+}
