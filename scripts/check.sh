@@ -7,6 +7,7 @@
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes, and with OpenEnv
 #        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says, and the tests with verifiers
+#        bash scripts/check.sh otter       the example of a notebook for otter-grader, graded by it
 #        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
 #        bash scripts/check.sh javascript  the style and types of JavaScript, and its tests that need no browser
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
@@ -88,6 +89,11 @@ storm)
     beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm \
         tests/assistants/test_server.py tests/language_agents/test_verifiers.py
     exit
+    ;;
+otter)
+    make_venv .venv-otter
+    .venv-otter/bin/pip install "${options[@]}" --editable . hypothesis "otter-grader[grading]==7.0.0" pytest
+    exec .venv-otter/bin/python -m pytest -m libraries tests/in_otter
     ;;
 site)
     make_venv .venv-site

@@ -50,6 +50,7 @@ SLOW = {
 
 LIBRARIES = {
     "assistants/test_server.py",
+    "in_otter",
     "jax_levels",
     "language_agents",
     "on_ray",

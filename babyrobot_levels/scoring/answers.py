@@ -7,10 +7,10 @@ are named only where the answer is exactly what the mistake gives. The solution 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -157,6 +157,7 @@ def grade_policy(
         UndefinedReturnError: the optimal return is undefined.
     """
     task = _Policies(read_problem(level, discount, actions, "sweep"))
+    task.optimum_at(task.problem.discount)
     try:
         weights = task.weights(policy)
         right, is_optimal = task.right(weights)
@@ -233,6 +234,7 @@ class _Task:
     """What is asked for: states are those of the problem's model, `[n]`."""
 
     problem: Problem
+    _solved: dict[float, Solution] = field(default_factory=dict, kw_only=True)
 
     @cached_property
     def counts(self) -> Flags:
@@ -241,15 +243,12 @@ class _Task:
         found: Flags = ~space.without_value[self.problem.model.states]
         return found
 
-    @cached_property
-    def optimum(self) -> Solution:
-        """The optimum."""
-        return self.optimum_at(self.problem.discount)
-
     def optimum_at(self, discount: float) -> Solution:
         """Return the optimum for a discount."""
-        space = self.problem.space
-        return solve(space.level, discount, actions=space.actions)
+        if discount not in self._solved:
+            space = self.problem.space
+            self._solved[discount] = solve(space.level, discount, actions=space.actions)
+        return self._solved[discount]
 
     def best_at(self, discount: float) -> Floats:
         """Return the optimal values for a discount, `[n]`."""
@@ -357,57 +356,51 @@ class _Values(_Task):
         flat = table.ravel()
         given, valued = flat[self.model.states], self.valued(flat)
         discount, turned = self.problem.discount, self.transposed(table)
+        end = f"first {self._state(valued)}: no step follows there, so their value is 0"
         if valued.any() and self.agree(given, self.expected):
-            yield (
-                f"only terminal states have wrong ones, first {self._state(valued)}: no step "
-                "follows there, so their value is 0"
-            )
-        if self.agree(given, -self.expected):
-            yield "their signs are exchanged: costs are negative rewards"
+            yield f"only terminal states have wrong ones, {end}"
         if turned is not None and self.right(turned.ravel()).all():
             yield "rows and columns are exchanged; rows come first: values[y, x]"
-        yield from self._sweep_mistakes(given)
-        chance = _Values(self.problem, "random", self.sweeps, self.tolerance)
-        if self.policy is None and self.agree(given, chance.expected):
-            yield (
+        for number, values in self.swept(MAX_SWEEPS):
+            if number != self.sweeps and self.agree(given, values):
+                more = "; go on until the largest change of a sweep is tiny"
+                more = more if self.sweeps is None else f", not {self.sweeps}"
+                told = f"these are the values after {number} sweep{'s' * (number != 1)}{more}"
+                yield told if number else "all of them are 0"
+                break
+        beyond = "the value of the next state is added even where a step ends the episode"
+        candidates: dict[str, Callable[[], Floats]] = {
+            "their signs are exchanged: costs are negative rewards": lambda: -self.expected,
+            "the reward of a step is discounted, too; only what follows it is": (
+                lambda: discount * self.expected
+            ),
+        }
+        if self.policy is None:
+            candidates[
                 "these are the values of the random policy: a state takes the largest of its "
                 "action values, not their mean"
-            )
-        if self.policy is not None and self.agree(given, self.best_at(discount)):
-            yield "these are the optimal values, not those of the policy"
-        if discount < 1 and self.agree(given, discount * self.expected):
-            yield "the reward of a step is discounted, too; only what follows it is"
-        for other in self.other_discounts() if self.sweeps is None else ():
+            ] = lambda: replace(self, policy="random").expected
+        else:
+            told = "these are the optimal values, not those of the policy"
+            candidates[told] = lambda: replace(self, policy=None).expected
+        if self.sweeps is None:
+            for each in self.other_discounts():
+                told = f"these are the values for the discount {each:g}, not {discount:g}"
+                candidates[told] = partial(self.at, each)
+            told = f"terminal states are valued, {end}" if valued.any() else beyond
+            candidates[told] = lambda: self._beyond_the_end(flat)
+        elif self.sweeps * self.model.size <= MAX_IN_PLACE:
+            candidates[
+                "these are the values of sweeps in place: take all values of next states from the "
+                "sweep before"
+            ] = partial(self._in_place, self.sweeps)
+        for told, made in candidates.items():
             with suppress(UndefinedReturnError, EpisodeTooLongError):
-                if self.agree(given, self.at(other)):
-                    yield f"these are the values for the discount {other:g}, not {discount:g}"
-        if self.sweeps is None and self.agree(given, self._beyond_the_end(flat)):
-            if valued.any():
-                yield (
-                    f"terminal states are valued, first {self._state(valued)}: no step follows "
-                    "there, so their value is 0"
-                )
-            yield "the value of the next state is added even where a step ends the episode"
+                if self.agree(given, made()):
+                    yield told
 
     def _state(self, states: Flags) -> str:
         return self.problem.space.text(int(states.argmax()))
-
-    def _sweep_mistakes(self, given: Floats) -> Iterator[str]:
-        asked = "" if self.sweeps is None else f", not {self.sweeps}"
-        for number, values in self.swept(MAX_SWEEPS):
-            if number != self.sweeps and self.agree(given, values):
-                more = asked or "; go on until the largest change of a sweep is tiny"
-                sweeps = f"{number} sweep{'s' * (number != 1)}"
-                yield (
-                    f"these are the values after {sweeps}{more}" if number else "all of them are 0"
-                )
-                break
-        few = self.sweeps is not None and self.sweeps * self.model.size <= MAX_IN_PLACE
-        if few and self.agree(given, self._in_place(self.sweeps or 0)):
-            yield (
-                "these are the values of sweeps in place: take all values of next states from the "
-                "sweep before"
-            )
 
     def _in_place(self, sweeps: int) -> Floats:
         model, values = self.model, np.zeros(self.model.size + 1)
@@ -472,8 +465,8 @@ class _Policies(_Task):
     @cached_property
     def greedy(self) -> Flags:
         """The optimal actions, `[n, actions]`."""
-        count = self.optimum.greedy.shape[-1]
-        return self.optimum.greedy.reshape(-1, count)[self.problem.model.states]
+        table = self.optimum_at(self.problem.discount).greedy
+        return table.reshape(-1, table.shape[-1])[self.problem.model.states]
 
     def is_optimal(self, weights: Floats, discount: float) -> Flags:
         """Return from which states a policy earns the optimum, `[n]`."""
@@ -557,8 +550,8 @@ class _Policies(_Task):
             return "it risks episodes that go on for ever"
         at = int(states.argmax())
         action = int(wrong[at].argmax())
-        count = wrong.shape[1]
-        ahead = self.optimum.action_values.reshape(-1, count)[self.problem.model.states][at]
+        table = self.optimum_at(self.problem.discount).action_values
+        ahead = table.reshape(-1, wrong.shape[1])[self.problem.model.states][at]
         name = action_names(self.problem.space.actions)[action + self.problem.space.first_action]
         loss = _magnitude(float(ahead.max() - ahead[action]))
         return f"at {self.place(states)}, {name} is not optimal; it loses {loss}"
