@@ -108,6 +108,7 @@ from .scoring.answers import grade_agent as grade_agent
 from .scoring.answers import grade_policy as grade_policy
 from .scoring.answers import grade_values as grade_values
 from .scoring.datasets import to_minari as to_minari
+from .scoring.grades import Defect as Defect
 from .scoring.grades import Grade as Grade
 from .scoring.grades import Grades as Grades
 from .scoring.grades import grade as grade

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import astuple
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,7 +29,7 @@ from babyrobot_levels.cli.console import (
     write_json,
     write_table,
 )
-from babyrobot_levels.cli.inputs import SplitOption, levels_named, load_level
+from babyrobot_levels.cli.inputs import SplitOption, levels_named
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
 from babyrobot_levels.cli.solve import ActionSet, ActionsOption
@@ -36,6 +38,15 @@ from babyrobot_levels.text.source import printable
 if TYPE_CHECKING:
     from babyrobot_levels.scoring.grades import Grade, Grades
     from babyrobot_levels.scoring.results import LevelScore, Scores
+
+
+class Rule(StrEnum):
+    """By what points are given."""
+
+    REGRET = "regret"
+    SHARE = "share"
+    SUCCESS = "success"
+    TRIES = "tries"
 
 
 class Sight(StrEnum):
@@ -52,13 +63,33 @@ def score(
         typer.Argument(
             metavar="AGENT LEVELS or PLAYS",
             help="An agent, and the levels, folders and packs, or the suite, to score it in; or "
-            f"files of recorded episodes ({PLAYS}). An agent is {AGENTS}; `{BEST}` is an "
+            f"files of recorded episodes ({PLAYS}), with --level also folders and zip files of "
+            f"them. An agent is {AGENTS}; `{BEST}` is an "
             "optimal policy without a time limit.",
         ),
     ],
     level: Annotated[
-        str | None, value_option("LEVEL", "Of recorded episodes: the level that was to be played.")
+        str | None,
+        value_option(
+            "LEVEL",
+            "Of recorded episodes: the level that was to be played, or the folder, the pack or the "
+            "course of levels.",
+        ),
     ] = None,
+    points: Annotated[
+        Rule | None,
+        typer.Option(
+            "--points",
+            help="Of recorded episodes: by what the points of the best one in a level are given.  "
+            "[default: regret]",
+        ),
+    ] = None,
+    totals: Annotated[
+        bool,
+        typer.Option(
+            "--totals", help="Of recorded episodes: one row for each player, with all points."
+        ),
+    ] = False,
     split: SplitOption = None,
     within: Annotated[
         int | None,
@@ -116,7 +147,8 @@ def score(
         Path | None,
         value_option(
             "FILE",
-            "Write to this file: .csv, .json; of an agent also a picture, .svg or .png.",
+            "Write to this file: .csv, .json; of an agent also a picture, .svg, .png; of recorded "
+            "episodes also a page, .html.",
             "--output",
             "-o",
         ),
@@ -126,7 +158,7 @@ def score(
     """Compare an agent, or recorded episodes, with the exact optimum of each level.
 
     The share is 0 for the random policy and 1 for an optimal one. Recorded episodes are verified;
-    each file is a player, and has a row of its own for each level. With --level, plays of other
+    each player, whose folder or file it is, has a row for each level. With --level, plays of other
     levels or under other conditions do not count. The exit status is 1 if a play is not valid.
 
     Examples:
@@ -140,14 +172,21 @@ def score(
       babyrobot score agents.py:east frozen-lake --sight map
 
       babyrobot score plays/*.brlplay --level frozen-lake
+
+      babyrobot score class.zip --level robots --totals -o class.html
     """
     are_plays = {word.lower().endswith(PLAYS) for word in what}
-    if are_plays == {True, False}:
+    if (level or points or totals) and not any(_may_hold_plays(word) for word in what):
+        fail(
+            "--level, --points and --totals are for recorded episodes",
+            f"give files that end in {PLAYS}",
+        )
+    if level is None and are_plays == {True, False}:
         fail(
             "files of recorded episodes cannot be mixed with agents and levels",
             "`--level LEVEL` names the level that was to be played",
         )
-    if are_plays == {True}:
+    if level is not None or are_plays == {True}:
         options = split, within, discount, episodes, sight, record
         if any(option is not None for option in options) or stochastic or trust or chat:
             fail(
@@ -156,12 +195,15 @@ def score(
                 "leave them out: episodes are scored under the conditions under which they were "
                 "played",
             )
-        _score_plays(what, level, table_format, output, force=force)
+        grades = _grades(what, level, points or Rule.REGRET)
+        _put_grades(
+            grades, table_format, output, totals=totals, has_level=level is None, force=force
+        )
+        if not grades.are_valid:
+            raise typer.Exit(FINDINGS)
         return
-    if Path(what[0]).is_dir() and any(Path(what[0]).glob(f"*{PLAYS}")):
-        fail(f"{what[0]} is a folder", f"give its files: {Path(what[0], '*')}{PLAYS}")
-    if level is not None:
-        fail("--level is for recorded episodes", f"give files that end in {PLAYS}")
+    if Path(what[0]).is_dir() and any(Path(what[0]).rglob(f"*{PLAYS}")):
+        fail(f"{what[0]} is a folder of recorded episodes", "add --level LEVEL")
     if len(what) < 2:
         fail(
             "give an agent and at least one level, folder, pack or suite",
@@ -292,35 +334,68 @@ def _summary(scores: Scores) -> dict[str, str]:
 # -- recorded episodes ---------------------------------------------------------------------
 
 
-def _score_plays(
-    files: list[str],
-    level: str | None,
+def _may_hold_plays(word: str) -> bool:
+    return Path(word).is_dir() or Path(word).suffix.lower() in (PLAYS, ".zip")
+
+
+def _grades(files: list[str], level: str | None, rule: Rule) -> Grades:
+    """Return the grades of plays; end the command if the levels are not fit for that."""
+    from babyrobot_levels.library.catalogue import load
+    from babyrobot_levels.scoring.grades import grade
+
+    if level is not None:
+        # What is wrong with a level, its errors tell.
+        levels = levels_named([level])
+        if any(load(each).has_random_maze for each in levels):
+            fail(
+                "the maze of this level is random",
+                "give the level with its seed: a file, or a code",
+            )
+    with working("verifying"):
+        try:
+            return grade(files, level, points=rule)
+        except ValueError as error:
+            fail(str(error))
+
+
+def _put_grades(
+    grades: Grades,
     kind: TableFormat,
     output: Path | None,
     *,
+    totals: bool,
+    has_level: bool,
     force: bool,
 ) -> None:
-    """Write the grades of files of plays."""
-    from babyrobot_levels.scoring.grades import grade
+    """Write the grades of plays."""
+    from babyrobot_levels.publish.class_page import class_page
 
-    wanted = None if level is None else load_level(level)
-    if wanted is not None and wanted.has_random_maze:
-        fail("the maze of this level is random", "give the level with its seed: a file, or a code")
-    with working("verifying"):
-        grades = grade(files, wanted)
+    to_csv = grades.totals_to_csv if totals else grades.to_csv
     if output is not None:
-        _save({".csv": grades.to_csv, ".json": grades.to_json}, output, force=force)
-    elif not _written(grades, kind):
-        _write_grades(grades, has_level=wanted is None)
-    if not grades.are_valid:
-        raise typer.Exit(FINDINGS)
+        page = partial(class_page, grades)
+        _save({".csv": to_csv, ".json": grades.to_json, ".html": page}, output, force=force)
+    elif kind is TableFormat.CSV:
+        write(to_csv())
+    elif kind is TableFormat.JSON:
+        write_json(grades.to_dict())
+    elif totals:
+        rows = [[name, *map(short, row.values())] for name, row in grades.totals.items()]
+        write_table(["player", *grades.levels, "total"], rows, grades.levels)
+        if grades.defects:
+            write("\n")
+            write_table(
+                ["player", "place", "does not count"],
+                [[*map(printable, astuple(defect))] for defect in grades.defects],
+            )
+    else:
+        _write_grades(grades, has_level=has_level)
 
 
 def _write_grades(grades: Grades, *, has_level: bool) -> None:
     """Write a table; the columns of help and notes are left out if they are empty."""
     rows = [_grade_cells(each) for each in grades]
     is_shown = {name: any(row[name] for row in rows) for name in ("help", "notes")}
-    is_shown["level"] = has_level
+    is_shown["level"] = has_level or len(grades.levels) > 1
     heading = [name for name in rows[0] if is_shown.get(name, True)]
     less = ("verified", "random", "success", "episodes")
     write_table(heading, [[row[name] for name in heading] for row in rows], less)
@@ -331,6 +406,7 @@ def _grade_cells(row: Grade) -> dict[str, str]:
     return {
         "player": printable(row.player),
         "level": printable(row.level),
+        "points": short(row.points),
         "episodes": f"{row.episodes}{more}",
         "best": short(row.best),
         "mean": short(row.mean),

@@ -91,6 +91,8 @@ class PlayFields(Model):
     """How many steps the player took back, as the game tells."""
     watched: _Count = 0
     """How many steps the policy took that the player watched, as the game tells."""
+    player: _Short | None = None
+    """Who played, as the page was told; null where it was not."""
     made_by: _Short
     """The program that wrote the line, with its version."""
 

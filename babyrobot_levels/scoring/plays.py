@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
@@ -46,6 +46,7 @@ class Play(PlayFields):
         hints: how many hints the player asked for, as the game tells.
         undone: how many steps the player took back, as the game tells.
         watched: how many steps the policy took that the player watched, as the game tells.
+        player: who played, as the page was told; None where it was not.
         made_by: the program that wrote it.
     """
 
@@ -85,19 +86,32 @@ def read_plays(path: str | os.PathLike[str]) -> list[Play]:
         PlayError: it is too large, or one of its lines is damaged or no play; the message begins
             with `file:line`.
     """
-    plays: list[Play] = []
     with open_regular(Path(path)) as file:
         if os.fstat(file.fileno()).st_size > MAX_BYTES:
             raise PlayError(f"{path}: the file is larger than {MAX_BYTES >> 20} MiB")
-        for number, line in enumerate(iter(lambda: file.readline(MAX_LINE + 1), b""), 1):
-            if number > MAX_PLAYS:
-                raise PlayError(f"{path}:{number}: the file has more than {MAX_PLAYS:,} plays")
-            try:
-                plays.append(Play.from_line(line))
-            except PlayError as error:
-                raise PlayError(f"{path}:{number}: {error}") from None
+        return plays_in(file, os.fspath(path))
+
+
+def plays_in(file: IO[bytes], name: str) -> list[Play]:
+    """Return the plays of an open file.
+
+    Args:
+        file: the file.
+        name: what messages call it.
+
+    Raises:
+        PlayError: as of `read_plays`.
+    """
+    plays: list[Play] = []
+    for number, line in enumerate(iter(lambda: file.readline(MAX_LINE + 1), b""), 1):
+        if number > MAX_PLAYS:
+            raise PlayError(f"{name}:{number}: the file has more than {MAX_PLAYS:,} plays")
+        try:
+            plays.append(Play.from_line(line))
+        except PlayError as error:
+            raise PlayError(f"{name}:{number}: {error}") from None
     if not plays:
-        raise PlayError(f"{path}: the file is empty")
+        raise PlayError(f"{name}: the file is empty")
     return plays
 
 

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { formatted, Game, swiped } from "../../babyrobot_levels/render/static/game.js";
-import { checksum, playLine } from "../../babyrobot_levels/render/static/play.js";
+import { checksum, playOf, signed } from "../../babyrobot_levels/render/static/play.js";
 import { decisionsOf } from "../../babyrobot_levels/render/static/regret.js";
 import { resultFacts, ruleOf, starsOf } from "../../babyrobot_levels/render/static/result.js";
 import { surroundings } from "../../babyrobot_levels/render/static/speech.js";
@@ -135,12 +135,12 @@ test("what ended an episode is told by its name", () => {
 });
 
 test("a play has the episode and its checksum", () => {
-  const line = playLine(finished({ max_steps: 1 }));
+  const line = signed(playOf(finished({ max_steps: 1 })));
   const play = JSON.parse(line);
   assert.deepEqual([play.digest, play.seed, play.actions, play.end], ["abc", "7", [EAST], "truncated"]);
   const summed = line.slice(0, line.lastIndexOf(',"checksum"'));
   assert.equal(play.checksum, checksum(new TextEncoder().encode(summed)).toString(16).padStart(8, "0"));
-  assert.equal(playLine(new Game(corridor({ code: undefined }))), null);
+  assert.equal(playOf(new Game(corridor({ code: undefined }))), null);
 });
 
 test("a swipe is far enough, and goes to the side that it is nearest to", () => {

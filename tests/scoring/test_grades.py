@@ -8,8 +8,11 @@ import io
 import json
 import math
 import os
-from dataclasses import replace
+import zlib
+from dataclasses import astuple, replace
 from pathlib import Path
+from typing import Any
+from unittest.mock import ANY
 
 import pytest
 from support.plays import forged, record
@@ -116,7 +119,7 @@ def test_files_that_cannot_be_read_have_a_row(tmp_path: Path) -> None:
     assert [grade.player for grade in grades] == names
     faults = [grade.fault or "" for grade in grades]
     assert faults[0].startswith("line 1: the line is cut off")
-    assert faults[1] == os.strerror(errno.EISDIR)
+    assert faults[1] == "there is no file of plays (.brlplay)"
     assert faults[2] == os.strerror(errno.ENOENT)
     assert faults[3] == "it has no play of this level, but of first-key"
     assert all(grade.episodes == 0 and math.isnan(grade.mean) for grade in grades)
@@ -149,3 +152,111 @@ def test_tables(tmp_path: Path) -> None:
     assert row["player"] == told["player"] == "ada"
     assert float(row["mean"]) == told["mean"] == grades[0].mean
     assert repr(grades) == "<Grades of 1 players>"
+
+
+# -- a class -------------------------------------------------------------------------------------
+
+ROW = {"version": 1, "size": [4, 1], "max_steps": 9, "name": "row"}
+ICE = {**ROW, "name": "ice", "skid": {"probability": 0.5, "to": "others"}, "size": [3, 2]}
+
+
+def hand_in(folder: Path, name: str, *episodes: list[int], level: Any = ROW, seed: int = 0) -> Path:
+    """Record episodes of given actions, with seeds from one on, under the name of the folder."""
+    path = folder / name / f"{level['name']}.brlplay"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    env = brl.RecordPlay(brl.load(level).make(), path)
+    for number, actions in enumerate(episodes):
+        env.reset(seed=seed + number)
+        is_over = False
+        for action in actions:
+            if not is_over:
+                _, _, terminated, truncated, _ = env.step(action)
+                is_over = terminated or truncated
+    env.close()
+    named = [forged(play, player=name).to_line() for play in brl.read_plays(path)]
+    path.write_text("".join(f"{line}\n" for line in named))
+    return path
+
+
+DIRECT, DETOUR, LATE = [2, 2, 2], [0, 0, 2, 2, 2], [0] * 9
+
+
+@pytest.mark.parametrize(
+    ("rule", "earned"), [("regret", 1), ("share", 1), ("success", 1), ("tries", 1 / 2)]
+)
+def test_points_are_those_of_the_best_play_by_a_rule(
+    tmp_path: Path, rule: str, earned: float
+) -> None:
+    hand_in(tmp_path, "ada", LATE, DIRECT, DETOUR)
+    hand_in(tmp_path, "ben", LATE)
+    grades = brl.grade([tmp_path], [brl.load(ROW), brl.load(ICE)], points=rule)
+    assert grades.totals["ada"] == {"row": pytest.approx(earned), "ice": 0, "total": ANY}
+    assert grades.totals["ben"]["total"] == 0
+    assert [(each.player, each.level) for each in grades] == [
+        ("ada", "row"), ("ada", "ice"), ("ben", "row"), ("ben", "ice"),
+    ]  # fmt: skip
+    assert grades.are_valid
+    assert grades.totals_to_csv().splitlines()[0] == "player,row,ice,total"
+    with pytest.raises(ValueError, match="there is no rule 'regrets'; did you mean"):
+        brl.grade([tmp_path], points="regrets")
+
+
+def test_a_detour_costs_a_part_and_watching_all(tmp_path: Path) -> None:
+    path = hand_in(tmp_path, "ada", DETOUR)
+    (grade,) = brl.grade([tmp_path], ROW)
+    way = grade.optimum - grade.random
+    assert grade.points == pytest.approx((way - 2) / way)
+    (play,) = brl.read_plays(path)
+    path.write_text(forged(play, watched=1).to_line() + "\n")
+    (grade,) = brl.grade([tmp_path], ROW)
+    assert (grade.points, grade.episodes, grade.watched) == (0, 1, 1)
+
+
+def test_the_levels_of_a_course_have_points(tmp_path: Path) -> None:
+    course = tmp_path / "robots"
+    for level in (ROW, ICE):
+        brl.load(level).save(course / "levels" / f"{level['name']}.yaml")
+    (course / "pack.yaml").write_text(
+        "name: robots\nversion: 1.0.0\ndescription: A course.\n"
+        "levels: [{level: ice, points: 3}, {level: row, points: 7}]\n"
+    )
+    hand_in(tmp_path / "plays", "ada", DIRECT)
+    grades = brl.grade([tmp_path / "plays"], course)
+    assert grades.totals == {"ada": {"ice": 0, "row": 7, "total": 7}}
+    assert [(each.level, each.worth) for each in grades] == [("ice", 3), ("row", 7)]
+
+
+def test_what_is_not_the_players_own_does_not_count(tmp_path: Path) -> None:
+    seed = zlib.crc32(b"ada")
+    path = hand_in(tmp_path, "ada", [2, 3] * 5, level=ICE, seed=seed)
+    (own,) = brl.read_plays(path)
+    hand_in(tmp_path, "ben", [3], level=ICE)
+    for name, play in (("cy", own), ("ben", forged(own, player="ben"))):
+        (tmp_path / name).mkdir(exist_ok=True)
+        (tmp_path / name / "ice.brlplay").write_text(play.to_line() + "\n")
+    grades = brl.grade([tmp_path], ICE)
+    assert [astuple(defect) for defect in grades.defects] == [
+        ("ben", "ice.brlplay, line 1", "it is the same play as that of ada"),
+        ("cy", "ice.brlplay, line 1", "it is under the name of ada"),
+    ]
+    assert [each.episodes for each in grades] == [1, 0, 0]
+    assert not grades.are_valid
+
+
+def test_plays_with_seeds_of_anybody_count_for_all_who_have_them(tmp_path: Path) -> None:
+    for name in ("ada", "ben"):
+        hand_in(tmp_path, name, DIRECT)
+    grades = brl.grade([tmp_path], ROW)
+    assert [(each.points, each.shared_with) for each in grades] == [(1, "ben"), (1, "ada")]
+
+
+def test_another_version_of_a_level_and_wrong_seeds_are_named(tmp_path: Path) -> None:
+    hand_in(tmp_path, "ada", DIRECT, level={**ROW, "rewards": {"step": -2}})
+    path = hand_in(tmp_path, "ben", [2, 3, 2, 2], level=ICE, seed=3)
+    (play,) = brl.read_plays(path)
+    path.write_text(forged(play, seed="5").to_line() + "\n")
+    grades = brl.grade([tmp_path], [brl.load(ROW), brl.load(ICE)])
+    reasons = {defect.player: defect.reason for defect in grades.defects}
+    assert reasons["ada"] == "it is of another version of row"
+    assert reasons["ben"].startswith("with its seed 5, ")
+    assert {each.points for each in grades} == {0}

@@ -3,17 +3,16 @@
 import { COMMON } from "./common.js";
 
 /**
- * Return the episode as a line; null if the page lacks the share code of its level.
+ * Return the episode as a play; null if the page lacks the share code of its level.
  *
  * @param {Game} game
- * @returns {string | null}
  */
-export function playLine(game) {
+export function playOf(game) {
   const { data, isTurning, seed, taken, total, end, hints, undone, watched, number } = game;
   const fact = (name) => data.facts.find(([each]) => each === name)?.[1] ?? null;
   const digest = fact("Digest");
   if (data.code === undefined || digest === null) return null;
-  const text = JSON.stringify({
+  return {
     format: "babyrobot-levels play",
     format_version: 1,
     name: fact("Level"),
@@ -34,23 +33,14 @@ export function playLine(game) {
     undone,
     watched,
     made_by: COMMON.made_by,
-  }).slice(0, -1);
-  const sum = checksum(new TextEncoder().encode(text)).toString(16).padStart(8, "0");
-  return `${text},"checksum":"${sum}"}\n`;
+  };
 }
 
-/**
- * Save the episode as a file.
- *
- * @param {Game} game
- */
-export function downloadPlay(game) {
-  const link = document.createElement("a");
-  const file = new Blob([playLine(game)], { type: "application/x-ndjson" });
-  link.href = URL.createObjectURL(file);
-  link.download = `${game.data.title.replace(/[^\p{L}\p{N}]+/gu, "-")}-${game.seed}.brlplay`;
-  link.click();
-  URL.revokeObjectURL(link.href);
+/** Return a play as a line with its checksum. */
+export function signed(play) {
+  const text = JSON.stringify(play).slice(0, -1);
+  const sum = checksum(new TextEncoder().encode(text)).toString(16).padStart(8, "0");
+  return `${text},"checksum":"${sum}"}\n`;
 }
 
 /**

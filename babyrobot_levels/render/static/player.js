@@ -3,10 +3,10 @@
 import { byId, showStars } from "./dom.js";
 import { capital, formatted, Game, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
+import { downloadPlays, keepName, keepPlay, recallName, seedAfter } from "./kept.js";
 import { Legend } from "./legend.js";
 import { element, pixels } from "./paint.js";
 import { levelPicture, Picture } from "./picture.js";
-import { downloadPlay, playLine } from "./play.js";
 import { resultFacts, ruleOf, starsOf } from "./result.js";
 import { ShownSets } from "./shown.js";
 import { closedSides, surroundings } from "./speech.js";
@@ -53,7 +53,7 @@ export function showLevel(data) {
   byId("return-name").textContent = discount < 1 ? `Return, discount ${discount}` : "Return";
   showActions();
   showTrail();
-  begin(data.seed, goal ?? GOAL + game.things.needs(game.configuration));
+  begin(seedAfter(data.seed, data.seed), goal ?? GOAL + game.things.needs(game.configuration));
 }
 
 /** Show the controls of the robot's actions, and what is known about them. */
@@ -111,7 +111,6 @@ function showButton(button) {
   const [name] = button.getAttribute("aria-label").split(",");
   button.classList.toggle("shut", isShut);
   button.setAttribute("aria-label", isShut ? `${name}, closed` : name);
-  button.setAttribute("aria-disabled", game.end !== null);
 }
 
 /** Tell screen readers what happened, and which sides are closed now. */
@@ -138,7 +137,9 @@ function showResult() {
   byId("stars").hidden = byId("result-help").parentElement.hidden = stars === null;
   showStars(byId("stars"), stars ?? 0);
   byId("result-help").textContent = stars === null ? "" : ruleOf(game);
-  byId("download").hidden = playLine(game) === null;
+  const count = keepPlay(game);
+  byId("download").parentElement.hidden = count === 0;
+  byId("download").textContent = count > 1 ? `Download ${count} plays` : "Download";
   byId("result-facts").replaceChildren(...resultFacts(game).flatMap(factElements));
 }
 
@@ -195,7 +196,7 @@ function watch(wanted) {
   clearTimeout(timer);
   byId("watch").setAttribute("aria-pressed", wanted);
   if (!wanted) return;
-  if (game.end !== null) begin(game.nextSeed);
+  if (game.end !== null) begin(seedAfter(game.seed, game.nextSeed));
   takeAdvice();
 }
 
@@ -303,13 +304,13 @@ const CONTROLS = {
   undo,
   hint,
   retry: () => restart(game.seed),
-  "new-luck": () => restart(game.nextSeed),
+  "new-luck": () => restart(seedAfter(game.seed, game.nextSeed)),
   watch: () => byId("watch").hidden || watch(!isWatching),
   values: () => toggle("values"),
   policy: () => toggle("policy"),
   turning: turn,
   look: lookAround,
-  download: () => downloadPlay(game),
+  download: () => downloadPlays(game),
   fit: () => view.fit(),
   larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),
@@ -372,6 +373,8 @@ byId("seed").addEventListener("change", ({ target }) => {
   if (!target.checkValidity() || target.value === "") return;
   restart(target.value);
 });
+recallName();
+byId("who").addEventListener("change", keepName);
 // Whoever points at a set plays next: its keys are not those of a choice.
 byId("sets").addEventListener("click", ({ detail }) => detail > 0 && view.stage.focus({ preventScroll: true }));
 byId("trail").addEventListener("change", showTrail);

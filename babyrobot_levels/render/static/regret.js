@@ -48,7 +48,8 @@ class Values {
       const best = before.map((_, place) => Math.max(...this.worths(place, before)));
       if (best.every((value, place) => value === before[place])) break;
       const rounds = this.byLeft.push(best);
-      if (rounds * (this.targets.length + LEAST_WORK) > MOST_WORK || rounds * best.length > MOST_VALUES) throw new RangeError();
+      if (rounds * (this.targets.length + LEAST_WORK) > MOST_WORK || rounds * best.length > MOST_VALUES)
+        throw new RangeError();
     }
     this.optimum = begins.reduce((sum, place) => sum + this.at(limit ?? 0)[place], 0) / begins.length;
   }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ TURN_KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp"]
 def downloaded(page: Page, folder: Path) -> brl.Play:
     """Return the play of the page's button."""
     with page.expect_download() as download:
-        page.get_by_role("button", name="Download play").click()
+        page.get_by_role("button", name="Download").click()
     assert download.value.suggested_filename.endswith(".brlplay")
     path = folder / "page.brlplay"
     download.value.save_as(path)
@@ -152,3 +153,35 @@ def test_a_linked_level_has_plays_of_its_own(ground: Playground, tmp_path: Path)
 
 def test_a_page_stays_small() -> None:
     assert len(to_html(brl.load("final-maze")).encode()) < 180_000
+
+
+def test_a_page_knows_who_plays_and_saves_all_episodes(ground: Playground, tmp_path: Path) -> None:
+    page, level = ground.page, brl.load(LATE)
+    (tmp_path / "page.html").write_text(level.to_html(), "utf-8")
+    address = (tmp_path / "page.html").as_uri()
+    page.goto(f"{address}?player=Ada%20%C3%89")
+    page.wait_for_selector("body.ready")
+    first = zlib.crc32("Ada É".encode())
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowUp")
+    # What is undone and played to another end is one episode.
+    for key in ("z", "ArrowRight", "n", "ArrowRight", "ArrowRight", "r", "ArrowUp"):
+        page.keyboard.press(key)
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Download 3 plays").click()
+    assert download.value.suggested_filename == "Ada-É-Level.brlplay"
+    download.value.save_as(tmp_path / "ada.brlplay")
+    plays = brl.read_plays(tmp_path / "ada.brlplay")
+    assert [play.actions for play in plays] == [[1, 1, 2], [2, 2], [1, 2, 2]]
+    assert [play.seed for play in plays] == [str(first), str(first + 1), str(first + 1)]
+    assert {play.player for play in plays} == {"Ada É"}
+    assert all(verify_play(play).is_valid for play in plays)
+    # The device keeps the name that one gives.
+    page.get_by_label("Name").fill("Ben")
+    page.get_by_label("Name").press("Tab")
+    page.goto(address)
+    page.wait_for_selector("body.ready")
+    assert page.locator("#seed").input_value() == str(zlib.crc32(b"Ben"))

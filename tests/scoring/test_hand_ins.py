@@ -1,0 +1,164 @@
+"""What is handed in, in folders and zip files as school systems export them."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+
+import pytest
+from support.plays import forged, record
+
+import babyrobot_levels as brl
+from babyrobot_levels.scoring import hand_ins as module
+from babyrobot_levels.scoring.hand_ins import hand_ins
+
+LEVEL = {"version": 1, "size": [3, 1], "max_steps": 9, "name": "row"}
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> bytes:
+    record(tmp_path / "line.brlplay", LEVEL)
+    return (tmp_path / "line.brlplay").read_bytes()
+
+
+def zipped(files: dict[str, bytes]) -> bytes:
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+    return out.getvalue()
+
+
+def found(*paths: Path) -> dict[str, tuple[list[str], list[tuple[str, str]]]]:
+    """Return the places of plays and the faults of each player."""
+    return {
+        each.player: ([place for place, _ in each.entries], each.faults) for each in hand_ins(paths)
+    }
+
+
+def told(line: bytes, player: str) -> bytes:
+    """Return a play under a name."""
+    return forged(brl.Play.from_line(line), player=player).to_line().encode() + b"\n"
+
+
+FILES = [
+    "Ada Lovelace_1234_assignsubmission_file_/row.brlplay",
+    "Ada Lovelace_1234_assignsubmission_file_/deep/in/lake.BRLPLAY",
+    "Ada Lovelace_1234_assignsubmission_file_/notes.pdf",
+    "babbagecharles_LATE_77_8_row.brlplay",
+    "babbagecharles_77_9_lake.brlplay",
+    "Eve_99_assignsubmission_file_/notes.pdf",
+]
+PLAYERS = {
+    "Ada Lovelace": ({"row.brlplay, line 1", "deep/in/lake.BRLPLAY, line 1"}, []),
+    "babbagecharles": ({"line 1"}, []),
+    "Eve": (set(), [("", "there is no file of plays (.brlplay)")]),
+}
+
+
+def test_exports_of_schools_have_folders_or_files_of_players(tmp_path: Path, line: bytes) -> None:
+    aside = {"__MACOSX/Ada/._row.brlplay": b"x"}
+    (tmp_path / "class.zip").write_bytes(zipped({**dict.fromkeys(FILES, line), **aside}))
+    for name in FILES:
+        (tmp_path / "class" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "class" / name).write_bytes(line)
+    for path in (tmp_path / "class", tmp_path / "class.zip"):
+        players = {name: (set(places), faults) for name, (places, faults) in found(path).items()}
+        assert players == PLAYERS
+
+
+def test_a_folder_around_those_of_the_players_is_none(tmp_path: Path, line: bytes) -> None:
+    files = {f"export_1/submission_{number}/a.brlplay": line for number in (1, 2)}
+    (tmp_path / "class.zip").write_bytes(zipped(files))
+    assert [*found(tmp_path / "class.zip")] == ["submission_1", "submission_2"]
+
+
+def test_a_zip_file_of_a_player_is_read_and_none_in_it(tmp_path: Path, line: bytes) -> None:
+    own = zipped({"row.brlplay": line, "more/row.brlplay": line, "in.zip": zipped({})})
+    (tmp_path / "class.zip").write_bytes(zipped({"ada/plays.zip": own, "ben.zip": own}))
+    folder = tmp_path / "class"
+    folder.mkdir()
+    (folder / "ada.zip").write_bytes(own)
+    for path in (tmp_path / "class.zip", folder):
+        players = found(path)
+        places, faults = players["ada"]
+        assert [place.partition(".zip/")[2] for place in places] == [
+            "row.brlplay, line 1",
+            "more/row.brlplay, line 1",
+        ]
+        assert faults[0][1] == "a zip file in the zip file of a player is not read"
+
+
+def test_the_name_in_plays_is_the_players_if_the_file_has_it(tmp_path: Path, line: bytes) -> None:
+    folder = tmp_path / "all"
+    folder.mkdir()
+    names = {"Ada-Lovelace-Row": "Ada Lovelace", "ada_lovelace_lake": "Ada Lovelace", "eve": "Ada"}
+    for file, player in names.items():
+        (folder / f"{file}.brlplay").write_bytes(told(line, player))
+    assert {name: len(places) for name, (places, _) in found(folder).items()} == {
+        "Ada Lovelace": 2,
+        "eve": 1,
+    }
+
+
+def test_bad_files_are_named_and_the_others_read(
+    tmp_path: Path, line: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MAX_BYTES", 100_000)
+    whole = zipped({"x.brlplay": line})
+    encrypted = bytearray(whole)
+    for mark, at in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        encrypted[whole.index(mark) + at] |= 1
+    broken = bytearray(whole)
+    broken[60:90] = bytes(30)
+    path = tmp_path / "class.zip"
+    path.write_bytes(
+        zipped(
+            {
+                "ada/a.brlplay": line,
+                "ada/../../up.brlplay": line,
+                "/root.brlplay": line,
+                "bomb/zeros.brlplay": bytes(1_000_000),
+                "cut/a.brlplay": line[:50],
+                "empty/a.brlplay": b"",
+                "locked/a.zip": bytes(encrypted),
+                "none/a.txt": b"",
+                "no zip/a.zip": b"PK",
+                "torn/a.zip": bytes(broken),
+            }
+        )
+    )
+    players = found(path)
+    assert players["ada"] == (["a.brlplay, line 1"], [])
+    faults = {name: [reason for _, reason in each] for name, (_, each) in players.items()}
+    assert faults["class"] == ["its path leaves the zip file"] * 2
+    assert faults["bomb"] == ["the file is larger than 0 MiB"]
+    assert faults["cut"][0].startswith("line 1: the line is cut off")
+    assert faults["empty"] == ["the file is empty"]
+    assert "encrypted" in faults["locked"][0]
+    assert faults["none"] == ["there is no file of plays (.brlplay)"]
+    assert faults["no zip"][0].startswith("the zip file is damaged")
+    assert faults["torn"][0].startswith("it cannot be unpacked")
+
+
+def test_links_out_of_the_folder_are_not_followed(tmp_path: Path, line: bytes) -> None:
+    folder = tmp_path / "class"
+    (folder / "eve").mkdir(parents=True)
+    (folder / "eve" / "a.brlplay").symlink_to(tmp_path / "line.brlplay")
+    assert found(folder) == {"eve": ([], [("a.brlplay", "it is a link out of the folder")])}
+
+
+def test_together_files_are_bounded(
+    tmp_path: Path, line: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "class"
+    for name in ("ada", "ben", "cy"):
+        (folder / name).mkdir(parents=True)
+        (folder / name / "a.brlplay").write_bytes(line)
+    monkeypatch.setattr(module, "MAX_TOTAL", 2 * len(line))
+    assert [bool(faults) for _, faults in found(folder).values()] == [False, False, True]
+    monkeypatch.setattr(module, "MAX_TOTAL", 1 << 30)
+    monkeypatch.setattr(module, "MAX_FILES", 2)
+    told_of = [reason for _, faults in found(folder).values() for _, reason in faults]
+    assert "more than 2 files: it is not read" in told_of
