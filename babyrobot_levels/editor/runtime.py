@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import shutil
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
+from babyrobot_levels.mdp.numeric import LIBRARIES
 from babyrobot_levels.text.errors import BabyRobotError
 
 PYODIDE = "314.0.7"
@@ -28,10 +30,12 @@ PLATFORM = "pyemscripten_2026_0_wasm32"
 """Pyodide's, in the names of wheels."""
 
 CDN = f"https://cdn.jsdelivr.net/pyodide/v{PYODIDE}/full/"
-"""Where Pyodide's project publishes NumPy and SciPy for it."""
+"""Where Pyodide's project publishes NumPy and SciPy for it, which are about 20 MB."""
+
+LOCK = "pyodide-lock.json"
 
 MEMBERS = (
-    "pyodide-lock.json",
+    LOCK,
     "pyodide.asm.mjs",
     "pyodide.asm.wasm",
     "pyodide.mjs",
@@ -74,12 +78,14 @@ WHEELS = (
 )
 
 _NPM = ("pack", "--silent", f"pyodide@{PYODIDE}")
-_PIP = (
+DOWNLOAD = (
     *("-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"),
     *("--python-version", "3.14", "--implementation", "cp", "--abi", "cp314"),
     *("--platform", PLATFORM),
-    *(f"pydantic=={PYDANTIC}", f"pydantic-core=={PYDANTIC_CORE}"),
 )
+"""What has Python download wheels for Pyodide; their names follow."""
+
+_PIP = (*DOWNLOAD, f"pydantic=={PYDANTIC}", f"pydantic-core=={PYDANTIC_CORE}")
 
 
 @contextmanager
@@ -133,6 +139,27 @@ def runtime_file(file: RuntimeFile, folder: Path) -> bytes:
             f"{folder / file.name} is not the file that its project has published"
         )
     return data
+
+
+def numeric_wheels(folder: Path) -> dict[str, bytes]:
+    """Return the wheels of NumPy and SciPy that a folder has, by their names; none if one lacks.
+
+    They may be of any version, and are not compared with what is published.
+    """
+    found = [[*folder.glob(f"{name}-*-{PLATFORM}.whl")] for name in LIBRARIES]
+    return {max(each).name: max(each).read_bytes() for each in found} if all(found) else {}
+
+
+def lock_with(lock: bytes, wheels: dict[str, bytes]) -> bytes:
+    """Return Pyodide's list of packages, which names files and hashes, with other wheels in it."""
+    data = json.loads(lock)
+    for file, wheel in wheels.items():
+        data["packages"][file.partition("-")[0]] |= {
+            "file_name": file,
+            "version": file.split("-")[1],
+            "sha256": hashlib.sha256(wheel).hexdigest(),
+        }
+    return json.dumps(data).encode()
 
 
 def pyodide_files(tarball: bytes) -> dict[str, bytes]:

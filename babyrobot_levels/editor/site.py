@@ -14,11 +14,15 @@ import zipfile
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from babyrobot_levels.editor.runtime import (
     CDN,
+    LOCK,
     TARBALL,
     WHEELS,
+    lock_with,
+    numeric_wheels,
     pyodide_files,
     runtime_file,
     runtime_folder,
@@ -52,7 +56,8 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
     Args:
         folder: where to; it is made if it is missing.
         session: with whose text visitors begin.
-        runtime: a folder that has the files of `editor/runtime.py`; None to fetch them.
+        runtime: a folder that has the files of `editor/runtime.py`; None to fetch them. If it has
+            wheels of NumPy and SciPy as well, the site has them, and nobody else is asked for them.
 
     Returns:
         How many bytes a visitor loads at first.
@@ -67,16 +72,22 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
     with runtime_folder(runtime) as given:
         wheels = [runtime_file(wheel, given) for wheel in WHEELS]
         python = pyodide_files(runtime_file(TARBALL, given))
+        numeric = numeric_wheels(given)
+    more, address = f"about 20 MB from {urlsplit(CDN).netloc}", CDN
+    if numeric:
+        more, address = f"{sum(map(len, numeric.values())) / 1e6:.0f} MB", "./python/"
+        python[LOCK] = lock_with(python[LOCK], numeric)
     files = {
         "editor.css": style().encode(),
-        "worker.js": static("editor/static/worker.js").replace("CDN_ADDRESS", CDN).encode(),
+        "worker.js": static("editor/static/worker.js").replace("MORE_ADDRESS", address).encode(),
         **{f"python/{name}": data for name, data in python.items()},
         "python/packages.zip": _archive(_packages(wheels)),
     }
     size = sum(map(len, files.values()))
     for name, script in (("editor.js", site_script()), ("playground.js", playground_script())):
         size += len(script)
-        files[name] = script.replace("SITE_MEGABYTES", f"{size / 1e6:.0f}").encode()
+        told = script.replace("SITE_MEGABYTES", f"{size / 1e6:.0f}").replace("SITE_MORE", more)
+        files[name] = told.encode()
     begin = {
         "text": session.text,
         "name": session.path.stem if session.path else session.name,
@@ -88,6 +99,8 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
     for name, data in files.items():
         version.update(name.encode() + hashlib.sha256(data).digest())
     known = json.dumps({"version": version.hexdigest()[:16], "files": ["./", *files]})
+    for name, data in numeric.items():
+        write_bytes(folder / "python" / name, data, sync=False)
     service = static("editor/static/service.js").replace('"SITE_FILES"', json.dumps(known))
     write_bytes(folder / MARK, service.encode(), sync=False)
     return size

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
+import shlex
+import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -12,11 +17,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 from support.firefox import firefox
+from support.numberless import MESSAGES, NUMERIC, asked, replies, settled
 from support.sites import StaticServer, hosted, runtime
 
 import babyrobot_levels as brl
 from babyrobot_levels.editor.runtime import (
     CDN,
+    DOWNLOAD,
+    PLATFORM,
     TARBALL,
     RuntimeFileError,
     runtime_file,
@@ -24,6 +32,7 @@ from babyrobot_levels.editor.runtime import (
 )
 from babyrobot_levels.editor.site import SiteFolderError, write_site
 from babyrobot_levels.editor.sources import session_of
+from babyrobot_levels.mdp.numeric import LIBRARIES
 
 SIZE = {"width": 390, "height": 844}
 PHONE: dict[str, Any] = {"viewport": SIZE, "has_touch": True, "is_mobile": True}
@@ -33,6 +42,9 @@ START = 60_000
 TEXT = "version: 1\ntitle: Mine\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
 WALLS = "walls:\n  - {at: [1, 0], side: E, length: 2}\n"
 TWO_WALLS = "walls:\n  - {at: [1, 0], side: E}\n  - {at: [1, 1], side: E}\n"
+ITEMS = ", ".join(f"{{name: i{n}, at: [{n % 128}, {1 + n // 128}]}}" for n in range(8_000))
+SLOW = f"version: 1\nsize: [128, 128]\nitems: [{ITEMS}]\n"
+"""A valid level that takes long to read."""
 
 
 @pytest.fixture(scope="module")
@@ -167,39 +179,40 @@ def test_what_needs_numpy_is_offered_and_nobody_asked_before(visit: Visit) -> No
     expect(text_of(page)).to_have_value(re.compile(r"^puddles:", re.M))
 
 
-def test_what_takes_too_long_is_stopped_and_nothing_is_lost(visit: Visit, folder: Path) -> None:
-    # Whatever the text, the worker then never answers.
-    worker = folder / "worker.js"
-    script = worker.read_text("utf-8")
-    endless = "reply: async (key, message) => {\nwhile (message.includes('forever'));\nreturn "
-    patched = script.replace("reply: async (...given) => ", endless).replace(
-        "session.reply(...given),", "session.reply(key, message);\n},"
-    )
-    worker.write_text(patched, "utf-8")
-    try:
-        page = visit()
-        stage, text = page.locator(".stage"), text_of(page)
-        for key in ("2", "ArrowRight", "Space"):
-            stage.press(key)
-        expect(text).to_have_value(re.compile(r"^puddles:", re.M))
-        before = text.input_value()
-        page.clock.install()
-        text.fill(f"{before}# forever\n")
-        page.clock.run_for(1_000)
-        for _ in range(20):
-            page.clock.fast_forward(40_000)
-            if "was stopped" in page.locator(".said").inner_text():
-                break
-        page.clock.resume()
-        # What was typed stays, and what was drawn is as it was.
-        expect(page.locator(".said")).to_contain_text("was stopped", timeout=START)
-        expect(text).to_have_value(f"{before}# forever\n")
-        text.fill(before)
-        for key in ("ArrowRight", "Space"):
-            stage.press(key)
-        expect(text).to_have_value(re.compile(r"^puddles:.*\n.*\n.*at", re.M), timeout=START)
-    finally:
-        worker.write_text(script, "utf-8")
+def test_what_takes_too_long_is_stopped_and_nothing_is_lost(visit: Visit) -> None:
+    page = visit()
+    stage, text = page.locator(".stage"), text_of(page)
+    for key in ("2", "ArrowRight", "Space"):
+        stage.press(key)
+    expect(text).to_have_value(re.compile(r"^puddles:", re.M))
+    before = text.input_value()
+    page.clock.install()
+    text.fill(SLOW)
+    pass_time(page)
+    expect(page.locator(".said")).to_contain_text("was stopped", timeout=START)
+    # What was typed stays, and what was drawn is as it was.
+    expect(text).to_have_value(SLOW)
+    text.fill(before)
+    for key in ("ArrowRight", "Space"):
+        stage.press(key)
+    expect(text).to_have_value(re.compile(r"^puddles:.*\n.*\n.*at", re.M), timeout=START)
+    # So does what was drawn if the address asks for too much.
+    kept = text.input_value()
+    page.evaluate("(text) => { location.hash = encodeURIComponent(text) }", SLOW)
+    pass_time(page)
+    expect(page.locator(".said")).to_contain_text("was stopped", timeout=START)
+    expect(text).to_have_value(kept)
+    stage.press("ArrowRight")
+    stage.press("Space")
+    expect(text).not_to_have_value(kept, timeout=START)
+
+
+def pass_time(page: Page) -> None:
+    """Let half a minute pass for the page, which has just sent something."""
+    page.clock.run_for(1_000)
+    page.wait_for_timeout(1_000)
+    page.clock.fast_forward(40_000)
+    page.clock.resume()
 
 
 def test_it_fits_a_phone(visit: Visit) -> None:
@@ -231,6 +244,72 @@ def test_firefox_draws_too(server: StaticServer, tmp_path: Path) -> None:
         assert opened.faults() == []
 
 
+# -- the messages ------------------------------------------------------------------------------
+
+REPLIES = """async ([text, messages, isNumeric]) => {
+  const worker = new Worker("worker.js", { type: "module" });
+  const call = (...given) => new Promise((resolve, reject) => {
+    worker.onmessage = ({ data: [, result, error] }) => {
+      if (error === null) resolve(result);
+      else reject(error);
+    };
+    worker.postMessage([0, ...given]);
+  });
+  await call("begin", 1, text, "", 0);
+  if (isNumeric) await call("load");
+  let revision = JSON.parse(await call("reply", 1, '{"do": "state"}')).state.revision;
+  const replies = [];
+  for (const message of messages) {
+    const sent = JSON.stringify({ id: 1, revision, ...message });
+    const reply = JSON.parse(await call("reply", 1, sent));
+    revision = reply.state?.revision ?? revision;
+    replies.push(reply);
+  }
+  worker.terminate();
+  return replies;
+}"""
+
+
+@pytest.fixture(scope="module")
+def numeric_runtime(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of Python for browsers that has NumPy and SciPy as well."""
+    wheels = tmp_path_factory.mktemp("numeric")
+    command = [sys.executable, *DOWNLOAD, *LIBRARIES]
+    done = subprocess.run(command, cwd=wheels, capture_output=True, text=True, check=False)
+    if done.returncode:
+        reason = done.stderr.strip().splitlines()[-1]
+        pytest.skip(f"`python {shlex.join(command[1:])}` found no such wheels: {reason}")
+    for file in runtime().iterdir():
+        shutil.copy(file, wheels)
+    return wheels
+
+
+def test_python_in_the_browser_answers_as_anywhere(visit: Visit, tmp_path: Path) -> None:
+    messages = [*MESSAGES, *NUMERIC]
+    answered = visit().evaluate(REPLIES, [TEXT, messages, False])
+    (expected,) = asked([("replies", [TEXT, messages])], tmp_path)
+    for message, one, other in zip(messages, answered, expected, strict=True):
+        assert settled(message, one) == settled(message, other)
+
+
+def test_with_numpy_python_in_the_browser_solves_levels(
+    numeric_runtime: Path, page: Page, tmp_path: Path
+) -> None:
+    write_site(tmp_path / "site", session_of("first-key"), numeric_runtime)
+    with hosted(tmp_path / "site") as server:
+        page.goto(server.address)
+        starts(page)
+        messages = [*MESSAGES, *NUMERIC]
+        answered = page.evaluate(REPLIES, [TEXT, messages, True])
+        expected = json.loads(json.dumps(replies(TEXT, messages)))
+        for message, one, other in zip(messages, answered, expected, strict=True):
+            assert settled(message, one) == settled(message, other)
+        page.locator(".load").click()
+        expect(page.locator(".best-return")).to_have_text("−7", timeout=START)
+        page.locator(".stage").press("p")
+        expect(page.locator(".playing")).to_be_visible()
+
+
 # -- the folder --------------------------------------------------------------------------------
 
 
@@ -251,6 +330,24 @@ def test_a_site_begins_with_a_level_and_is_written_again(folder: Path, tmp_path:
     assert (begin["name"], "The first key" in begin["text"]) == ("first-key", True)
     megabytes = re.findall(r"this loads (\d+) MB", (site / "editor.js").read_text("utf-8"))
     assert int(megabytes[0]) in range(10, 25)
+
+
+def test_a_site_has_numpy_if_the_folder_has_it(tmp_path: Path) -> None:
+    given, site = tmp_path / "given", tmp_path / "site"
+    shutil.copytree(runtime(), given)
+    (given / f"numpy-2.4.6-cp314-cp314-{PLATFORM}.whl").write_bytes(b"a" * 2_000_000)
+    write_site(site, session_of(None), given)
+    assert "cdn.jsdelivr.net" in (site / "editor.js").read_text("utf-8")
+    scipy = given / f"scipy-1.18.0-cp314-cp314-{PLATFORM}.whl"
+    scipy.write_bytes(b"b" * 3_000_000)
+    write_site(site, session_of(None), given)
+    assert 'from: "5 MB"' in (site / "editor.js").read_text("utf-8")
+    for name in ("editor.js", "worker.js"):
+        assert "cdn.jsdelivr.net" not in (site / name).read_text("utf-8")
+    entry = json.loads((site / "python" / "pyodide-lock.json").read_bytes())["packages"]["scipy"]
+    assert entry["file_name"] == scipy.name
+    assert entry["sha256"] == hashlib.sha256(scipy.read_bytes()).hexdigest()
+    assert (site / "python" / scipy.name).read_bytes() == scipy.read_bytes()
 
 
 def test_a_folder_of_other_files_is_left_alone(tmp_path: Path) -> None:

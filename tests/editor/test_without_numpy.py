@@ -1,19 +1,32 @@
-"""The line between the halves: what the editor does without NumPy, and what it says of the rest."""
+"""The editor in a browser: what it does without NumPy and what it says then, and all with it."""
 
 from __future__ import annotations
 
+import json
 import re
 from collections import defaultdict
+from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import expect
 from support.editors import OpenEditor
-from support.numberless import asked, replies, state_of_level, texts_after
+from support.numberless import (
+    MESSAGES,
+    NUMERIC,
+    TEXT,
+    asked,
+    replies,
+    settled,
+    state_of_level,
+    texts_after,
+)
 from support.places import ROOT
 
+from babyrobot_levels.editor import browser
 from babyrobot_levels.editor.protocol import QUESTIONS
 from babyrobot_levels.editor.sources import session_of
+from babyrobot_levels.linter.rules import find
 from babyrobot_levels.mdp import numeric
 from babyrobot_levels.mdp.numeric import NEEDS_NUMPY
 
@@ -31,33 +44,6 @@ LEVELS = [
     "shell-game",
     "teleport-pads",
     "windy-gridworld",
-]
-TEXT = "version: 1\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
-MESSAGES: list[dict[str, Any]] = [
-    {"do": "state"},
-    {"do": "answers"},
-    {"do": "levels"},
-    {"do": "filled", "brush": "small", "at": [1, 1]},
-    *({"do": "copy", "form": form} for form in ("yaml", "drawing", "python", "code")),
-    {"do": "text", "text": TEXT + "puddles: [[1, 1]]\nexits: [3, 2]\n"},
-    {"do": "undo"},
-    {"do": "redo"},
-    {"do": "text", "text": TEXT + "maze: {seed: 1}\nareas: []\n"},
-    {"do": "resize", "size": [5, 3], "shift": [0, 0]},
-    {"do": "keep_maze"},
-    {"do": "open", "source": "final-maze"},
-    {"do": "open", "source": "SFFF\nFHFH\nFFFH\nHFFG\n"},
-    {"do": "open", "source": "nothing-has-this-name"},
-    {"do": "open", "source": "version: 1\nsize: [400, 400]\n" * 2},
-    {"do": "open", "source": TEXT + "items: [{name: key, at: [1, 1]}]\nexit_needs: key\n"},
-    {"do": "save"},
-    {"do": "reload"},
-    {"do": "downloaded"},
-    {"do": "quit"},
-]
-NUMERIC: list[dict[str, Any]] = [
-    {"do": "policy", "actions": [1] * 12},
-    {"do": "copy", "form": "link"},
 ]
 # What the exact tables tell beside what the level itself does.
 COMPUTED = {"answers", "findings", "findings_pending", "lacks", "level", "number", "unreachable"}
@@ -135,6 +121,44 @@ def test_what_needs_numpy_says_so_in_a_sentence(told: dict[str, Any]) -> None:
     state = told["messages"][0]["state"]
     assert (state["lacks"], state["answers"]["reason"]) == (NEEDS_NUMPY, NEEDS_NUMPY)
     assert "table" not in state["level"]
+
+
+# -- with NumPy ----------------------------------------------------------------------------------
+
+
+def test_with_numpy_a_site_answers_all_that_the_server_does(tmp_path: Path) -> None:
+    questions: list[tuple[str, list[Any]]] = [("replies", [TEXT, [*MESSAGES, *NUMERIC]])]
+    for name in LEVELS:
+        asks = [{"do": "answers"}, {"do": "policy", "actions": []}, {"do": "copy", "form": "link"}]
+        questions.append(("replies", [session_of(name).text, asks]))
+    answers = asked(questions, tmp_path, is_numeric=True)
+    for (_, arguments), answered in zip(questions, answers, strict=True):
+        served = json.loads(json.dumps(replies(*arguments)))
+        for message, one, other in zip(arguments[1], answered, served, strict=True):
+            assert settled(message, one) == settled(message, other)
+
+
+def test_what_is_found_by_proof_comes_once_numpy_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    def asked_here(question: str) -> Any:
+        (state,) = [json.loads(browser.reply(7, json.dumps({"do": question, **at})))["state"]]
+        at["revision"] = state["revision"]
+        return state
+
+    shut_in = "walls:\n  - {at: [0, 0], side: E}\n  - {at: [0, 0], side: S}\n"
+    at: dict[str, Any] = {}
+    with monkeypatch.context() as patch:
+        patch.setattr(numeric, "_is_at_hand", lambda name: False)
+        browser.begin(7, TEXT + shut_in, "", 0)
+        state = asked_here("state")
+        assert (state["lacks"], state["findings"]) == (NEEDS_NUMPY, [])
+    browser.read_again()
+    asked_here("state")
+    state = asked_here("answers")
+    rule = find("exit-unreachable-from-start")
+    assert rule is not None
+    assert rule.code in {each["code"] for each in state["findings"]}
+    assert state["lacks"] == ""
+    assert state["answers"]["status"] == "done"
 
 
 @pytest.mark.slow

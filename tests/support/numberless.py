@@ -1,6 +1,7 @@
-"""The editor where there is neither NumPy nor SciPy, as in a browser: what it answers.
+"""The editor as it is in a browser, without NumPy and SciPy or with them: what it answers.
 
-`python -m support.numberless` blocks both, reads questions as JSON and writes the answers as JSON.
+`python -m support.numberless` blocks both, or all that a site of the editor lacks, reads questions
+as JSON and writes the answers as JSON.
 """
 
 from __future__ import annotations
@@ -9,13 +10,45 @@ import importlib
 import json
 import pkgutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from importlib.abc import MetaPathFinder
 from pathlib import Path
 from random import Random
+from threading import Thread
 from typing import Any
+from unittest.mock import patch
 
 import babyrobot_levels
+from babyrobot_levels.editor.site import MORE, PACKAGES
 from babyrobot_levels.mdp.numeric import LIBRARIES
+
+TEXT = "version: 1\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
+MESSAGES: list[dict[str, Any]] = [
+    {"do": "state"},
+    {"do": "answers"},
+    {"do": "levels"},
+    {"do": "filled", "brush": "small", "at": [1, 1]},
+    *({"do": "copy", "form": form} for form in ("yaml", "drawing", "python", "code")),
+    {"do": "text", "text": TEXT + "puddles: [[1, 1]]\nexits: [3, 2]\n"},
+    {"do": "undo"},
+    {"do": "redo"},
+    {"do": "text", "text": TEXT + "maze: {seed: 1}\nareas: []\n"},
+    {"do": "resize", "size": [5, 3], "shift": [0, 0]},
+    {"do": "keep_maze"},
+    {"do": "open", "source": "final-maze"},
+    {"do": "open", "source": "SFFF\nFHFH\nFFFH\nHFFG\n"},
+    {"do": "open", "source": "nothing-has-this-name"},
+    {"do": "open", "source": "version: 1\nsize: [400, 400]\n" * 2},
+    {"do": "open", "source": TEXT + "items: [{name: key, at: [1, 1]}]\nexit_needs: key\n"},
+    {"do": "save"},
+    {"do": "reload"},
+    {"do": "downloaded"},
+    {"do": "quit"},
+]
+NUMERIC: list[dict[str, Any]] = [
+    {"do": "policy", "actions": [1] * 12},
+    {"do": "copy", "form": "link"},
+]
 
 
 def modules_that_fail() -> Iterator[str]:
@@ -60,22 +93,62 @@ def replies(text: str, messages: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [send(session, **message) for message in messages]
 
 
-def asked(questions: list[tuple[str, list[Any]]], folder: Path) -> list[Any]:
-    """Return what functions of this module, named, answer in an interpreter without NumPy."""
+def settled(message: dict[str, Any], reply: dict[str, Any]) -> dict[str, Any]:
+    """Return a reply without what is at random, or depends on how fast the machine is."""
+    late = {"answers", "findings", "findings_pending"} if message["do"] != "answers" else set()
+    state = reply.get("state", {})
+    return reply | {"state": {key: state[key] for key in state.keys() - late - {"number"}}}
+
+
+class _Blocked(MetaPathFinder):
+    """Finds no module that is neither Python's own nor of some packages."""
+
+    def __init__(self, packages: Iterable[str]) -> None:
+        self._known = {*packages, *sys.stdlib_module_names}
+
+    def find_spec(self, fullname: str, *_: object) -> None:
+        if fullname.partition(".")[0] not in self._known:
+            raise ModuleNotFoundError(f"{fullname} is blocked", name=fullname)
+
+
+def block_what_sites_lack() -> None:
+    """Leave what a site has after NumPy and SciPy were loaded, and no threads."""
+
+    def start(*_: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    patch.object(Thread, "start", start).start()
+    own = ("pydantic", "pydantic_core", "support", *LIBRARIES)
+    sys.meta_path.insert(0, _Blocked([*PACKAGES, *MORE, *own]))
+
+
+def asked(
+    questions: list[tuple[str, list[Any]]], folder: Path, *, is_numeric: bool = False
+) -> list[Any]:
+    """Return what functions of this module, named, answer in an interpreter without NumPy.
+
+    Args:
+        questions: the names of the functions, each with its arguments.
+        folder: where there is room for a file.
+        is_numeric: whether there are NumPy and SciPy, but nothing else that sites lack.
+    """
     from support.places import TESTS
     from support.subprocesses import python
 
     file = folder / "questions.json"
     file.write_text(json.dumps(questions), "utf-8")
-    done = python("-m", "support.numberless", file, cwd=folder, path=TESTS)
+    done = python("-m", "support.numberless", file, str(is_numeric), cwd=folder, path=TESTS)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     answers: list[Any] = json.loads(done.stdout)
     return answers
 
 
 if __name__ == "__main__":
-    for library in LIBRARIES:
-        sys.modules[library] = None  # type: ignore[assignment]
+    if sys.argv[2] == "True":
+        block_what_sites_lack()
+    else:
+        for library in LIBRARIES:
+            sys.modules[library] = None  # type: ignore[assignment]
     functions: dict[str, Any] = {
         "modules_that_fail": lambda: [*modules_that_fail()],
         "state_of_level": state_of_level,

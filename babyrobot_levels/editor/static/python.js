@@ -4,6 +4,8 @@ export const STARTING = "Starting Python …";
 export const FIRST_TIME = "The first time, this loads SITE_MEGABYTES MB.";
 
 const PATIENCE = 30000; // Milliseconds that a message may take.
+const TOO_SLOW =
+  "Values of this level, and rules of play, take longer than 30 seconds here. They are not computed any more.";
 const TOO_LONG =
   "This took longer than 30 seconds and was stopped. The level is as it was before; what was done cannot be undone any more.";
 
@@ -68,12 +70,13 @@ export class PythonConnection {
     /** @type {Editor | null} */
     this.editor = null;
     this.begun = null;
+    this.isSlow = false;
     this.ends = false;
     this.place = "in this browser";
     this.address = `${location.origin}${location.pathname}`;
     this.more = {
       title: "Load NumPy and SciPy",
-      from: "about 20 MB from cdn.jsdelivr.net",
+      from: "SITE_MORE",
       load: () => python.load(),
     };
   }
@@ -90,8 +93,15 @@ export class PythonConnection {
   }
 
   async send(message) {
+    const isAsked = message.do === "answers"; // By the editor itself, after each change.
+    if (isAsked && this.isSlow) return {};
     await this.begin();
-    const timer = setTimeout(() => this.python.restart(), PATIENCE);
+    const timer = setTimeout(() => {
+      this.python.restart();
+      if (!isAsked) return;
+      this.isSlow = true;
+      this.editor.say(TOO_SLOW, "refused");
+    }, PATIENCE);
     try {
       return JSON.parse(await this.python.call("reply", this.key, JSON.stringify(message)));
     } finally {

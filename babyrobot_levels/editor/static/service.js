@@ -15,6 +15,14 @@ self.addEventListener("activate", (event) => {
 
 self.addEventListener("fetch", (event) => {
   if (event.request.method !== "GET" || !event.request.url.startsWith(self.registration.scope)) return;
-  const kept = caches.open(NAME + version).then((cache) => cache.match(event.request, { ignoreSearch: true }));
-  event.respondWith(kept.then((found) => found ?? fetch(event.request)));
+  const kept = caches.open(NAME + version).then(async (cache) => {
+    const found = await cache.match(event.request, { ignoreSearch: true });
+    if (found !== undefined) return found;
+    const answer = await fetch(event.request);
+    // NumPy and SciPy, once they were asked for.
+    if (answer.ok && event.request.url.startsWith(`${self.registration.scope}python/`))
+      await cache.put(event.request, answer.clone());
+    return answer;
+  });
+  event.respondWith(kept);
 });

@@ -8,7 +8,7 @@ const PLACE = "/lib/python3.14/site-packages";
 
 async function start() {
   const packages = fetch("python/packages.zip");
-  const python = await loadPyodide({ indexURL: "./python/", packageBaseUrl: "CDN_ADDRESS" });
+  const python = await loadPyodide({ indexURL: "./python/", packageBaseUrl: "MORE_ADDRESS" });
   const answer = await packages;
   if (!answer.ok) throw new Error(`python/packages.zip: ${answer.status}`);
   python.unpackArchive(await answer.arrayBuffer(), "zip", { extractDir: PLACE });
@@ -20,7 +20,7 @@ const started = start();
 const CALLS = {
   begin: async (...given) => (await started).session.begin(...given),
   reply: async (...given) => (await started).session.reply(...given),
-  /** Load the numeric half from Pyodide's own server. */
+  /** Load the numeric half. */
   load: async () => {
     const { python, session } = await started;
     try {
