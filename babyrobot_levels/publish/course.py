@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from babyrobot_levels.analysis.sharing import share
@@ -17,13 +18,16 @@ from babyrobot_levels.library.search_path import data_folder
 from babyrobot_levels.publish.gallery import gallery
 from babyrobot_levels.publish.packing import pack
 from babyrobot_levels.publish.schools import gradescope, scorm, write_zip
-from babyrobot_levels.publish.sheet import PAPERS, sheet
+from babyrobot_levels.publish.sheet import PAPERS, Sheet, sheet
 from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.files import PACK_FILE, is_file, is_within, write_text, written_folder
 
 CONTENTS = "contents.txt"
 """The list of what was built, by which a folder is known as one that may be replaced."""
+
+PER_PAGE = 2
+"""The levels on a page of a sheet: their cells have room for numbers."""
 
 _HEAD = "made by babyrobot course"
 
@@ -140,13 +144,11 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
     students, teacher, code = new / "students", new / "teacher", new / "students" / "code"
     yield lambda: gallery(given, students / "site", title=title, answers=False)
     yield lambda: gallery([*everything.values()], teacher / "site", title=title, key=True)
+    made = partial(sheet, title=title, per_page=PER_PAGE)
     for paper in PAPERS:
-        yield lambda paper=paper: sheet(given, title=title, paper=paper).save(  # type: ignore[misc]
-            students / f"sheet-{paper}.pdf"
-        )
-        yield lambda paper=paper: sheet(  # type: ignore[misc]
-            [*everything.values()], title=title, paper=paper, key=True
-        ).save(teacher / f"sheet-key-{paper}.pdf")
+        path, of_key = students / f"sheet-{paper}.pdf", teacher / f"sheet-key-{paper}.pdf"
+        yield partial(_save, partial(made, given, paper=paper), path)
+        yield partial(_save, partial(made, [*everything.values()], paper=paper, key=True), of_key)
     yield lambda: _copy(course, code)
     archive = students / f"{course.fields.name}-{course.fields.version}{SUFFIX}"
     yield lambda: pack(code, archive)
@@ -155,6 +157,10 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
     yield lambda: write_zip(teacher / "scorm.zip", scorm(given, title))
     if course.fields.functions:
         yield lambda: write_zip(teacher / "gradescope.zip", gradescope(course))
+
+
+def _save(make: Callable[[], Sheet], path: Path) -> None:
+    make().save(path)
 
 
 def _copy(course: Course, target: Path) -> None:

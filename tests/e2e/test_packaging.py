@@ -104,9 +104,10 @@ def test_the_wheel_holds_the_package_and_its_data(wheel: Path) -> None:
     data = {
         f"babyrobot_levels/data/{name}"
         for name in tracked_files()
-        if name.startswith(("levels/", "schemas/"))
+        if name.startswith(("course/", "levels/", "schemas/"))
     }
     assert "babyrobot_levels/py.typed" in inside
+    assert "babyrobot_levels/data/course/grade.py" in data
     assert "babyrobot_levels/data/levels/final-maze.yaml" in data
     assert "babyrobot_levels/data/levels/order.txt" in data
     assert "babyrobot_levels/data/schemas/level.schema.json" in data
