@@ -17,7 +17,10 @@ import numpy as np
 import babyrobot_levels as brl
 
 FILE = Path(__file__).with_suffix(".json")
-SUITES = ("bench-easy", "bench-hard", "locked-mazes", "long-ways", "small-mazes", "wet-mazes")
+SUITES = (
+    *("bench-easy", "bench-hard", "locked-mazes", "long-ways", "small-mazes", "wet-mazes"),
+    *("text-easy", "text-hard"),
+)
 PLAYED = (
     *("final-maze", "default", "glasshouse", "windy-gridworld", "frozen-lake", "random-maze"),
     *("two-doors", "ice-rink", "night-watch", "two-levers", "treasure-chests"),
