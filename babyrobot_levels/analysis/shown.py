@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.html import Picture
-    from babyrobot_levels.render.scene.layout import Overlay
+    from babyrobot_levels.render.scene.layout import Overlay, Rows
 
 MAX_SOLVED = 5_000
 """The most states of a level that is solved only to be shown."""
@@ -44,6 +44,13 @@ def overlay_given(level: GridWorld, given: Mapping[str, Any]) -> Overlay:
     from babyrobot_levels.render.scene.info import overlay_from
 
     return overlay_from({key: _going_on(level, key, value) for key, value in given.items()}, level)
+
+
+def actions_shown(solution: Any, configuration: int | None) -> Rows[tuple[int, ...]]:
+    """Return the optimal action of each cell, the first one of several, as overlays have it."""
+    rows = solution.at(configuration or 0).policy.tolist()
+    first = solution.first_action
+    return [[(action + first,) if action >= 0 else () for action in row] for row in rows]
 
 
 def _going_on(level: GridWorld, key: str, given: Any) -> Any:

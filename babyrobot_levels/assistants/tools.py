@@ -17,7 +17,7 @@ from babyrobot_levels.analysis.endings import ending_of
 from babyrobot_levels.analysis.metrics import Metrics
 from babyrobot_levels.analysis.pictures import to_png
 from babyrobot_levels.analysis.previews import show
-from babyrobot_levels.analysis.shown import overlay_given
+from babyrobot_levels.analysis.shown import actions_shown, overlay_given
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.assistants.results import (
@@ -279,8 +279,7 @@ def _policy(level: Level, found: Solution) -> str:
     """Return the drawing with an optimal action in each cell, as episodes begin."""
     number = initial_configuration(level) if level.has_things else None
     overlay = overlay_given(level, {"policy": found}).at(number)
-    rows = found.at(number or 0).policy.tolist()
-    shown = [[(each + found.first_action,) if each >= 0 else () for each in row] for row in rows]
+    shown = actions_shown(found, number)
     painter = TextPainter(level, plain=True, overlay=replace(overlay, actions=shown, caption=""))
     lines = painter.lines(None, configuration=number, held=False)
     return "\n".join([*lines, *painter.explained()])

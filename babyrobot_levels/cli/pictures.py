@@ -182,14 +182,14 @@ def solution_text(
         plain: whether to use ASCII in any case.
         configuration: what is where; None is where episodes begin.
     """
-    from babyrobot_levels.analysis.shown import overlay_given
+    from babyrobot_levels.analysis.shown import actions_shown, overlay_given
 
     number = shown_configuration(level, configuration)
     told = overlay_given(level, {"values": solution}).at(number)
     overlay = replace(
         told,
         values=_values(solution, number) if values else None,
-        actions=_actions(solution, number) if policy else None,
+        actions=actions_shown(solution, number) if policy else None,
         caption="",
     )
     plain = plain or not takes_pictures()
@@ -211,7 +211,7 @@ def values_text(
     solution: Solution, configuration: int | None, never: Set[tuple[int, int]] = frozenset()
 ) -> str:
     """Return the values in rows and columns, with two decimals."""
-    rows = _part(solution, solution.values, configuration).tolist()
+    rows = solution.at(configuration or 0).values.tolist()
     return _joined(number_lines(rows, 2, never))
 
 
@@ -220,22 +220,10 @@ def takes_pictures() -> bool:
     return colors_of(sys.stdout) > 0 and speaks_unicode(sys.stdout)
 
 
-def _actions(solution: Solution, configuration: int | None) -> Rows[tuple[int, ...]]:
-    """Return the optimal action of each cell, the first one of several."""
-    rows = _part(solution, solution.policy, configuration).tolist()
-    first = solution.first_action
-    return [[(action + first,) if action >= 0 else () for action in row] for row in rows]
-
-
 def _values(solution: Solution, configuration: int | None) -> Rows[float | None]:
     """Return the value of each cell, None where there is none."""
-    rows = _part(solution, solution.values, configuration).tolist()
+    rows = solution.at(configuration or 0).values.tolist()
     return [[None if math.isnan(value) else value for value in row] for row in rows]
-
-
-def _part(solution: Solution, table: Any, configuration: int | None) -> Any:
-    """Return the part of an array that belongs to a configuration: `[height, width, …]`."""
-    return table[configuration or 0] if solution.values.ndim > 2 else table
 
 
 def _picture(level: Level, overlay: Overlay | None, configuration: int | None) -> str:
