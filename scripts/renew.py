@@ -27,6 +27,7 @@ sys.path += [str(ROOT / "tests"), str(ROOT)]
 
 import doc_pictures as pictures  # noqa: E402
 import structure  # noqa: E402
+import transcripts  # noqa: E402
 from command_reference import completion, reference  # noqa: E402
 from site_map import llms  # noqa: E402
 from support import golden, mistakes, reports, sessions  # noqa: E402
@@ -275,6 +276,7 @@ GENERATED = (
     _one("cli.md", reference, "the commands"),
     _one("babyrobot_levels/cli/completion.json", completion, "the commands, and what they take"),
     _one("docs/SKILL.md", brl.skill, "the language, the metrics and the rules"),
+    _one("docs/transcripts.md", transcripts.page, "`scripts/transcripts.py`"),
     _one("docs/llms.txt", llms, "the contents of `docs/index.md`"),
     Generated(("schemas/*.json",), "the models of files", _schemas),
     Generated(("docs/rules/*.md",), "docstrings of rules", _rules),
