@@ -13,12 +13,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
-from design import FIXED, KINDS, USUAL, Author, Brief, Finding, Message
+from design import Author, Message
+from design_judge import FIXED, KINDS, USUAL, Brief, Finding
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.ranges import ends
 
-TRIES = 500
+TRIES = 60
 """How many levels `repair` looks at for an answer."""
 
 Side = tuple[int, int, str]
@@ -196,14 +197,12 @@ def at_random(brief: Brief) -> Author:
 
 
 def by_search(brief: Brief) -> Author:
-    """Return an author that has `brl.generate` look for a level with the facts.
+    """Return an author that has the generator of suites look for a level with the facts.
 
-    What suites cannot have (holes, glass, switches, several starts) is left out.
+    It does not answer a brief with what suites do not have: holes, glass, switches, more starts.
     """
-    known = ("hit", "rewards", "discount", "size")
-    asked = {name: each for name, each in brief.fields.items() if name in known and each != "any"}
-    counts = {kind: brief.counts.get(kind, 0) for kind in ("puddles", "wind", "coins", "guards")}
-    keys = int(brief.counts.get("items", 0)) - int(counts["coins"])
+    counts = dict(brief.counts)
+    coins, keys = counts.get("coins", 0), counts.pop("items", 0)
     suite = {
         "version": 1,
         "kind": "suite",
@@ -212,17 +211,26 @@ def by_search(brief: Brief) -> Author:
         "maze": {"loops": {"max": 0.6}},
         "start": "random",
         "exit": "random",
-        "keys": keys,
+        "keys": keys - coins,
         "expect": {name: each for name, each in brief.expect.items() if name != "needs"},
         **counts,
-        **asked,
+        **{name: each for name, each in brief.fields.items() if each != "any"},
     }
 
     def author(messages: list[Message]) -> str:
         try:
-            return brl.load_suite({**suite, "seed": len(messages)})[0].to_yaml()
-        except (brl.BabyRobotError, ValueError) as error:
-            return f"# {error}\n"
+            found = brl.load_suite({**suite, "seed": len(messages)})[0].to_dict()
+        except (brl.BabyRobotError, ValueError):
+            return ""
+        needed = iter(brief.expect.get("needs", ()))
+        names = {each["name"]: next(needed, each["name"]) for each in found.get("items", ())}
+        for item in found.get("items", ()):
+            item["name"] = names[item["name"]]
+            if "reward" in item:
+                item.update(brief.each.get("coins", {}))
+        for door in found.get("doors", ()):
+            door["needs"] = names[door["needs"]]
+        return brl.Level(**found).to_yaml()
 
     return author
 
@@ -284,7 +292,7 @@ def far(known: Brief, level: brl.Level) -> float:
     """Return how far a level is from a brief: 0 if it meets it."""
     try:
         # What the linter finds counts less than any fact, and takes longer.
-        found = known.unmet(level)
+        found = [*known.unmet(level)]
         return sum(map(distance, found)) if found else 0.04 * len(known.judge(level.to_yaml()))
     except brl.LevelError:
         return float("inf")
