@@ -272,6 +272,15 @@ def sheet(
             help="Empty grids beside each level, for the values of N sweeps of value iteration.",
         ),
     ] = 0,
+    lines: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            max=24,
+            metavar="N",
+            help="Lines to write answers on below each level, as far as there is room.",
+        ),
+    ] = 0,
     rules: Annotated[
         bool,
         typer.Option(
@@ -309,6 +318,8 @@ def sheet(
 
       babyrobot sheet frozen-lake gridworld-3-5 --grids 3 --title "Value iteration" -o sweeps.pdf
 
+      babyrobot sheet final-maze first-key --per-page 2 --lines 8 -o questions.pdf
+
       babyrobot sheet classics --landscape --paper letter --no-rules -o sheet.html
     """
     from babyrobot_levels.publish.sheet import MAX_LEVELS
@@ -334,6 +345,7 @@ def sheet(
                 policy=policy,
                 rules=rules,
                 grids=grids,
+                lines=lines,
                 key=key,
                 progress=report,
             )

@@ -53,6 +53,7 @@ KINDS = ("pdf", "html", "png")
 MAX_LEVELS = 500
 MAX_PER_PAGE = 24
 MAX_GRIDS = 11
+MAX_LINES = 24
 MAX_SETS, MAX_WITH_SETS = 4, 9
 """The most sets of held things of which a key has a picture of a level, and of levels then."""
 
@@ -82,6 +83,7 @@ def sheet(
     policy: bool = False,
     rules: bool = True,
     grids: int = 0,
+    lines: int = 0,
     key: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Sheet:
@@ -100,6 +102,8 @@ def sheet(
         rules: whether to tell on each page what its levels do, pay and cost.
         grids: the number of empty grids beside each level into which values of the sweeps of value
             iteration are written.
+        lines: the number of lines to write on below each level, as far as there is room; a key has
+            none.
         key: whether it is the teacher's copy: with values, actions, the optimal return, and grids
             that are filled in.
         progress: told of the levels that are drawn: how many of how many.
@@ -115,6 +119,7 @@ def sheet(
     size = PAPERS[paper][::-1] if landscape else PAPERS[paper]
     _check("per_page", per_page, 1, MAX_PER_PAGE)
     _check("grids", grids, 0, MAX_GRIDS)
+    _check("lines", lines, 0, MAX_LINES)
     found = list(islice(named_levels(levels), MAX_LEVELS + 1))
     if not found:
         raise ValueError("a sheet needs at least one level")
@@ -122,7 +127,7 @@ def sheet(
         raise ValueError(f"a sheet has at most {MAX_LEVELS} levels")
     # On a page of many levels, there is room for one picture each.
     sets = MAX_SETS if key and (per_page or 1) <= MAX_WITH_SETS else 1
-    shown = SheetContents(theme, values, policy, rules, grids, key, sets)
+    shown = SheetContents(theme, values, policy, rules, grids, key, sets, lines)
     entries: list[Entry] = []
     for each in found:
         entries.append(entry_of(load(each), shown))
@@ -261,6 +266,7 @@ class SheetContents:
         grids: the number of grids for the values of sweeps.
         key: whether it is all filled in.
         sets: the most sets of held things of which there are answers.
+        lines: the number of lines to write on.
     """
 
     theme: Any = "print"
@@ -270,6 +276,7 @@ class SheetContents:
     grids: int = 0
     key: bool = False
     sets: int = 1
+    lines: int = 0
 
 
 def entry_of(level: Level, shown: SheetContents) -> Entry:
@@ -305,6 +312,7 @@ def entry_of(level: Level, shown: SheetContents) -> Entry:
         blank=not (shown.key or tells),
         rules=[*_rules(level, shown)] if shown.rules else (),
         text=one_line(" ".join((level.description or "").split()))[:_MOST_TEXT],
+        lines=0 if shown.key else shown.lines,
     )
 
 

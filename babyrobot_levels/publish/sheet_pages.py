@@ -37,6 +37,9 @@ _CAPTION_SIZE = 9.5
 _TEXT_LINE, _TEXT_SHARE = 12.0, 0.15
 """The height of a line of a level's description, and the most that it takes of the level's room."""
 
+_RULED = 28.0
+"""The distance of lines to write on."""
+
 _LEAST_PICTURE = 30.0
 """The room that texts leave to the picture."""
 
@@ -71,6 +74,7 @@ class Entry:
         blank: whether there is room to write behind the answer.
         rules: its rules.
         text: what it says of itself, below its title.
+        lines: the number of lines to write on below it.
     """
 
     title: str
@@ -80,6 +84,7 @@ class Entry:
     blank: bool = False
     rules: Sequence[SampledRule] = field(default=())
     text: str = ""
+    lines: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,6 +294,9 @@ class _Block:
         line, left = self._LEADING * _FIELD, height - self._top - 20 - _LEAST_PICTURE
         self._answers = _lines_of(entry.answer, _SLACK * width, max(1, int(left / line)), _FIELD)
         self._below = 4 + line * len(self._answers) + 16
+        left = height - self._top - self._below - _LEAST_PICTURE
+        self._lines = min(entry.lines, max(0, int(left / _RULED)))
+        self._below += _RULED * self._lines
         # Where answers are long and many levels are on a page, there is no room for it.
         left = height - self._top - self._below - _LEAST_PICTURE
         most = int(min(round(_TEXT_SHARE * height / _TEXT_LINE), max(0.0, left / _TEXT_LINE)))
@@ -340,6 +348,9 @@ class _Block:
         if self._answers and self._entry.blank:
             left = width_of(self._answers[-1], _FIELD) + 6
             yield _line(left, y + 2, min(self.width, left + 150))
+        for _ in range(self._lines):
+            y += _RULED
+            yield _line(0, y, self.width)
         mark = cut(self._entry.mark, self.width, _SMALL - 1)
         yield Text(0, y + 14, mark, _SMALL - 1, FAINT, "start")
 

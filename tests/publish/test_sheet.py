@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,8 @@ from support.markup import Reader
 from support.scenes import bounds
 
 import babyrobot_levels as brl
+from babyrobot_levels.publish.sheet_pages import LINE
+from babyrobot_levels.render.scene import shapes
 from babyrobot_levels.render.scene.shapes import Scene, Text
 
 NAMES = [
@@ -240,6 +242,28 @@ def test_an_infinite_return_is_told_in_words() -> None:
     assert forever in texts(brl.sheet("gridworld-3-5", key=True))[0]
 
 
+def rules_to_write_on(page: Scene) -> list[float]:
+    """Return how far down the lines of a page are on which answers are written, short ones not."""
+    lines = [each for each in page.shapes if isinstance(each, shapes.Path) and each.stroke == LINE]
+    found = [bounds(each) for each in lines if len(each.commands) == 2]
+    return [top for left, top, right, _ in found if right - left > 200 and top > 140]
+
+
+@pytest.mark.parametrize("paper", ["a4", "letter"])
+def test_there_are_lines_to_write_on_as_far_as_there_is_room(paper: str) -> None:
+    (page,) = brl.sheet(["first-key", "maze"], per_page=2, paper=paper, lines=5).pages
+    lines = rules_to_write_on(page)
+    assert len(lines) == 10
+    assert {round(after - before) for before, after in pairwise(lines[:5])} == {28}
+    [alone] = brl.sheet("maze", per_page=1, paper=paper, lines=24).pages
+    assert 10 < len(rules_to_write_on(alone)) <= 24
+    # Levels keep their pictures and names, and keys have answers instead.
+    [full] = brl.sheet(["maze"] * 24, per_page=24, paper=paper, lines=24, rules=False).pages
+    assert max(bounds(shape)[3] for shape in full.shapes) < full.height - 40
+    key = brl.sheet(["first-key", "maze"], per_page=2, paper=paper, lines=5, key=True)
+    assert rules_to_write_on(key.pages[0]) == []
+
+
 def test_grids_are_empty_and_in_the_key_hold_the_sweeps_of_value_iteration() -> None:
     [asked], [told] = (texts(brl.sheet("frozen-lake", grids=3, key=key)) for key in (False, True))
     sweeps = [*islice(brl.value_iteration("frozen-lake"), 1, 4)]
@@ -367,6 +391,7 @@ def test_titles_are_texts_whatever_they_say(title: str) -> None:
         (["frozen-lake"], {"paper": "a5"}, "paper must be 'a4' or 'letter', not 'a5'"),
         (["frozen-lake"], {"per_page": 0}, "per_page must be a whole number from 1 to 24, not 0"),
         (["frozen-lake"], {"per_page": 2.0}, "per_page must be a whole number"),
+        (["frozen-lake"], {"lines": 25}, "lines must be a whole number from 0 to 24, not 25"),
         (["frozen-lake"], {"grids": 12}, "grids must be a whole number from 0 to 11, not 12"),
     ],
 )  # fmt: skip
