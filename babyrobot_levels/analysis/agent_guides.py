@@ -97,21 +97,23 @@ def _beside(
     space: StateSpace, weights: Floats, solution: Solution, best: float | None
 ) -> PageAgent:
     """Return a policy beside the optimum."""
-    level, told = space.level, []
+    level, figures = space.level, dict[str, list[str]]()
     if level.max_steps is not None and best is not None and not np.isnan(best):
         with suppress(EpisodeTooLongError):
             limits, discounts = [level.max_steps], [level.discount]
             worth = worth_within([space], limits, discounts, [weights], quick=True)
-            told.append(_regret(float(worth.returns[0]), best, level.max_steps))
+            figures[_regret(float(worth.returns[0]), best)] = [limited(level.max_steps)]
     values, visits = np.full((2, space.mdp.num_states), np.nan)
     regret = 0.0
     with suppress(ArithmeticError):
         found = evaluation_of(level, weights, level.discount, "all")
         values, regret = found.values, solution.expected_return - found.expected_return
-        told.append(_regret(found.expected_return, solution.expected_return, None))
+        figure = _regret(found.expected_return, solution.expected_return)
+        figures.setdefault(figure, []).append(limited(None))
         visits = occupancy(level, weights).states.ravel()
     wrong, costs = _costs(space, weights, solution)
     (states,) = np.nonzero(wrong.any(axis=1))
+    told = [f"{figure} {' and '.join(limits)}." for figure, limits in figures.items()]
     told.append(_told(len(states), int((visits[states] > 0).sum())))
     with np.errstate(invalid="ignore"):
         lost = np.nan_to_num(costs[states] * visits[states], nan=0.0, posinf=np.inf)
@@ -155,12 +157,12 @@ def _overlay(level: GridWorld, space: StateSpace, **tables: Floats) -> Overlay:
     return overlay
 
 
-def _regret(earned: float, best: float, limit: int | None) -> str:
+def _regret(earned: float, best: float) -> str:
     told, lost = f"Return {rounded(earned)}, optimum {rounded(best)}", best - earned
     if not np.isnan(lost):
         # Both may be infinite.
         told += f": regret {rounded(0.0 if lost <= _EQUAL * max(1.0, abs(best)) else lost)}"
-    return f"{told} {limited(limit)}."
+    return told
 
 
 def _told(count: int, visited: int) -> str:

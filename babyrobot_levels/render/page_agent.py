@@ -87,7 +87,7 @@ def agent_data(
         costs = each(agent.costs)
         own = marks.on_own_scale(costs)
         data["costs"] = {
-            "marks": {"values": own.values(costs), "policy": own.pairs(costs, optimum)},
+            "marks": {"values": own.values(costs), "policy": own.actions(costs, optimum)},
             "legend": own.drawn_legend,
         }
     return data

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from copy import copy
+from itertools import repeat
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.base import SIDES
@@ -134,32 +135,22 @@ class Marks:
             ]
         return marks
 
-    def actions(self, overlays: Iterable[Overlay]) -> list[int]:
-        """Return the mark of each cell's actions in each overlay in turn; -1 for none."""
-        marks = []
-        for overlay in overlays:
-            lengths = dict(arrow_lengths(overlay, self._slots, self._layout))
-            for cell in self._layout.cells():
-                found = lengths.get(cell)
-                marks.append(self._actions(cell, found) if found else self._blank(cell, overlay))
-        return marks
+    def actions(
+        self, overlays: Iterable[Overlay], others: Iterable[Overlay] = repeat(Overlay())
+    ) -> list[int]:
+        """Return the mark of each cell's actions in each overlay in turn; -1 for none.
 
-    def pairs(self, overlays: Iterable[Overlay], others: Iterable[Overlay]) -> list[int]:
-        """Return the mark of each cell's actions, with those of another overlay as light arrows.
-
-        Cells without actions show none of the other overlay.
+        Where there are any, those of another overlay are light arrows beside them.
         """
         marks = []
-        for overlay, other in zip(overlays, others, strict=True):
-            lengths, beside = (
+        for overlay, other in zip(overlays, others, strict=False):
+            lengths, light = (
                 dict(arrow_lengths(each, self._slots, self._layout)) for each in (overlay, other)
             )
             for cell in self._layout.cells():
-                found = lengths.get(cell)
+                found, beside = lengths.get(cell), light.get(cell, {})
                 marks.append(
-                    self._actions(cell, found, beside.get(cell))
-                    if found
-                    else self._blank(cell, overlay)
+                    self._actions(cell, found, beside) if found else self._blank(cell, overlay)
                 )
         return marks
 
@@ -183,8 +174,8 @@ class Marks:
             self._add(key, cell, shapes, self._palette.place(color))
         return self._numbers[key]
 
-    def _actions(self, cell: Cell, lengths: Lengths, light: Lengths | None = None) -> int:
-        parts = [light or {}, lengths]
+    def _actions(self, cell: Cell, lengths: Lengths, light: Lengths) -> int:
+        parts = [light, lengths]
         key = "actions", self._slots.plan(cell).arrow, *(tuple(part.items()) for part in parts)
         if key not in self._numbers:
             color = self._level.resolved_theme.colors.arrows

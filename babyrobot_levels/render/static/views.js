@@ -7,11 +7,7 @@ const NAMES = {
   agent: ["Agent's actions", "The agent's expected returns without a limit"],
   costs: ["Actions", "How much less the agent's actions are worth than optimal ones"],
 };
-const TOLD = {
-  optimum: "",
-  agent: "",
-  costs: "Dark arrows: the agent's actions where they are not optimal. Light arrows: optimal ones.",
-};
+const LIGHT = "Dark arrows: the agent's actions where they are not optimal. Light arrows: optimal ones.";
 
 /** The choice of what is shown, and the table of the states in which the agent differs. */
 export class Views {
@@ -44,10 +40,10 @@ export class Views {
     const [actions, values] = NAMES[isTurning ? "optimum" : view];
     this.place.hidden = isTurning || data.agent?.costs === undefined;
     for (const input of this.place.querySelectorAll("input")) input.checked = input.value === view;
-    byId("view-told").textContent = TOLD[view];
     byId("policy-name").textContent = actions;
     byId("show-values").title = values;
     const isCost = !isTurning && view === "costs";
+    byId("view-told").textContent = isCost ? LIGHT : "";
     byId("value-scale").classList.toggle("hidden", isCost);
     byId("cost-scale").classList.toggle("hidden", !isCost);
   }
