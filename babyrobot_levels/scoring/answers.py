@@ -501,11 +501,16 @@ class _Policies(_Task):
             with suppress(UndefinedReturnError, EpisodeTooLongError):
                 if self.is_optimal(weights, other).all():
                     yield f"it is optimal for the discount {other:g}, not for {discount:g}"
-        endless: Flags = self.endless(weights) & ~self.is_optimal(weights, discount)
-        if endless.any():
-            label = closed_classes(self.problem.model.mixed(weights))
-            loop = (label == label[endless & (label >= 0)][0]) & self.counts
-            cells = self.problem.space.cells(self.problem.model.states[loop])
+        # Where the optimum goes on for ever, that is no mistake.
+        best = self.weights(self.optimum_at(discount))
+        bad = ~self.is_optimal(weights, discount) & ~self.endless(best)
+        endless: Flags = self.endless(weights) & bad
+        label = closed_classes(self.problem.model.mixed(weights))
+        stuck = endless & (label >= 0)
+        if stuck.any():
+            cells = self.problem.space.cells(
+                self.problem.model.states[(label == label[stuck][0]) & self.counts]
+            )
             around = ", ".join(f"[{x}, {y}]" for x, y in cells[:5]) + ", …" * (len(cells) > 5)
             yield f"from {self.place(endless)} its episodes never end, but go on around {around}"
 

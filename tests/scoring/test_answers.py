@@ -190,6 +190,12 @@ def test_mistakes_with_policies(level: str, policy: Any, said: str) -> None:
     assert said in grade.message
 
 
+def test_going_on_for_ever_is_no_mistake_where_the_optimum_does() -> None:
+    grade = brl.grade_policy("gridworld-3-5", np.full((5, 5), 1))
+    assert not grade
+    assert "at [0, 0], north is not optimal; it loses" in grade.message
+
+
 def test_floats_that_are_whole_are_actions() -> None:
     assert brl.grade_policy(LAKE, BEST.astype(float))
 
