@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import os
 import zlib
@@ -23,7 +21,7 @@ from babyrobot_levels.library.packs.build import read_course
 from babyrobot_levels.scoring.decisions import decisions_of
 from babyrobot_levels.scoring.hand_ins import HandIn, hand_ins, words_of
 from babyrobot_levels.scoring.plays import Play
-from babyrobot_levels.scoring.results import Table, plain
+from babyrobot_levels.scoring.results import Table, csv_of, plain
 from babyrobot_levels.scoring.score import score
 from babyrobot_levels.scoring.verify import verify_play
 from babyrobot_levels.suites.suite import Levels, folder_named, named_levels
@@ -206,17 +204,14 @@ class Grades(Table[Grade]):
 
     def totals_to_csv(self) -> str:
         """Return a table of the points, with a line for each player, as CSV."""
-        out = io.StringIO()
-        rows = csv.writer(out, lineterminator="\n")
-        rows.writerow(["player", *self.levels, "total"])
-        rows.writerows([name, *row.values()] for name, row in self.totals.items())
-        return out.getvalue()
+        rows = [[name, *row.values()] for name, row in self.totals.items()]
+        return csv_of([["player", *self.levels, "total"], *rows])
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
         return {
             "grades": [plain(asdict(grade)) for grade in self],
-            "totals": self.totals,
+            "totals": {name: plain(points) for name, points in self.totals.items()},
             "defects": [asdict(defect) for defect in self.defects],
         }
 

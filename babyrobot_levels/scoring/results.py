@@ -7,7 +7,7 @@ import io
 import json
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -131,6 +131,16 @@ Row = TypeVar("Row", bound=Any)
 """A dataclass."""
 
 
+def csv_of(rows: Iterable[Sequence[Any]]) -> str:
+    """Return rows as CSV. Texts that spreadsheets would take for a formula begin with `'`."""
+    out = io.StringIO()
+    formula = ("=", "+", "-", "@", "\t", "\r")
+    for row in rows:
+        cells = [f"'{x}" if isinstance(x, str) and x.startswith(formula) else x for x in row]
+        csv.writer(out, lineterminator="\n").writerow(cells)
+    return out.getvalue()
+
+
 class Table(Sequence[Row]):
     """Rows with the same fields, in their order, that can be written as JSON and as CSV."""
 
@@ -167,11 +177,8 @@ class Table(Sequence[Row]):
 
     def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return a table with a line for each row, and write it to a file if a path is given."""
-        out = io.StringIO()
-        rows = csv.writer(out, lineterminator="\n")
-        rows.writerow([field.name for field in fields(self.ROW)])
-        rows.writerows(plain(asdict(row)).values() for row in self)
-        return _written(out.getvalue(), path)
+        rows = [list(plain(asdict(row)).values()) for row in self]
+        return _written(csv_of([[field.name for field in fields(self.ROW)], *rows]), path)
 
 
 class Scores(Table[LevelScore]):

@@ -22,6 +22,7 @@ export function recallName() {
     // Without storage, each page asks for it.
   }
   byId("who").value = (name ?? "").slice(0, 200);
+  keepName();
 }
 
 export function keepName() {
