@@ -30,7 +30,7 @@ import structure  # noqa: E402
 import transcripts  # noqa: E402
 from command_reference import completion, reference  # noqa: E402
 from site_map import llms  # noqa: E402
-from support import golden, mistakes, reports, sessions  # noqa: E402
+from support import golden, learned, mistakes, reports, sessions  # noqa: E402
 
 import babyrobot_levels as brl  # noqa: E402
 from babyrobot_levels.language.json_schema import SCHEMAS, schema_text  # noqa: E402
@@ -292,6 +292,7 @@ GENERATED = (
         "`tests/support/golden.py`",
         _golden,
     ),
+    _one("tests/javascript/learned.json", learned.recorded, "`tests/support/learned.py`"),
     _one("docs/mazes.md", maze_page, "its table from what is measured"),
     Generated(("docs/images/mazes/*.svg",), "the maze algorithms", _mazes),
     Generated(("docs/images/things*.svg",), "`scripts/doc_pictures.py`", _things),

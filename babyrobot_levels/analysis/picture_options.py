@@ -57,6 +57,7 @@ class PageOptions(TypedDict, total=False):
     answers: bool
     previous_page: str | None
     next_page: str | None
+    learn: bool | None
 
 
 def takes(options: Any, **defaults: Any) -> Callable[[Callable[P, T]], Callable[P, T]]:

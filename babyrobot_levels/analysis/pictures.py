@@ -315,6 +315,8 @@ def to_html(
             page: the page leads back to it.
         next_page: the same for the level that follows; the result of a good end leads there, too.
             Pages with either keep what is reached, in the browser.
+        learn: whether algorithms can learn the level on the page, by which it also finds the
+            solution; by default, if it has answers.
         tell: called with a text if there is no solution that the page could show, and none is
             asked for; by default, this is a warning.
 
@@ -366,6 +368,7 @@ def to_html(
         arrows=arrows,
         previous_page=page_address("previous_page", shown.get("previous_page")),
         next_page=page_address("next_page", shown.get("next_page")),
+        learn=shown.get("learn"),
     )
     return _saved(page, path)
 

@@ -187,7 +187,14 @@ def preview(
         bool,
         typer.Option(
             "--no-answers",
-            help="Leave the solution out of an HTML page: no values, optimal actions and hints.",
+            help="Leave the solution out of an HTML page: no values, optimal actions and hints, "
+            "and no algorithms that learn it.",
+        ),
+    ] = False,
+    learn: Annotated[
+        bool,
+        typer.Option(
+            "--learn", help="Let algorithms learn the level on an HTML page without answers, too."
         ),
     ] = False,
     scale: Annotated[
@@ -251,6 +258,7 @@ def preview(
         shown = listed([kind if kind == TEXT else f"{kind}s" for kind in kinds])
         fail(f"--held is for {shown}", "leave out --held")
     _check_for("answers", chosen, given=no_answers, name="--no-answers")
+    _check_for("learn", chosen, given=learn)
     _check_for("visits", chosen, given=visits)
     if no_answers and (values or policy == PolicyName.BEST):
         fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
@@ -280,6 +288,7 @@ def preview(
         "scale": times,
         "held": held,
         "answers": not no_answers,
+        "learn": learn or None,
         "rules": rules,
     }
     plain = chosen.name == "ascii" or output is not None

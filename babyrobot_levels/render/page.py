@@ -292,6 +292,7 @@ class PageOptions(TypedDict, total=False):
         next_page: that of the level after it, to which also the card of a result leads.
         turns: whether the robot turns at first. The page can change between turning and moving
             if it does, or if the level sets a `heading`.
+        learn: whether algorithms can learn the level; by default, with a guide.
     """
 
     guide: Guide | None
@@ -303,11 +304,13 @@ class PageOptions(TypedDict, total=False):
     previous_page: str | None
     next_page: str | None
     turns: bool
+    learn: bool | None
 
 
 def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
     """Return everything that a page needs to show and play a level; see `to_html`."""
     guide, policy = shown.get("guide"), shown.get("policy", "best")
+    learn = shown.get("learn")
     at_first = {"policy": shown.get("arrows"), "values": shown.get("values")}
     level = without_panels(level)
     colors = level.resolved_theme.colors
@@ -328,6 +331,7 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
         "walker": policy if guide is not None or policy != "best" else None,
         "shown": [name for name, is_shown in at_first.items() if is_shown],
         **_answers(level, guide),
+        **({} if learn is None else {"learn": learn}),
     }
 
 

@@ -42,6 +42,14 @@ _COMMENTS = re.compile(
 """Comments that have lines of their own, and types of expressions."""
 
 
+_TEXT = r'("(?:[^"\\]|\\.)*")'
+_SPACES = {
+    ".js": re.compile(_TEXT + r"| ?(=>|[][=<>?:,;{}()&|!*%]+) ?"),
+    ".css": re.compile(_TEXT + r"|([:;{,]) | (?=[{}])"),
+}
+"""Texts, which stay as they are, and signs with needless spaces, of scripts and style sheets."""
+
+
 class _Module(NamedTuple):
     """A script or style sheet: what it imports, by path, and its text without that."""
 
@@ -102,7 +110,14 @@ def _read(path: str, text: str) -> _Module:
     if left := _LEFT.search(code):
         raise ValueError(f"{path}: this form is not understood: {left[0]}")
     names = frozenset[str]().union(*map(_words, map(" ".join, _NAMES.findall(code))))
-    lines = filter(None, map(str.strip, code.splitlines()))
+    spaces = _SPACES[posixpath.splitext(path)[1]]
+    lines = [
+        # Other kinds of texts may be in these.
+        line
+        if set("`'/") & set(line)
+        else spaces.sub(lambda found: found[1] or found[2] or "", line)
+        for line in filter(None, map(str.strip, code.splitlines()))
+    ]
     return _Module(imports, exports, names, _NEEDLESS.sub(r"\1", "\n".join(lines)))
 
 

@@ -82,6 +82,8 @@ interface LevelData {
   best: string;
   returns?: Returns;
   code?: string;
+  /** Whether the page learns the level; by default, where it knows the optimum. */
+  learn?: boolean;
 }
 
 /** An agent: the number of its choice in each state, and what is shown; see `agent_data`. */

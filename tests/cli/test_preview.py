@@ -370,6 +370,13 @@ def test_what_is_no_agent_of_a_level_is_told(arguments: str, wrong: str) -> None
     assert (refused.status, wrong in refused.err, "Traceback" in refused.err) == (2, True, False)
 
 
+def test_a_page_without_answers_learns_where_it_is_allowed() -> None:
+    assert "learn" not in data_of(made("maze", "--no-answers", "a.html"))
+    assert data_of(made("maze", "--no-answers", "--learn", "b.html"))["learn"] is True
+    refused = preview("maze", "--learn", "-o", "a.svg")
+    assert (refused.status, "--learn is for HTML output" in refused.err) == (2, True)
+
+
 # -- what it has written before ----------------------------------------------------------------
 
 

@@ -22,6 +22,7 @@ ENTRIES = [
     ("editor", "worker.js"),
     ("publish", "level.css"),
     ("publish", "played_level.js"),
+    ("publish", "scorm.js"),
     ("publish", "site.css"),
     ("publish", "wall.css"),
     ("publish", "wall.js"),
@@ -50,9 +51,9 @@ def test_modules_come_once_and_after_those_that_they_import() -> None:
     right = 'import {\n  shared,\n} from "./shared.js";\n\nexport const right = shared;\n'
     shared = "export const shared = [];\n"
     expected = [
-        "const shared = [];",
-        "function left() {}\nshared.push(1);",
-        "const right = shared;",
+        "const shared=[];",
+        "function left(){}\nshared.push(1);",
+        "const right=shared;",
         "left(right);",
     ]
     found = together(page=page, left=left, right=right, shared=shared)
@@ -72,9 +73,24 @@ function act(one) {
 }
 """
     expected = (
-        "function act(one) {\nconst field = (one);\nreturn field.value; // https://example.org\n}"
+        "function act(one){\nconst field=(one);\nreturn field.value; // https://example.org\n}"
     )
     assert together(page=page) == expected
+
+
+def test_texts_keep_their_spaces() -> None:
+    page = """const told = { name: "a = b", more: `c = ${d + 1}` };
+const [both] = [one ? "x , y" : two - -three];
+const found = text.match(/ = /);
+"""
+    sheet = '.a > b:has(c d) { content: "a: b"; color: red; }\n'
+    assert together(page=page) == (
+        'const told = { name: "a = b", more: `c = ${d + 1}` };\n'
+        'const[both]=[one?"x , y":two - -three];\n'
+        "const found = text.match(/ = /);"
+    )
+    tight = '.a > b:has(c d){content:"a: b";color:red;}'
+    assert put_together("page.css", {"page.css": sheet}) == tight
 
 
 def test_the_last_of_several_lines_needs_no_comma_and_no_break() -> None:
@@ -85,7 +101,7 @@ def test_the_last_of_several_lines_needs_no_comma_and_no_break() -> None:
 def test_style_sheets_import_others() -> None:
     sheets = {"a/page.css": '/* Page. */\n@import "../b/part.css";\n\np { color: red }\n'}
     sheets["b/part.css"] = "b { color: blue }\n"
-    assert put_together("a/page.css", sheets) == "b { color: blue }\np { color: red }"
+    assert put_together("a/page.css", sheets) == "b{color:blue}\np{color:red}"
 
 
 @pytest.mark.parametrize(
@@ -128,7 +144,7 @@ def test_no_script_has_what_belongs_to_modules() -> None:
     scripts |= {name: make() for name, make in ASSETS.items() if name.endswith(".js")}
     for name, script in scripts.items():
         lines = re.findall(r"^(?:import|export)\b.*", script, re.M)
-        assert lines == (["export default { render };"] if name == "widget" else [])
+        assert lines == (["export default{render};"] if name == "widget" else [])
 
 
 def test_every_module_and_sheet_is_in_a_page() -> None:

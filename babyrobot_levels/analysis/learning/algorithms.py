@@ -1,12 +1,16 @@
 """Dynamic programming, in sweeps over all states, and learning from episodes.
 
 After Sutton and Barto, Reinforcement Learning: An Introduction (2nd edition), chapter 4, and
-sections 5.1 (Monte Carlo prediction), 6.4 (Sarsa) and 6.5 (Q-learning).
+sections 5.1 (Monte Carlo prediction), 6.4 (Sarsa), 6.5 (Q-learning), 7.2 (n-step Sarsa) and 8.2
+(Dyna-Q).
 """
 
 from __future__ import annotations
 
+import math
+from collections import deque
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -302,13 +306,19 @@ def q_learning(
     actions: str = "moves",
     seed: int = 0,
     every: int = 10,
+    initial: float = 0.0,
+    exploring_starts: bool = False,
+    planning_steps: int = 0,
 ) -> Iterator[Trials]:
     """Yield the estimates of Q-learning: off-policy control, towards the optimal action values.
 
     The robot acts epsilon-greedily in the level's Gymnasium environment; ties are broken at
-    random. Action values begin at 0. Each `Trials` is numbered by the episodes
+    random. Each `Trials` is numbered by the episodes
     so far. Episodes are truncated after the level's `max_steps`, or 10,000 where it has none; the
     last step of such an episode still bootstraps from the next state.
+
+    With `planning_steps` it is Dyna-Q: after each step, it also learns from so many others, drawn
+    evenly from what came last of each state and action that has been taken.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
@@ -320,6 +330,10 @@ def q_learning(
             Actions that a wall refuses can be taken too.
         seed: the random seed. The same arguments give the same trials.
         every: the number of episodes from one `Trials` to the next; the last may come sooner.
+        initial: the action values at first.
+        exploring_starts: whether episodes begin in a cell that is drawn evenly from those to
+            which others lead; only for levels without things, and for robots that do not turn.
+        planning_steps: the number of updates after each step from what is remembered, at least 0.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -327,8 +341,15 @@ def q_learning(
         ValueError: another argument has an invalid value.
     """
     problem = read_problem(level, discount, actions, "episode")
-    agent = _Agent(problem, step_size, epsilon, seed)
-    return _trials(agent, agent.q_learning_episode, episodes, every)
+    if exploring_starts and problem.model.states.max(initial=0) >= problem.space.mdp.cells:
+        raise ValueError(
+            "exploring_starts is for levels without things, and for robots that do not turn"
+        )
+    if planning_steps < 0:
+        raise ValueError(f"planning_steps must be at least 0, not {planning_steps!r}")
+    agent = _Agent(problem, step_size, epsilon, seed, initial)
+    episode = partial(agent.q_learning_episode, exploring_starts, planning_steps)
+    return _trials(agent, episode, episodes, every)
 
 
 @keywords_told
@@ -342,11 +363,15 @@ def sarsa(
     actions: str = "moves",
     seed: int = 0,
     every: int = 10,
+    initial: float = 0.0,
+    n_steps: int = 1,
 ) -> Iterator[Trials]:
     """Yield the estimates of Sarsa: on-policy control, towards the values of what the robot does.
 
     As `q_learning`, but the target of a step has the value of the action that the robot takes
     next, not of the greedy one: it learns to keep clear of what a random step would cost.
+    With `n_steps`, the target has the rewards of so many steps, and the value of the action after
+    them: n-step Sarsa.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
@@ -358,15 +383,18 @@ def sarsa(
             Actions that a wall refuses can be taken too.
         seed: the random seed. The same arguments give the same trials.
         every: the number of episodes from one `Trials` to the next; the last may come sooner.
+        initial: the action values at first.
+        n_steps: how many rewards a target has, at least 1.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
     """
+    check_counts(n_steps=n_steps)
     problem = read_problem(level, discount, actions, "episode")
-    agent = _Agent(problem, step_size, epsilon, seed)
-    return _trials(agent, agent.sarsa_episode, episodes, every)
+    agent = _Agent(problem, step_size, epsilon, seed, initial)
+    return _trials(agent, partial(agent.sarsa_episode, n_steps), episodes, every)
 
 
 def _trials(
@@ -393,49 +421,87 @@ class _Agent:
     What follows the end of an episode is worth 0.
     """
 
-    def __init__(self, problem: Problem, step_size: float, epsilon: float, seed: int):
+    def __init__(
+        self, problem: Problem, step_size: float, epsilon: float, seed: int, initial: float
+    ):
         if not 0 < step_size <= 1:
             raise ValueError(f"step_size must be above 0 and at most 1, not {step_size!r}")
         if not 0 <= epsilon <= 1:
             raise ValueError(f"epsilon must be from 0 to 1, not {epsilon!r}")
         self.problem, self._step_size, self._epsilon = problem, step_size, epsilon
         space = problem.space
-        self.values = np.zeros((space.mdp.num_states, num_actions(space.actions)))
+        if not math.isfinite(initial):
+            raise ValueError(f"initial must be a finite number, not {initial!r}")
+        shape = space.mdp.num_states, num_actions(space.actions)
+        self.values = np.full(shape, float(initial))
+        self._reached = space.reached
+        self._seen: dict[tuple[int, int], int] = {}
+        self._memory: list[tuple[int, int, float, int | None]] = []
         self._rng = np.random.default_rng(check_seed(seed))
         made = make(space.level, observation="index", actions=space.actions)
         self._env = made.unwrapped
         self._env.reset(seed=int(self._rng.integers(2**31)))
 
-    def q_learning_episode(self) -> float:
+    def q_learning_episode(self, exploring_starts: bool, planning_steps: int) -> float:
         """Run an episode of Q-learning and return its return."""
-        state, _ = self._env.reset()
+        state, _ = self._env.reset(options=self._drawn_start() if exploring_starts else None)
         total, factor = 0.0, 1.0
         for _ in range(self.problem.max_steps):
             action = self._choose(state)
             following, reward, over, _, _ = self._env.step(action)
-            ahead = 0.0 if over else self.values[following].max()
-            self._learn(state, action, float(reward), ahead)
+            self._learn_greedily(state, action, float(reward), None if over else following)
+            if planning_steps:
+                self._plan(
+                    planning_steps, state, action, float(reward), None if over else following
+                )
             total, factor = total + factor * float(reward), factor * self.problem.discount
             if over:
                 break
             state = following
         return total
 
-    def sarsa_episode(self) -> float:
+    def sarsa_episode(self, n_steps: int) -> float:
         """Run an episode of Sarsa and return its return."""
         state, _ = self._env.reset()
         action = self._choose(state)
         total, factor = 0.0, 1.0
-        for _ in range(self.problem.max_steps):
+        waiting: deque[tuple[int, int, float]] = deque()
+        for step in range(1, self.problem.max_steps + 1):
             following, reward, over, _, _ = self._env.step(action)
             next_action = self._choose(following)
-            ahead = 0.0 if over else self.values[following, next_action]
-            self._learn(state, action, float(reward), ahead)
+            waiting.append((state, action, float(reward)))
             total, factor = total + factor * float(reward), factor * self.problem.discount
-            if over:
+            is_last = over or step == self.problem.max_steps
+            ahead = 0.0 if over else float(self.values[following, next_action])
+            while len(waiting) >= (1 if is_last else n_steps):
+                target = ahead
+                for _, _, each in reversed(waiting):
+                    target = each + self.problem.discount * target
+                self._learn(*waiting.popleft()[:2], target)
+            if is_last:
                 break
             state, action = following, next_action
         return total
+
+    def _drawn_start(self) -> dict[str, Any]:
+        state = self._reached[self._rng.integers(self._reached.size)]
+        return {"start": self.problem.space.mdp.cell(int(state))}
+
+    def _plan(
+        self, count: int, state: int, action: int, reward: float, following: int | None
+    ) -> None:
+        """Remember a step in the place of the last one like it, and learn from remembered ones."""
+        place = self._seen.setdefault((state, action), len(self._seen))
+        self._memory[place : place + 1] = [(state, action, reward, following)]
+        for _ in range(count):
+            self._learn_greedily(*self._memory[self._rng.integers(len(self._memory))])
+
+    def _learn_greedily(
+        self, state: int, action: int, reward: float, following: int | None
+    ) -> None:
+        """Learn from a step as if the best action followed; None is the end of the episode."""
+        ahead = 0.0 if following is None else float(self.values[following].max())
+        self._learn(state, action, reward + self.problem.discount * ahead)
 
     def _choose(self, state: int) -> int:
         """Return an action, epsilon-greedily."""
@@ -445,7 +511,6 @@ class _Agent:
         greedy = np.flatnonzero(row == row.max())
         return int(greedy[self._rng.integers(greedy.size)])
 
-    def _learn(self, state: int, action: int, reward: float, ahead: float) -> None:
-        """Move an action's value towards the target of a step."""
-        target = reward + self.problem.discount * ahead
+    def _learn(self, state: int, action: int, target: float) -> None:
+        """Move an action's value towards a target."""
         self.values[state, action] += self._step_size * (target - self.values[state, action])

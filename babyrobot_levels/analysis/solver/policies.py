@@ -224,6 +224,18 @@ class StateSpace:
             none |= ~reached
         return none
 
+    @property
+    def reached(self) -> Ints:
+        """The states that go on, and in which episodes start or to which another one leads."""
+        mdp = self.mdp
+        goes_on = np.flatnonzero(~mdp.is_terminal)
+        rows = goes_on, slice(self.first_action, None)
+        following = mdp.next_state[rows]
+        is_reached = mdp.start > 0
+        is_elsewhere = following != goes_on[:, None, None]
+        is_reached[following[(mdp.probability[rows] > 0) & is_elsewhere]] = True
+        return np.flatnonzero(is_reached & ~mdp.is_terminal)
+
     def text(self, state: int) -> str:
         """Return a state as words, such as `[3, 1] while key is held`."""
         return state_text(self.level.things(), self.mdp, state)

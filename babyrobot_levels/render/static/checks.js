@@ -85,6 +85,7 @@ export function checked(data) {
   for (const state of list(data.starts, states, 1)) whole(state, 0, states - 1);
   for (const cell of list(data.exits, cells)) whole(cell, 0, cells - 1);
   if (data.max_steps !== null) whole(data.max_steps, 1, Infinity);
+  need(data.learn === undefined || typeof data.learn === "boolean");
   need(Number.isFinite(data.margin) && data.margin >= 0 && data.margin <= 1000);
   need(Number.isFinite(data.speed) && data.speed > 0 && data.speed <= 100);
   const movers = (data.things ?? []).filter(({ kind }) => kind === "mover").length;

@@ -213,14 +213,20 @@ export class Game {
     this.steps += 1;
     if (this.isTurning && action !== FORWARD) this.heading = (this.heading + 3 + 2 * action) % 4;
     // The number of an event also tells which mover hits the robot.
-    const { events, cheer, headings } = COMMON;
-    const hit = this.things.of("mover")[Math.floor(code / events.length) - 1] ?? null;
+    const { cheer, headings } = COMMON;
+    const { event, hit } = this.eventOf(code);
     if (isOver) this.end = this.endOf(next, reward, hit);
     else if (this.steps === most) this.end = "time";
-    const event = events[code % events.length];
     const pose = this.isTurning ? headings[Number(event === "skid")][this.heading] : drawn;
     const after = this.isGood ? cheer : pose;
     return { from, action, move, next, reward, event, hit, pose, after };
+  }
+
+  /** Return what the number of an event means: the event, and the mover that hits the robot. */
+  eventOf(code) {
+    const { events } = COMMON;
+    const hit = this.things.of("mover")[Math.floor(code / events.length) - 1] ?? null;
+    return { event: events[code % events.length], hit };
   }
 
   /**

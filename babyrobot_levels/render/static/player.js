@@ -4,6 +4,7 @@ import { byId, showStars } from "./dom.js";
 import { capital, formatted, Game, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
 import { downloadPlays, keepName, keepPlay, recallName, seedAfter } from "./kept.js";
+import { Learning } from "./learn.js";
 import { Legend } from "./legend.js";
 import { element, pixels } from "./paint.js";
 import { levelPicture, Picture } from "./picture.js";
@@ -21,6 +22,7 @@ const legend = new Legend(view, byId("rules"), byId("cell"));
 const sets = new ShownSets(byId("sets"), (configuration) => picture.look(configuration));
 
 const views = new Views(showView, (cells) => legend.outline(cells));
+const learning = new Learning((configuration) => sets.stand(true, configuration));
 
 let game = null;
 let picture = null;
@@ -45,6 +47,7 @@ export function showLevel(data) {
   legend.show(game);
   sets.begin(game);
   views.begin(game);
+  learning.offer(game, picture, trail);
   for (const name of ["values", "policy"]) {
     byId(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
   }
@@ -159,7 +162,8 @@ function showTrail() {
 
 /** Show for what is held values and optimal actions are shown, while they are. */
 function showSets() {
-  sets.stand((game.known.policy !== null || game.seen !== game.known) && picture.showsAnswers);
+  if (learning.isOn) sets.stand(true, learning.layer.shown);
+  else sets.stand((game.known.policy !== null || game.seen !== game.known) && picture.showsAnswers);
 }
 
 /** Show what is held, and what is on. */
@@ -287,6 +291,18 @@ function turn() {
   begin(game.seed);
 }
 
+/** Begin to learn, or play again. */
+function learn() {
+  if (byId("learn-on").hidden) return;
+  watch(false);
+  Object.assign(game, { isTurning: false, view: "optimum" });
+  const wasOn = learning.isOn;
+  learning.leave();
+  showActions();
+  begin(game.seed);
+  if (!wasOn) learning.enter();
+}
+
 function byHand(action) {
   if (isWatching) watch(false);
   take(action);
@@ -309,6 +325,7 @@ const CONTROLS = {
   values: () => toggle("values"),
   policy: () => toggle("policy"),
   turning: turn,
+  learn,
   look: lookAround,
   download: () => downloadPlays(game),
   fit: () => view.fit(),
@@ -334,6 +351,7 @@ const KEYS = {
   v: "values",
   b: "policy",
   t: "turning",
+  e: "learn",
   l: "look",
   0: "fit",
   "+": "larger",
@@ -356,6 +374,7 @@ document.addEventListener("keydown", (event) => {
   if (target.matches("[type=radio]") && /^Arrow| /.test(event.key)) return;
   if (event.key === " " && target.matches("button, input, summary")) return;
   if (event.key.length === 1 && !byId("shortcuts").checked) return;
+  if (learning.isOn && learning.press(event)) return;
   const control = KEYS[event.key.toLowerCase()];
   if (control === undefined) return;
   event.preventDefault();
@@ -365,13 +384,14 @@ document.addEventListener("keydown", (event) => {
   if (isMove) move(control);
   else CONTROLS[control]();
 });
-listenToGestures(view, (side) => game !== null && move(SIDES[side]));
+listenToGestures(view, (side) => game !== null && !learning.isOn && move(SIDES[side]));
 for (const button of document.querySelectorAll("[data-control]")) {
   button.addEventListener("click", () => CONTROLS[button.dataset.control]());
 }
 byId("seed").addEventListener("change", ({ target }) => {
   if (!target.checkValidity() || target.value === "") return;
-  restart(target.value);
+  if (learning.isOn) learning.begin(target.value);
+  else restart(target.value);
 });
 recallName();
 byId("who").addEventListener("change", keepName);

@@ -139,3 +139,66 @@ def test_episodes_without_end_are_cut_off(learn: Learn) -> None:
 def test_wrong_arguments_are_told_at_once(learn: Learn, wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
         learn("cliff-walking", **{"episodes": 5, **wrong})
+
+
+# -- Dyna-Q, n-step Sarsa, and where episodes begin ----------------------------------------------
+
+
+def test_planning_finds_the_way_in_fewer_episodes() -> None:
+    few, many = (
+        last(q_learning("dyna-maze", 6, planning_steps=planning, discount=0.95, seed=1))
+        for planning in (0, 50)
+    )
+    # Only what lies before the goal is known without planning.
+    assert (few.values > 0).sum() < 10 < 30 < (many.values > 0).sum()
+    best = solve("dyna-maze", 0.95, actions="moves").expected_return
+    assert many.returns[-1] > 0.5 * best
+
+
+def test_one_step_of_planning_learns_again_from_the_only_step() -> None:
+    level = {"version": 1, "size": [2, 1], "exit": [1, 0], "max_steps": 1}
+    alone, planned = (
+        last(q_learning(level, 1, planning_steps=planning, step_size=0.5, seed=3))
+        for planning in (0, 1)
+    )
+    (action,) = np.flatnonzero(alone.action_values[0, 0])
+    target = 2 * alone.action_values[0, 0, action]
+    # The end follows, or the values of the same cell, which are 0 at first.
+    assert planned.action_values[0, 0, action] == pytest.approx(0.75 * target)
+
+
+def test_returns_of_n_steps_reach_back_at_once() -> None:
+    level = {"version": 1, "size": [6, 1], "rewards": {"step": 0, "exit": 1}}
+    one, many = (
+        last(sarsa(level, 1, n_steps=n_steps, step_size=1.0, seed=2)) for n_steps in (1, 100)
+    )
+    assert (one.values != 0).sum() == 1
+    assert (many.values != 0).sum() == 5
+    assert one.returns.tolist() == many.returns.tolist()
+
+
+def test_exploring_starts_come_everywhere_but_where_no_robot_can_stand() -> None:
+    found = last(q_learning("cliff-walking", 200, exploring_starts=True, seed=4))
+    visited = (found.action_values != 0).any(axis=-1)
+    assert visited[:3].all()
+    assert not visited[3, 1:].any()
+
+
+@pytest.mark.parametrize("learn", [q_learning, sarsa])
+def test_action_values_begin_as_one_says(learn: Learn) -> None:
+    found = last(learn("cliff-walking", 1, initial=5.0))
+    assert found.action_values.max() == 5.0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: q_learning("first-key", 1, exploring_starts=True), "levels without things"),
+        (lambda: q_learning("maze", 1, planning_steps=-1), "planning_steps must be at least 0"),
+        (lambda: q_learning("maze", 1, initial=float("nan")), "initial must be a finite number"),
+        (lambda: sarsa("maze", 1, n_steps=0), "n_steps must be at least 1"),
+    ],
+)
+def test_what_does_not_fit_is_told(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()

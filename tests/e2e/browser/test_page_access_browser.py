@@ -58,7 +58,7 @@ def test_the_keyboard_reaches_the_picture_first_and_then_the_controls(ground: Pl
         assert width == "3px"
         ground.press("Tab")
     pad = ["north", "west", "stay", "east", "south"]
-    assert reached == ["stage", *pad, "undo", "hint", "retry", "new-luck", "watch", "show-values"]
+    assert reached == ["stage", *pad, "undo", "hint", "retry", "new-luck", "watch", "learn-on"]
 
 
 # -- speech ------------------------------------------------------------------------------------

@@ -1,0 +1,293 @@
+// Learn: an algorithm at work, in the picture of the player and in a panel of its own.
+
+import { byId } from "./dom.js";
+import { capital, formatted } from "./game.js";
+import { chart, inPython, LearnedLayer, toldUpdate } from "./learned.js";
+import { Learner, USUAL } from "./learner.js";
+
+const MOST_STATES = 5000;
+const FRAME = 9; // Milliseconds of a frame in which it learns.
+const CHARTS = 100; // Milliseconds from one picture of the charts to the next.
+/** @type {[string, number][]} Steps a second; 0 for a sweep or an episode in each frame. */
+const SPEEDS = [
+  ["2 a second", 2],
+  ["10 a second", 10],
+  ["60 a second", 60],
+  ["1 a frame", 0],
+  ["fastest", 1e9],
+];
+const LIVE = ["stepSize", "epsilon", "planning"]; // What may change while it runs.
+const LEARN_KEYS = { " ": "run", arrowright: "step", arrowdown: "unit", r: "again", n: "luck", f: "faster" };
+const OTHER_KEYS = "vbe0+=-"; // They do what they do otherwise.
+
+/** The mode of a page in which it learns. */
+export class Learning {
+  /** @param {(configuration: number) => void} showSets Tells for what is held the picture shows values. */
+  constructor(showSets) {
+    this.showSets = showSets;
+    /** @type {any} */
+    this.layer = null;
+    /** @type {any} */
+    this.game = this.picture = this.trail = null; // Of the level at hand.
+    this.options = { ...USUAL };
+    this.panel = byId("learn");
+    this.python = byId("learn-python");
+    this.details = this.python.parentElement;
+    this.commands = {
+      run: () => this.run(!this.isRunning),
+      step: () => this.advance(this.learner.step()),
+      unit: () => this.advance(this.learner.finish()),
+      again: () => this.begin(),
+      luck: () => this.begin(String(BigInt(this.options.seed) + 1n)),
+      faster: () => this.faster(),
+      copy: () => navigator.clipboard?.writeText(this.python.textContent).then(() => this.say("Copied.")),
+    };
+    for (const button of this.panel.querySelectorAll("[data-learn]")) {
+      button.addEventListener("click", () => this.commands[button.dataset.learn]());
+    }
+    for (const name of ["input", "change"]) {
+      this.panel.addEventListener(name, ({ target }) => this.change(target, name === "change"));
+    }
+    this.details.addEventListener("toggle", () => this.isOn && this.showNumbers());
+  }
+
+  get isOn() {
+    return this.layer !== null;
+  }
+
+  /** Get to know the game of another level. */
+  offer(game, picture, trail) {
+    this.leave();
+    Object.assign(this, { game, picture, trail });
+    const { data } = game;
+    Object.assign(this.options, { discount: data.discount ?? 1, exploring: false });
+    byId("learn-on").hidden = data.rows === undefined || !(data.learn ?? data.policy !== null);
+  }
+
+  /** Begin to learn in place of the game, if the level is small enough. */
+  enter() {
+    const { game, picture } = this;
+    const states = game.data.possible.length;
+    if (states > MOST_STATES) {
+      this.say(`Only levels of up to ${MOST_STATES} states are learned here; this one has ${states}.`);
+      return;
+    }
+    this.layer = new LearnedLayer(game, picture.svg);
+    this.marks = picture.marks;
+    picture.marks = this.layer;
+    this.put(true);
+    this.begin(byId("seed").value);
+    picture.showAnswers();
+  }
+
+  /** Go back to the game. */
+  leave() {
+    if (!this.isOn) return;
+    this.run(false);
+    this.layer.remove();
+    this.layer = null;
+    this.picture.marks = this.marks;
+    this.put(false);
+    this.picture.showAnswers();
+  }
+
+  /** Show or hide the panel, and what else the mode changes. */
+  put(isOn) {
+    this.panel.hidden = !isOn;
+    this.panel.closest(".player").classList.toggle("learning", isOn);
+    for (const name of ["values", "policy"]) {
+      const button = byId(`show-${name}`);
+      button.setAttribute("aria-pressed", !byId(name).classList.contains("hidden"));
+      if (isOn) button.hidden = false;
+    }
+    if (isOn) byId("policy-name").textContent = "Greedy actions";
+  }
+
+  /** Forget what was learned, and begin again. */
+  begin(seed = this.options.seed) {
+    this.run(false);
+    this.options.seed = byId("seed").value = seed;
+    this.learner = new Learner(this.game.data, this.options);
+    this.isMixed = false;
+    this.showOptions();
+    [this.game.state] = this.game.data.starts;
+    this.layer.begin(this.learner);
+    this.show(null);
+    this.showAll();
+    this.say(`Nothing is learned yet. The seed is ${seed}.`);
+  }
+
+  /** Show and tell a single update; null after the end. */
+  advance(update) {
+    this.run(false);
+    this.layer.chosen = null;
+    this.show(update, true);
+    this.showAll();
+    this.say(update === null ? this.ending : toldUpdate(this.game, this.learner, update));
+  }
+
+  /** Let it run, or stop it. */
+  run(wanted) {
+    if (this.isRunning === wanted) return;
+    this.isRunning = wanted;
+    cancelAnimationFrame(this.frame);
+    byId("learn-run").setAttribute("aria-pressed", wanted);
+    byId("learn-run").firstElementChild.textContent = wanted ? "Stop" : "Run";
+    if (wanted) {
+      this.due = 1;
+      this.last = this.charted = performance.now();
+      this.frame = requestAnimationFrame((now) => this.tick(now));
+    } else if (this.isOn && this.learner) {
+      this.showAll();
+      byId("spoken").textContent = byId("learn-numbers").textContent;
+    }
+  }
+
+  /** Learn for a frame. */
+  tick(now) {
+    const [, rate] = SPEEDS[byId("learn-speed").value];
+    const { learner } = this;
+    const { number } = learner;
+    const end = performance.now() + FRAME;
+    this.due =
+      rate > 0 ? Math.min(this.due + (rate * Math.max(0, now - this.last)) / 1000, Math.max(1, rate)) : Infinity;
+    this.last = now;
+    let update;
+    for (let steps = 1; this.due >= 1; steps++) {
+      update = learner.step();
+      if (update === null) {
+        this.run(false);
+        this.show(null);
+        this.say(this.ending);
+        return;
+      }
+      this.due -= 1;
+      if (steps % 32 === 0 && performance.now() > end) break;
+      if (rate === 0 && learner.number > number) break;
+    }
+    if (update) {
+      this.show(update, rate === SPEEDS[0][1]);
+      byId("message").textContent = toldUpdate(this.game, learner, update);
+      this.showNumbers();
+      if (now - this.charted > CHARTS) this.showCharts(now);
+    }
+    this.frame = requestAnimationFrame((later) => this.tick(later));
+  }
+
+  /** Why it does not go on. */
+  get ending() {
+    return `Nothing changes any more after ${this.learner.number} ${this.learner.unit}s.`;
+  }
+
+  /** Show an update in the picture: the robot in its episode, and the outline of what is learned otherwise. */
+  show(update, isSlow = false) {
+    const { game, learner, layer, picture, trail } = this;
+    const { state, step } = update ?? {};
+    game.state = learner.way.at(-1) ?? game.state;
+    game.past = learner.way.slice(-1000, -1).map((each) => ({ state: each }));
+    const here = step === undefined ? state : undefined;
+    if (isSlow && here !== undefined) layer.chosen = game.configurationOf(here);
+    picture.stand();
+    trail.stand();
+    if (isSlow && step !== undefined) {
+      const { next, code, pose } = step;
+      const move = step.action + learner.problem.first;
+      picture.go({ from: step.state, move, next, event: game.eventOf(code).event, pose, after: pose }, () => {});
+    }
+    layer.point(here);
+    this.showSets(layer.shown);
+  }
+
+  showAll() {
+    this.showNumbers();
+    this.showCharts();
+  }
+
+  /** Tell how far it is. */
+  showNumbers() {
+    const { learner, game } = this;
+    const { starts } = game.data;
+    const [value, exact] = [learner.values, learner.exact].map((values) =>
+      starts.reduce((sum, state) => sum + values[state] / starts.length, 0),
+    );
+    this.goal = exact;
+    byId("learn-numbers").textContent =
+      `${capital(learner.unit)} ${learner.number} · value at the start ${formatted(value)}, exact ${formatted(exact)}`;
+    if (!this.details.open) return;
+    const warning = this.isMixed ? "# Sliders were moved while this ran: Python's numbers differ.\n" : "";
+    this.python.textContent = warning + inPython(game.data, learner);
+  }
+
+  showCharts(now = performance.now()) {
+    this.charted = now;
+    const { unit, returns, errors } = this.learner;
+    byId("learn-charts").replaceChildren(
+      ...(returns.length > 0 ? [chart("Return", returns, unit, this.goal)] : []),
+      chart("Error of the values", errors, unit),
+    );
+  }
+
+  /** Show the options, those that the algorithm has. */
+  showOptions() {
+    for (const field of this.panel.querySelectorAll("[data-option]")) {
+      const value = this.options[field.dataset.option];
+      if (field.type === "checkbox") field.checked = value;
+      else field.value = value;
+      this.showOutput(field, value);
+    }
+    for (const label of this.panel.querySelectorAll("[data-for]")) {
+      label.hidden = !label.dataset.for.split(" ").includes(this.options.algorithm);
+    }
+    if (this.game.data.things) this.panel.querySelector('[data-option="exploring"]').parentElement.hidden = true;
+    byId("learn-unit").textContent = capital(this.learner.unit);
+    byId("learn-step").textContent = this.learner.unit === "sweep" ? "State" : "Step";
+    this.showOutput(byId("learn-speed"));
+  }
+
+  showOutput(field, value = Number(field.value)) {
+    if (field.type !== "range") return;
+    const isSpeed = field.dataset.option === undefined;
+    const text = isSpeed ? SPEEDS[value][0] : formatted(value);
+    field.parentElement.querySelector("output").textContent = text;
+    field.setAttribute("aria-valuetext", text);
+  }
+
+  /** Take over an option; most of them begin the run again, once they are chosen. */
+  change(field, isChosen) {
+    this.showOutput(field);
+    const { option } = field.dataset;
+    const isLive = LIVE.includes(option);
+    if (option === undefined || !(isLive || isChosen)) return;
+    this.options[option] = { checkbox: field.checked, range: Number(field.value) }[field.type] ?? field.value;
+    if (!isLive) this.begin();
+    else if (this.learner.options[option] !== this.options[option]) {
+      this.learner.options[option] = this.options[option];
+      this.isMixed = this.learner.way.length > 0;
+      this.showNumbers();
+    }
+  }
+
+  faster() {
+    const speed = byId("learn-speed");
+    speed.value = (Number(speed.value) + 1) % SPEEDS.length;
+    this.showOutput(speed);
+    this.run(true);
+  }
+
+  /** Do what a key means here; return false for keys that do what they otherwise do. */
+  press(event) {
+    if (event.target.matches("select, [type=range]")) return true;
+    const key = event.key.toLowerCase();
+    const command = LEARN_KEYS[key];
+    if (command === undefined) return !OTHER_KEYS.includes(key);
+    event.preventDefault();
+    if (!event.repeat || key.startsWith("arrow")) this.commands[command]();
+    return true;
+  }
+
+  /** Tell something, also to screen readers. */
+  say(text) {
+    Object.assign(byId("message"), { textContent: text }).dataset.kind = "";
+    byId("spoken").textContent = text.replace("←", "becomes");
+  }
+}
