@@ -16,9 +16,13 @@ const begun = Date.now();
  * @param {any} place
  */
 function systemOf(place) {
-  for (let left = WINDOWS; place && left > 0; left--) {
-    if (place.API) return place.API;
-    place = place.parent === place ? null : place.parent;
+  try {
+    for (let left = WINDOWS; place && left > 0; left--) {
+      if (place.API) return place.API;
+      place = place.parent === place ? null : place.parent;
+    }
+  } catch {
+    // A window of another site tells nothing.
   }
   return null;
 }
