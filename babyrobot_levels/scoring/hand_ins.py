@@ -12,15 +12,16 @@ import re
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from lzma import LZMAError
 from pathlib import Path, PurePosixPath
 from typing import IO, NamedTuple
 
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.scoring.plays import MAX_BYTES, SUFFIX, Play, plays_in
-from babyrobot_levels.text.files import is_within, open_regular, read_bytes
+from babyrobot_levels.text.files import is_within, open_regular
 
 ZIP = ".zip"
 
@@ -29,6 +30,9 @@ MAX_FILES = 100_000
 
 MAX_TOTAL = 1 << 30
 """The most bytes that are read, in all; packed ones count when they are unpacked."""
+
+MAX_STEPS = 1_000_000
+"""The most steps that are graded, of all plays of a player."""
 
 _BROKEN = (zipfile.BadZipFile, zlib.error, LZMAError, struct.error, NotImplementedError,
            RuntimeError, EOFError, ValueError, OSError)  # fmt: skip
@@ -56,11 +60,13 @@ class HandIn:
         player: the player.
         entries: the plays.
         faults: what is wrong with files, each with the place.
+        steps: the number of steps of all plays.
     """
 
     player: str
     entries: list[Entry] = field(default_factory=list)
     faults: list[tuple[str, str]] = field(default_factory=list)
+    steps: int = 0
 
 
 def words_of(name: str) -> frozenset[str]:
@@ -93,7 +99,14 @@ def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
                 player = claim
             hand_in = found.setdefault(player, HandIn(player))
             at = f"{place}, " if place else ""
-            hand_in.entries += [Entry(f"{at}line {n}", play) for n, play in enumerate(plays, 1)]
+            for number, play in enumerate(plays, 1):
+                hand_in.steps += play.steps
+                if hand_in.steps > MAX_STEPS:
+                    fault = (
+                        f"more than {MAX_STEPS:,} steps: from line {number} on, it is not graded"
+                    )
+                    break
+                hand_in.entries.append(Entry(f"{at}line {number}", play))
             if fault is not None:
                 hand_in.faults.append((place, fault))
     return list(found.values())
@@ -111,10 +124,11 @@ class _Budget:
             return f"it is not read: all files together have more than {MAX_TOTAL >> 20} MiB"
         data = file.read(min(MAX_BYTES, self.bytes) + 1)
         self.bytes -= len(data)
-        if len(data) > MAX_BYTES:
-            return f"the file is larger than {MAX_BYTES >> 20} MiB"
-        return data
+        return data if len(data) <= MAX_BYTES else f"it is larger than {MAX_BYTES >> 20} MiB"
 
+
+_Read = Callable[[_Budget], bytes | str]
+"""Returns what is in a file, or why it is not read."""
 
 _File = tuple[str, str, bytes | str]
 """A file: whose it is, its path there (empty for one of its own), what is in it, or its fault."""
@@ -122,105 +136,107 @@ _File = tuple[str, str, bytes | str]
 
 def _files(path: Path, budget: _Budget) -> Iterator[_File]:
     """Yield the files of plays of a path, and who has none."""
-    units: dict[str, bool] = {}
-    for unit, place, data in _found(path, budget, units):
-        units[unit] = True
-        yield unit, place, data
-    if not units:
-        units[path.stem] = False
-    for unit, has_files in units.items():
-        if not has_files:
-            yield unit, "", f"there is no file of plays ({SUFFIX})"
-
-
-def _found(path: Path, budget: _Budget, units: dict[str, bool]) -> Iterator[_File]:
-    """Yield the files of a path; whose folders there are is added to `units`."""
-    if not path.is_dir():
-        if path.suffix.lower() != ZIP:
-            yield path.stem, "", _bytes_of(path, budget)
-            return
+    if path.is_dir():
+        yield from _sorted_out(_in_folder(path), None, path.name, budget)
+    elif path.suffix.lower() != ZIP:
+        yield path.stem, "", _read_file(path, budget)
+    else:
         try:
-            with open_regular(path) as opened:
-                yield from _zipped(opened, None, path.name, budget, units)
+            with open_regular(path) as file:
+                yield from _zipped(file, None, path.name, budget)
         except OSError as error:
             yield path.stem, "", error.strerror or str(error)
-        return
-    for folder, folders, names in os.walk(path):
+
+
+def _sorted_out(
+    files: Iterable[tuple[PurePosixPath, _Read]], owner: str | None, place: str, budget: _Budget
+) -> Iterator[_File]:
+    """Yield the files of one player, or without an `owner` of a class, and who has none.
+
+    Args:
+        files: all files with their paths.
+        owner: the player.
+        place: where the files are.
+        budget: how much may still be read.
+    """
+    units: dict[str, bool] = {}
+    for path, read in files:
+        budget.files -= 1
+        if budget.files < 0:
+            yield owner or place, "", f"more than {MAX_FILES:,} files: the rest is not read"
+            return
+        is_own = owner is None and len(path.parts) == 1
+        unit = owner or (path.stem if is_own else path.parts[0])
+        if path.suffix.lower() not in (SUFFIX, ZIP):
+            if not is_own:
+                units.setdefault(unit, False)
+            continue
+        units[unit] = True
+        inner = "" if is_own else str(path if owner else PurePosixPath(*path.parts[1:]))
+        where = f"{place}/{inner}" if owner else inner
+        data = read(budget)
+        if path.suffix.lower() == SUFFIX or isinstance(data, str):
+            yield unit, where, data
+        elif owner:
+            yield unit, where, "a zip file in the zip file of a player is not read"
+        else:
+            yield from _zipped(io.BytesIO(data), unit, where or path.name, budget)
+    for unit in (each for each in units or {owner or place: False} if not units.get(each)):
+        yield unit, "", f"there is no file of plays ({SUFFIX})"
+
+
+def _in_folder(folder: Path) -> Iterator[tuple[PurePosixPath, _Read]]:
+    """Yield the files in a folder, and the folders in it, which are no files of plays."""
+    for place, folders, names in os.walk(folder):
         folders.sort()
-        inner = Path(folder).relative_to(path)
-        if folder == str(path):
-            units.update(dict.fromkeys(folders, False))
+        inner = PurePosixPath(Path(place).relative_to(folder).as_posix())
+        if inner.parts:
+            yield inner / "(folder)", _refuse_link
         for name in sorted(names):
-            budget.files -= 1
-            if budget.files < 0:
-                yield path.name, str(inner / name), f"more than {MAX_FILES:,} files: it is not read"
-                return
-            file, suffix = inner / name, Path(name).suffix.lower()
-            if suffix not in (SUFFIX, ZIP):
-                continue
-            own = len(file.parts) == 1
-            unit = file.stem if own else file.parts[0]
-            place = "" if own else str(file.relative_to(unit))
-            if not is_within(path / file, path):
-                yield unit, place, "it is a link out of the folder"
-                continue
-            data = _bytes_of(path / file, budget)
-            if suffix == ZIP and isinstance(data, bytes):
-                yield from _zipped(io.BytesIO(data), unit, place or name, budget, {})
-            else:
-                yield unit, place, data
+            path = Path(place, name)
+            yield (
+                inner / name,
+                partial(_read_file, path) if is_within(path, folder) else _refuse_link,
+            )
 
 
-def _bytes_of(path: Path, budget: _Budget) -> bytes | str:
+def _refuse_link(_: _Budget) -> str:
+    return "it is a link out of the folder"
+
+
+def _read_file(path: Path, budget: _Budget) -> bytes | str:
     try:
-        return budget.read(io.BytesIO(read_bytes(path, MAX_BYTES)))
+        with open_regular(path) as file:
+            return budget.read(file)
     except OSError as error:
         return error.strerror or str(error)
 
 
-def _zipped(
-    file: IO[bytes], owner: str | None, place: str, budget: _Budget, units: dict[str, bool]
-) -> Iterator[_File]:
-    """Yield the files in a zip file: of one player, or without an `owner` of a class."""
-    outer = owner if owner is not None else Path(place).stem
+def _zipped(file: IO[bytes], owner: str | None, place: str, budget: _Budget) -> Iterator[_File]:
+    """Yield the files in a zip file, as `_sorted_out` does."""
     try:
         archive = zipfile.ZipFile(file)
-        members = [each for each in archive.infolist() if not _ASIDE.search(each.filename)]
     except _BROKEN as error:
-        yield outer, place, f"the zip file is damaged ({error})"
+        yield owner or place, place if owner else "", f"the zip file is damaged ({error})"
         return
+    members = [each for each in archive.infolist() if not _ASIDE.search(each.filename)]
     paths = [PurePosixPath(each.filename.replace("\\", "/")) for each in members]
-    tops = {path.parts[:1] for path in paths}
     # A folder around the folders of all players is none of a player.
-    skip = owner is None and len(tops) == 1 and len({path.parts[1:2] for path in paths}) > 1
+    tops, next_ones = ({path.parts[:n] for path in paths} for n in (1, 2))
+    skip = owner is None and len(tops) == 1 < len(next_ones)
     skip = skip and all(len(path.parts) > 2 for path in paths)
-    if owner is None:
-        units.update((path.parts[skip], False) for path in paths if len(path.parts) > skip + 1)
-    for member, path in zip(members, paths, strict=True):
-        budget.files -= 1
-        if budget.files < 0:
-            yield outer, place, f"more than {MAX_FILES:,} files: the rest is not read"
-            return
-        suffix, parts = path.suffix.lower(), path.parts[int(skip) :]
-        if suffix not in (SUFFIX, ZIP):
-            continue
-        if ".." in parts or path.is_absolute() or ":" in parts[0]:
-            yield outer, f"{place}/{path}", "its path leaves the zip file"
-            continue
-        own = owner is None and len(parts) == 1
-        unit = owner if owner is not None else path.stem if own else parts[0]
-        inner = "" if own else "/".join(parts if owner is not None else parts[1:])
-        where = f"{place}/{inner}" if owner is not None else inner
+
+    def read(member: zipfile.ZipInfo, path: PurePosixPath, budget: _Budget) -> bytes | str:
+        if ".." in path.parts or path.is_absolute():
+            return f"its path {path} leaves the zip file"
         try:
             with archive.open(member) as unpacked:
-                content = budget.read(unpacked)
+                return budget.read(unpacked)
         except _BROKEN as error:
-            yield unit, where, f"it cannot be unpacked ({error})"
-            continue
-        if suffix == ZIP and isinstance(content, bytes):
-            if owner is not None:
-                yield unit, where, "a zip file in the zip file of a player is not read"
-            else:
-                yield from _zipped(io.BytesIO(content), unit, where or path.name, budget, {})
-        else:
-            yield unit, where, content
+            return f"it cannot be unpacked ({error})"
+
+    files = (
+        (PurePosixPath(*path.parts[int(skip) :]), partial(read, member, path))
+        for member, path in zip(members, paths, strict=True)
+    )
+    yield from _sorted_out(files, owner, place if owner else Path(place).stem, budget)

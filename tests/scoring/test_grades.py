@@ -116,7 +116,7 @@ def test_files_that_cannot_be_read_have_a_row(tmp_path: Path) -> None:
     record(tmp_path / "other.brlplay", "first-key")
     names = ["half", "folder", "nobody", "other"]
     grades = brl.grade([tmp_path / f"{name}.brlplay" for name in names], LAKE)
-    assert [grade.player for grade in grades] == names
+    assert [grade.player for grade in grades] == ["half", "folder.brlplay", "nobody", "other"]
     faults = [grade.fault or "" for grade in grades]
     assert faults[0].startswith("line 1: the line is cut off")
     assert faults[1] == "there is no file of plays (.brlplay)"

@@ -130,10 +130,11 @@ def test_bad_files_are_named_and_the_others_read(
         )
     )
     players = found(path)
-    assert players["ada"] == (["a.brlplay, line 1"], [])
+    leaves = "its path ada/../../up.brlplay leaves the zip file"
+    assert players["ada"] == (["a.brlplay, line 1"], [("../../up.brlplay", leaves)])
     faults = {name: [reason for _, reason in each] for name, (_, each) in players.items()}
-    assert faults["class"] == ["its path leaves the zip file"] * 2
-    assert faults["bomb"] == ["the file is larger than 0 MiB"]
+    assert faults.pop("/") == ["its path /root.brlplay leaves the zip file"]
+    assert faults["bomb"] == ["it is larger than 0 MiB"]
     assert faults["cut"][0].startswith("line 1: the line is cut off")
     assert faults["empty"] == ["the file is empty"]
     assert "encrypted" in faults["locked"][0]
@@ -161,4 +162,15 @@ def test_together_files_are_bounded(
     monkeypatch.setattr(module, "MAX_TOTAL", 1 << 30)
     monkeypatch.setattr(module, "MAX_FILES", 2)
     told_of = [reason for _, faults in found(folder).values() for _, reason in faults]
-    assert "more than 2 files: it is not read" in told_of
+    assert "more than 2 files: the rest is not read" in told_of
+
+
+def test_the_steps_of_a_player_are_bounded(
+    tmp_path: Path, line: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps = brl.Play.from_line(line).steps
+    (tmp_path / "ada.brlplay").write_bytes(5 * line)
+    monkeypatch.setattr(module, "MAX_STEPS", 2 * steps)
+    places, ((_, reason),) = found(tmp_path / "ada.brlplay")["ada"]
+    assert places == ["line 1", "line 2"]
+    assert reason == f"more than {2 * steps:,} steps: from line 3 on, it is not graded"
