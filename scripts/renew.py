@@ -250,6 +250,25 @@ def _agent() -> bytes:
         return pictures.reduced(page.screenshot(), 256)
 
 
+def _learning() -> Iterator[File]:
+    for name in ("q_learning", "sarsa"):
+        yield f"docs/images/learn/{name.replace('_', '-')}.png", partial(_learned, name)
+
+
+def _learned(algorithm: str) -> bytes:
+    """Return the picture of a page on which an algorithm has learned for 500 episodes."""
+    with _page(1200, 620) as page:
+        page.set_content(brl.load("cliff-walking").to_html())
+        page.wait_for_selector("body.ready")
+        page.keyboard.press("e")
+        page.select_option("[data-option=algorithm]", algorithm)
+        page.evaluate("() => { while (learning.learner.number < 499) learning.learner.finish(); }")
+        page.locator("#stage").focus()
+        page.keyboard.press("ArrowDown")
+        page.mouse.click(5, 5)
+        return pictures.reduced(page.screenshot(), 256)
+
+
 def _editor() -> bytes:
     """Return the picture of the editor in a browser."""
     from support.editors import is_shown, served
@@ -305,6 +324,7 @@ GENERATED = (
     _one("docs/images/structure.svg", _rooms, "imports between rooms"),
     _one("docs/editor.md", editor_page, "its keys from the front end"),
     _one("docs/images/editor.png", _editor, "the editor", "playwright"),
+    Generated(("docs/images/learn/*.png",), "pages", _learning, ("playwright",)),
     _one("docs/images/agent.png", _agent, "`docs/pictures.md`", "playwright"),
     _one("docs/images/gallery.png", _gallery, "the gallery", "playwright"),
     Generated(

@@ -183,11 +183,13 @@ export class Learning {
   show(update, isSlow = false) {
     const { game, learner, layer, picture, trail } = this;
     const { state, step } = update ?? {};
-    game.state = learner.way.at(-1) ?? game.state;
+    const before = game.state;
+    game.state = learner.way.at(-1) ?? before;
     game.past = learner.way.slice(-1000, -1).map((each) => ({ state: each }));
     const here = step === undefined ? state : undefined;
     if (isSlow && here !== undefined) layer.chosen = game.configurationOf(here);
-    picture.stand();
+    if (update === null || game.state !== before) picture.stand();
+    else layer.stand();
     trail.stand();
     if (isSlow && step !== undefined) {
       const { next, code, pose } = step;

@@ -9,7 +9,7 @@ const SCALE = ["#fffbd8", "#3496be"]; // Of pages that know no values.
 const SIZE = 10.5; // Of numbers, as those of the optimum have it.
 const CHART = { width: 300, height: 96, left: 8, right: 292, top: 26, bottom: 76 };
 const MOST_POINTS = 300; // Of a line in a chart.
-const MOST_RIMMED = 32; // Columns or rows of levels whose arrows have rims.
+const MOST_NUMBERED = 32; // Columns or rows of levels with numbers, and with rims around arrows.
 
 /** Values and greedy actions of a learner, in the place of those of the optimum. */
 export class LearnedLayer {
@@ -29,7 +29,7 @@ export class LearnedLayer {
     this.ground = this.own[0].querySelector("#cells");
     this.ground.replaceChildren();
     const inks = svg.querySelector(".dark") ? ["#000", "#fff"] : ["#fff", "#000"];
-    const widths = Math.max(game.data.width, game.data.height) > MOST_RIMMED ? [0, 2.8] : [6.4, 2.8];
+    const isLarge = Math.max(game.data.width, game.data.height) > MOST_NUMBERED;
     this.cells = Array.from({ length: game.cells }, (_, cell) => {
       const transform = this.at(cell);
       const tile = element("rect", { width: side + 0.5, height: side + 0.5, transform });
@@ -39,13 +39,13 @@ export class LearnedLayer {
           transform,
           fill: ink,
           stroke: ink,
-          "stroke-width": widths[index],
+          "stroke-width": index ? 2.8 : 6.4,
           "stroke-linecap": "round",
         }),
       );
       this.ground.append(tile);
-      this.own[1].append(number);
-      this.own[2].append(...arrows);
+      if (!isLarge) this.own[1].append(number);
+      this.own[2].append(...arrows.slice(Number(isLarge)));
       return { tile, number, arrows };
     });
   }
