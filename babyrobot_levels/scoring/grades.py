@@ -35,7 +35,7 @@ RULES = ("regret", "share", "success", "tries")
 """By what points are given; see `grade`."""
 
 _OWN_SEEDS = 1_000_000
-"""So many seeds from that of a name on are a player's own; smaller ones are anybody's."""
+"""So many seeds from that of a name on are a player's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,16 +290,18 @@ class _Class:
         self.versions = {asked.level.name: asked.level for asked in (wanted or {}).values()}
         self.words = {each.player: words_of(each.player) for each in handed}
         self.episodes: dict[int, bytes] = {}
-        self.players: dict[bytes, list[str]] = {}
-        """Who has an episode; whose name gives its seed stands first."""
+        self.players: dict[bytes, set[str]] = {}
+        self.owners: dict[bytes, str] = {}
+        """Whose name gives the seed of an episode."""
         for hand_in in handed:
             for _, play in hand_in.entries:
                 episode = self.episodes[id(play)] = _episode_of(play)
-                players = self.players.setdefault(episode, [])
-                if hand_in.player not in players:
-                    is_own = words_of(play.player or "") <= self.words[hand_in.player]
-                    first = is_own and _has_own_seed(play)
-                    players.insert(0 if first else len(players), hand_in.player)
+                self.players.setdefault(episode, set()).add(hand_in.player)
+                if (
+                    _has_own_seed(play)
+                    and words_of(play.player or "") <= self.words[hand_in.player]
+                ):
+                    self.owners.setdefault(episode, hand_in.player)
 
     def grades_of(self, hand_in: HandIn) -> Iterator[Grade]:
         """Yield the grades of a player, at least one."""
@@ -351,12 +353,13 @@ class _Class:
         """Return why a play does not count; None if it does."""
         if play.digest != of.digest:
             return f"it is of another version of {of.name}"
-        owner, claimed = self.players[self.episodes[id(play)]][0], words_of(play.player or "")
+        owner = self.owners.get(self.episodes[id(play)], player)
+        claimed = words_of(play.player or "")
         if claimed and not claimed <= self.words[player]:
             for other, words in self.words.items():
                 if claimed <= words:
                     return f"it is under the name of {other}"
-        if owner != player and int(play.seed or 0) >= _OWN_SEEDS:
+        if owner != player:
             return f"it is the same play as that of {owner}"
         return _condition_fault(play, of) or verify_play(play).fault
 
@@ -372,7 +375,7 @@ class _Class:
         plays = [*episodes.values()]
         asked = None if self.wanted is None else self.wanted.get(key[0])
         named = asked.level if asked is not None else plays[0] if plays else None
-        others = [[each for each in self.players[of] if each != player] for of in episodes]
+        others = [self.players[of] - {player} for of in episodes]
         ended = [play for play in plays if play.end != "unfinished"]
         returns = [play.return_ for play in ended]
         best = max(ended, key=lambda play: play.return_, default=None)

@@ -243,9 +243,10 @@ def test_what_is_not_the_players_own_does_not_count(tmp_path: Path) -> None:
     assert not grades.are_valid
 
 
-def test_plays_with_seeds_of_anybody_count_for_all_who_have_them(tmp_path: Path) -> None:
+@pytest.mark.parametrize("seed", [0, 20_261_126])
+def test_plays_with_seeds_of_anybody_count_for_all_who_have_them(tmp_path: Path, seed: int) -> None:
     for name in ("ada", "ben"):
-        hand_in(tmp_path, name, DIRECT)
+        hand_in(tmp_path, name, DIRECT, seed=seed)
     grades = brl.grade([tmp_path], ROW)
     assert [(each.points, each.shared_with) for each in grades] == [(1, "ben"), (1, "ada")]
 
