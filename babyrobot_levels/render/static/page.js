@@ -10,7 +10,7 @@ import { starsOf } from "./result.js";
 const OWN = JSON.parse(byId("data").textContent);
 
 // Pages of several levels lead on, and keep what is reached.
-const levels = document.querySelector("nav");
+const levels = document.querySelector(".levels");
 let reach = null;
 if (levels) goOn(levels.querySelector('[rel="next"]'), "Next level", (game) => reach(game, starsOf(game)));
 
@@ -20,8 +20,9 @@ function showPage(data) {
   document.title = data.title;
   for (const name of ["title", "description"]) byId(name).textContent = data[name];
   byId("facts").replaceChildren(...data.facts.flatMap(factElements));
+  if (!levels) return;
   byId("progress").hidden = true;
-  if (levels) reach = reachedIn(data.facts.find(([name]) => name === "Digest")[1], byId("progress"));
+  reach = reachedIn(data.facts.find(([name]) => name === "Digest")[1], byId("progress"));
 }
 
 /** Show the level of the address, or the page's own level if there is none or it is invalid. */

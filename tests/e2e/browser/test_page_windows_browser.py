@@ -89,9 +89,12 @@ def test_messages_move_nothing(browser: Browser, tmp_path: Path) -> None:
         ground.open(WORLD, guide=guide(WORLD))
         places = [ground.page.locator(place) for place in ("#stage svg", ".pad:visible", ".score")]
         before = [box(place) for place in places]
-        for key in ("d", "ArrowRight", "l", "h", "s", "s", "d", "d"):
+        for key in ("d", "ArrowRight", "l", "h", "s", "s", "d"):
             ground.press(key)
             assert [box(place) for place in places] == before
+        # At the end the result takes the place of the actions.
+        ground.press("d")
+        assert [box(place) for place in places[::2]] == before[::2]
         assert ground.kind == "exit"
 
 
