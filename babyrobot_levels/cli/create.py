@@ -258,7 +258,7 @@ def edit(
 
       babyrobot resolve final-maze | babyrobot edit -
 
-      babyrobot edit exercise.yaml --site public/editor
+      babyrobot edit levels/first.yaml --site public/editor
     """
     from babyrobot_levels.editor.sources import session_of
 
@@ -286,6 +286,8 @@ def _write_site(site: Path, session: Session, runtime: Path | None) -> None:
     from babyrobot_levels.editor.runtime import TARBALL, WHEELS, RuntimeFileError
     from babyrobot_levels.editor.site import SiteFolderError, write_site
 
+    if session.file is not None and not session.file.exists:
+        fail(f"{session.path} does not exist", "leave LEVEL out for an empty grid")
     try:
         size = write_site(site, session, runtime)
     except SiteFolderError as error:

@@ -143,3 +143,10 @@ def test_what_cannot_be_opened_is_said(tmp_path: Path, level: str, status: int, 
     assert done.returncode == status
     assert said in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_site_needs_the_file_that_it_begins_with(tmp_path: Path) -> None:
+    done = python("-m", "babyrobot_levels", "edit", "first.yml", "--site", "out", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "first.yml does not exist" in done.stderr.replace("\n", "")
+    assert [*tmp_path.iterdir()] == []

@@ -207,6 +207,29 @@ def test_what_takes_too_long_is_stopped_and_nothing_is_lost(visit: Visit) -> Non
     expect(text).not_to_have_value(kept, timeout=START)
 
 
+def test_what_was_drawn_before_a_link_was_opened_is_there_again(visit: Visit) -> None:
+    page = visit()
+    for key in ("2", "ArrowRight", "Space"):
+        page.locator(".stage").press(key)
+    expect(text_of(page)).to_have_value(re.compile(r"^puddles:", re.M))
+    drawn = text_of(page).input_value()
+    # What is only looked at is not kept.
+    for name in ("first-key", "final-maze"):
+        page.reload()
+        starts(page)
+        page.evaluate("(name) => { location.hash = name }", name)
+        expect(text_of(page)).to_have_value(re.compile("The (first key|final maze)"))
+    page.reload()
+    starts(page)
+    page.get_by_role("button", name="Open another level").click()
+    levels = page.get_by_role("dialog", name="Open a level").locator(".level")
+    expect(levels.first).to_have_text("Untitled")
+    expect(levels.first).to_have_attribute("data-about", "kept in this browser")
+    expect(levels.nth(1)).not_to_have_attribute("data-about", "kept in this browser")
+    levels.first.click()
+    expect(text_of(page)).to_have_value(drawn)
+
+
 def pass_time(page: Page) -> None:
     """Let half a minute pass for the page, which has just sent something."""
     page.clock.run_for(1_000)

@@ -123,24 +123,21 @@ class OpenDialog {
     this.dialog.showModal();
     this.filter.focus();
     const { levels = [], formats = [] } = await this.editor.send({ do: "levels" });
+    const { earlier = [] } = this.editor.connection;
     this.list.replaceChildren(
-      ...levels.map(({ name, title, size }) =>
-        html(
-          "li",
-          { "data-search": `${name} ${title}`.toLowerCase() },
-          button(html("strong", {}, title ?? name), {
-            class: "level",
-            "data-about": `${name} · ${size.join(" × ")}`,
-            onclick: () => this.open(name),
-          }),
-        ),
-      ),
+      ...earlier.map(({ title, name, text }) => this.item(title ?? name, "kept in this browser", text)),
+      ...levels.map(({ name, title, size }) => this.item(title ?? name, `${name} · ${size.join(" × ")}`, name)),
     );
     this.format.replaceChildren(
       html("option", { value: "" }, "Recognise the format"),
       ...formats.map(({ name, title }) => html("option", { value: name }, title)),
     );
     this.sift();
+  }
+
+  item(title, about, source) {
+    const shown = { class: "level", "data-about": about, onclick: () => this.open(source) };
+    return html("li", { "data-search": `${title} ${about}`.toLowerCase() }, button(html("strong", {}, title), shown));
   }
 
   sift() {

@@ -74,8 +74,9 @@ const ZOOMS = [
  *
  * `connection.send(message)` returns a promise of the reply. It may have `ends`, whether the other
  * side can be ended; `place`, where a level without a file is kept; `address`, of a page that opens
- * the code after its `#`; and `more`, what can be loaded where there are no tables: its
- * `title`, where it is `from`, and `load`. `style` is the style sheet.
+ * the code after its `#`; `earlier`, levels that were edited here before, each with its `title` and
+ * `text`; and `more`, what can be loaded where there are no tables: its `title`, where it is `from`,
+ * and `load`. `style` is the style sheet.
  */
 export function mount(place, connection, style = "") {
   const root = shadow(place, style, LAYOUT);

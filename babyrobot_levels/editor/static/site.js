@@ -4,28 +4,59 @@ import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { fillWindow } from "./window.js";
 
 const KEPT = `babyrobot-editor ${location.pathname}`;
+const EARLIER = `${KEPT} earlier`;
+const MOST_EARLIER = 5;
 
-const given = JSON.parse(document.querySelector("#begin").textContent);
-const connection = new PythonConnection(new Python(), ...beginning());
+/** A session of which this browser keeps the text, and what was drawn before another level was opened. */
+class KeptConnection extends PythonConnection {
+  async send(message) {
+    if (message.do === "open") this.remember();
+    return super.send(message);
+  }
 
-/** Return the text to begin with, and its name: what was kept here, or what the site begins with. */
-function beginning() {
-  let kept = null;
-  try {
-    kept = JSON.parse(localStorage.getItem(KEPT));
-  } catch {}
-  const { text, name } = typeof kept?.text === "string" ? kept : given;
-  return /** @type {const} */ ([text, name]);
+  /** The levels that others took the places of, the last first. */
+  get earlier() {
+    return stored(EARLIER) ?? [];
+  }
+
+  remember() {
+    const kept = stored(KEPT);
+    if (!kept?.isOwn) return;
+    const others = this.earlier.filter(({ text }) => text !== kept.text);
+    store(EARLIER, [kept, ...others].slice(0, MOST_EARLIER));
+  }
 }
 
-/** Keep the text in this browser. */
-function keep() {
-  const { text, name } = editor.state;
+const given = JSON.parse(document.querySelector("#begin").textContent);
+const beginning = stored(KEPT) ?? given;
+const connection = new KeptConnection(new Python(), beginning.text, beginning.name);
+
+/** Return what this browser keeps under a name; null if it keeps nothing. */
+function stored(name) {
   try {
-    localStorage.setItem(KEPT, JSON.stringify({ text, name }));
+    return JSON.parse(localStorage.getItem(name));
   } catch {
-    editor.say("This browser keeps nothing for this page: save the level as a file.", "refused");
+    return null;
   }
+}
+
+/** Keep something under a name; returns whether that is possible. */
+function store(name, value) {
+  try {
+    localStorage.setItem(name, JSON.stringify(value));
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+/** Keep the text in this browser, and whether anything was drawn or typed in it. */
+function keep() {
+  const { text, name, level, is_saved } = editor.state;
+  const kept = stored(KEPT);
+  const isOwn = !is_saved || (kept?.text === text && kept.isOwn);
+  if (!store(KEPT, { text, name, title: level?.title ?? name, isOwn }))
+    editor.say("This browser keeps nothing for this page: save the level as a file.", "refused");
 }
 
 /** Open the level of the address: a code, a name or a text after its `#`. */
