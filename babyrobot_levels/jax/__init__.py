@@ -19,6 +19,9 @@ except ImportError as fault:
         f"babyrobot_levels.jax needs JAX and gymnax 1.0 or later: {how_to_install('jax')}"
     ) from fault
 
+from babyrobot_levels.jax.design import Designs as Designs
+from babyrobot_levels.jax.design import Layout as Layout
+from babyrobot_levels.jax.design import designs as designs
 from babyrobot_levels.jax.env import EnvState as EnvState
 from babyrobot_levels.jax.env import LevelEnvironment as LevelEnvironment
 from babyrobot_levels.jax.env import UnderspecifiedEnv as UnderspecifiedEnv
@@ -32,12 +35,15 @@ from babyrobot_levels.jax.solver import random_policy as random_policy
 from babyrobot_levels.jax.solver import regret as regret
 
 __all__ = [
+    "Designs",
     "EnvParams",
     "EnvState",
+    "Layout",
     "LevelEnvironment",
     "Optimum",
     "UnderspecifiedEnv",
     "Worth",
+    "designs",
     "evaluate",
     "make",
     "optimum",
