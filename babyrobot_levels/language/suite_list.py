@@ -182,6 +182,8 @@ class PackFields(Model):
     """The title of the course; by default, the name."""
     functions: dict[Function, Literal["values", "policy", "agent"]] = Field(default_factory=dict)
     """What students write: NAME.py with a function NAME, and as what its result is graded."""
+    given: tuple[Text, ...] = ()
+    """Further files that students get, such as `tools.py`."""
     levels: Annotated[tuple[CourseLevel, ...], Field(max_length=MAX_COURSE)] = ()
     """The levels of the course, in their order."""
 

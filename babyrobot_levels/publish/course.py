@@ -12,7 +12,7 @@ from pathlib import Path
 from babyrobot_levels.analysis.sharing import share
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.packs.archive import SUFFIX
+from babyrobot_levels.library.packs.archive import SUFFIX, PackError
 from babyrobot_levels.library.packs.build import Course, read_course
 from babyrobot_levels.library.search_path import data_folder
 from babyrobot_levels.publish.gallery import gallery
@@ -21,7 +21,14 @@ from babyrobot_levels.publish.schools import gradescope, scorm, write_zip
 from babyrobot_levels.publish.sheet import PAPERS, Sheet, sheet
 from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.files import PACK_FILE, is_file, is_within, write_text, written_folder
+from babyrobot_levels.text.files import (
+    PACK_FILE,
+    is_file,
+    is_within,
+    write_bytes,
+    write_text,
+    written_folder,
+)
 
 CONTENTS = "contents.txt"
 """The list of what was built, by which a folder is known as one that may be replaced."""
@@ -164,15 +171,20 @@ def _save(make: Callable[[], Sheet], path: Path) -> None:
 
 
 def _copy(course: Course, target: Path) -> None:
-    """Copy what students may have of a course: all but its hidden levels."""
-    hidden = {each.level for each in course.fields.levels if each.hidden}
-    secret = {course.files[name].resolve() for name in hidden}
+    """Copy what students get: the pack without hidden levels, the code, and what is given.
 
-    def left_out(folder: str, names: list[str]) -> set[str]:
-        ours = {name for name in names if (Path(folder) / name).resolve() in secret}
-        return ours | _IGNORED(folder, names)
-
-    shutil.copytree(course.folder, target, ignore=left_out)
+    Raises:
+        PackError: what is given is no file of the course.
+    """
+    hidden = {course.files[each.level] for each in course.fields.levels if each.hidden}
+    code = [f"{name}.py" for name in (*course.fields.functions, "grade")]
+    paths = [*course.paths, *(name for name in code if is_file(course.folder / name))]
+    for name in (*paths, *course.fields.given):
+        path = course.folder / name
+        if ".." in Path(name).parts or not (is_file(path) and is_within(path, course.folder)):
+            raise PackError(f"students cannot get {name}: it is no file in {course.folder}")
+        if path not in hidden:
+            write_bytes(target / path.relative_to(course.folder), path.read_bytes())
     fields = course.fields.model_dump(mode="json", exclude_defaults=True)
     fields["levels"] = [each for each in fields["levels"] if not each.get("hidden")]
     write_text(target / PACK_FILE, emit(fields))

@@ -137,6 +137,26 @@ def test_what_is_built_again_replaces_what_was_built(built: Path, tmp_path: Path
         brl.course(tmp_path / "nothing", tmp_path / "other")
 
 
+def test_students_get_no_other_files(tmp_path: Path) -> None:
+    course = tmp_path / "course"
+    course.mkdir()
+    (course / "row.yaml").write_text("version: 1\nsize: [4, 1]\n", "utf-8")
+    for name in ("solve.py", "tools.py", "solutions.py", "grades.csv", "README.md"):
+        (course / name).write_text("mine", "utf-8")
+    text = "name: row\nversion: 1.0.0\ndescription: A row.\nfunctions: {solve: values}\n"
+    text += "levels: [{level: row}]\n"
+    (course / "pack.yaml").write_text(f"{text}given: [tools.py]\n", "utf-8")
+    built = brl.course(course, tmp_path / "out")
+    code = [each.removeprefix("students/code/") for each in built.files if "/code/" in each]
+    assert code == ["README.md", "pack.yaml", "row.yaml", "solve.py", "tools.py"]
+    for name in ("missing.py", "../out/contents.txt", "../course/row.yaml", "link.txt"):
+        if name == "link.txt":
+            (course / name).symlink_to(tmp_path / "out" / "contents.txt")
+        (course / "pack.yaml").write_text(f"{text}given: [{name}]\n", "utf-8")
+        with pytest.raises(PackError, match="students cannot get"):
+            brl.course(course, tmp_path / "other")
+
+
 @pytest.mark.parametrize(
     ("levels", "said"),
     [

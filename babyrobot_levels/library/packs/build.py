@@ -137,11 +137,13 @@ class Course:
         folder: the folder.
         fields: the fields of its `pack.yaml`.
         files: the file of each level, by its name.
+        paths: the files of the pack, relative to the folder.
     """
 
     folder: Path
     fields: PackFields
     files: Mapping[str, Path]
+    paths: Sequence[str]
 
 
 def read_course(path: str | os.PathLike[str]) -> Course:
@@ -154,13 +156,14 @@ def read_course(path: str | os.PathLike[str]) -> Course:
     folder = Path(path)
     if not os.path.lexists(folder / PACK_FILE):
         raise PackError(f"there is no {PACK_FILE} in {os.fspath(path)}")
-    contents = survey(folder, _paths(folder)[0], folder)
+    paths, _ = _paths(folder)
+    contents = survey(folder, paths, folder)
     if contents.fields is None or contents.diagnostics:
         raise LevelError(contents.diagnostics)
     if not contents.fields.levels:
         raise PackError(f"{folder / PACK_FILE} is no course: it lists no `levels`")
     files = {name: folder / entry.file for name, entry in contents.levels.items()}
-    return Course(folder, contents.fields, files)
+    return Course(folder, contents.fields, files, paths)
 
 
 def check_contents(contents: Contents, manifest: Manifest) -> None:
