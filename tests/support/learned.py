@@ -17,6 +17,14 @@ from babyrobot_levels.render.page import page_data
 RECORDED = ("gridworld-4-1", "cliff-walking", "frozen-lake", "first-key")
 """The levels whose runs are recorded."""
 
+LEARNED = """([data, runs]) => runs.map(({options, number}) => {
+    const learner = new Learner(data, options);
+    while (learner.number < number && learner.finish() !== null);
+    const values = learner.problem.states.map((state) => learner.values[state]);
+    return [learner.number, values, learner.returns];
+})"""
+"""What a page runs to return the numbers, values and returns of runs."""
+
 _NAMES = {
     "step_size": "stepSize",
     "n_steps": "span",

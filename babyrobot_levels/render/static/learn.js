@@ -185,7 +185,7 @@ export class Learning {
     const { state, step } = update ?? {};
     const before = game.state;
     game.state = learner.way.at(-1) ?? before;
-    game.past = learner.way.slice(-1000, -1).map((each) => ({ state: each }));
+    game.past = learner.way.slice(-200, -1).map((each) => ({ state: each }));
     const here = step === undefined ? state : undefined;
     if (isSlow && here !== undefined) layer.chosen = game.configurationOf(here);
     if (update === null || game.state !== before) picture.stand();

@@ -295,9 +295,9 @@ function turn() {
 function learn() {
   if (byId("learn-on").hidden) return;
   watch(false);
-  Object.assign(game, { isTurning: false, view: "optimum" });
   const wasOn = learning.isOn;
   learning.leave();
+  Object.assign(game, { isTurning: wasOn && (game.data.turns?.on ?? false), view: "optimum" });
   showActions();
   begin(game.seed);
   if (!wasOn) learning.enter();

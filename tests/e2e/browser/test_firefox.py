@@ -12,12 +12,13 @@ import pytest
 from PIL import Image
 from support.editors import served
 from support.firefox import Firefox, FirefoxPage, firefox
+from support.learned import LEARNED, runs_of
 from support.playground import guide, level
 
 import babyrobot_levels as brl
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.sources import session_of
-from babyrobot_levels.render.page import to_html
+from babyrobot_levels.render.page import page_data, to_html
 
 WORLD = level(size=[4, 3], walls=[{"at": [1, 0], "side": "E"}])
 LEVELS: list[Any] = ["final-maze", "cliff-walking", "first-key"]
@@ -105,6 +106,19 @@ def test_who_prefers_dark_sees_dark(tmp_path: Path, gallery: str, light: Firefox
 
 
 # -- the page of a level -----------------------------------------------------------------------
+
+
+def test_a_level_is_learned_as_python_learns_it(browser: Firefox, tmp_path: Path) -> None:
+    page = played(browser.page(), tmp_path, guide=guide(WORLD))
+    page.press("e", "ArrowDown")
+    assert page.text("#learn-numbers").startswith("Episode 1 ")
+    assert page.text("#message").startswith("Q([")
+    for name in ("frozen-lake", "first-key"):
+        lake = brl.load(name)
+        runs = list(runs_of(lake, all_starts=not lake.has_things))
+        found = page.run(LEARNED, [page_data(lake), runs])
+        for run, (number, values, _) in zip(runs, found, strict=True):
+            assert (number, values) == (run["number"], pytest.approx(run["values"])), run["options"]
 
 
 def test_a_level_is_played_with_keys_and_buttons(browser: Firefox, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
-from support.learned import runs_of
+from support.learned import LEARNED, runs_of
 from support.playground import FAST, Playground
 
 from babyrobot_levels.analysis.guides import guide_of
@@ -18,13 +18,6 @@ from babyrobot_levels.render.page import page_data
 
 MOST_STATES = 400
 """Of the levels that are learned: with more, all tests together take minutes."""
-
-LEARNED = """([data, runs]) => runs.map(({options, number}) => {
-    const learner = new Learner(data, options);
-    while (learner.number < number && learner.finish() !== null);
-    const values = learner.problem.states.map((state) => learner.values[state]);
-    return [learner.number, values, learner.returns];
-})"""
 
 MINUS = "\N{MINUS SIGN}"
 
