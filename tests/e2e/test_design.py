@@ -136,6 +136,16 @@ def test_none_is_met_by_an_empty_room_or_by_what_another_asks_for() -> None:
             assert is_empty or next(BRIEFS[name].unmet(level), None), name
 
 
+def test_the_page_shows_a_brief_and_counts() -> None:
+    page = (judging.FOLDER / "README.md").read_text("utf-8")
+    assert (judging.FOLDER / "coins" / "leave-it.yaml").read_text("utf-8") in page
+    assert all(f"`{kind}`" in page for kind in judging.KINDS)
+    assert all(f"`{field}`" in page for field in judging.FIXED)
+    for family in {brief.family for brief in BRIEFS.values()}:
+        count = sum(brief.family == family for brief in BRIEFS.values())
+        assert f"| {family} | {count} |" in page
+
+
 def test_references_are_not_in_the_clear() -> None:
     assert all(code.startswith("brl1.") for code in REFERENCES.values())
     assert set(REFERENCES) == set(BRIEFS)
