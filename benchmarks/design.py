@@ -33,7 +33,6 @@ from design_judge import (
     Judge,
     Limit,
     close,
-    kill,
     load,
     start,
 )
@@ -74,19 +73,16 @@ class Command:
     seconds: float = SECONDS
 
     def __call__(self, messages: list[Message]) -> str:
-        process = start(self.words)
-        assert process.stdin is not None
-        assert process.stdout is not None
         text = "\n\n".join(message["content"] for message in messages)
         begin = time.monotonic()
-        sender = Thread(target=_send, args=(process.stdin, text), daemon=True)
-        sender.start()
+        process = start(self.words)
         try:
+            assert process.stdin is not None
+            assert process.stdout is not None
+            Thread(target=_send, args=(process.stdin, text), daemon=True).start()
             with Limit(process, self.seconds):
                 answer = process.stdout.read(MAX_CHARACTERS + 1)
         finally:
-            kill(process)
-            sender.join()
             close(process)
         if time.monotonic() - begin >= self.seconds:
             raise AuthorError(f"no answer within {self.seconds:g} seconds")
