@@ -183,6 +183,22 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
     content = page_data(played, guide=guide)
     if played is not level:
         content["code"] = encode(played.to_dict(whole=True))
+    fragment = _fragment(code, content)
+    if len(fragment) > MAX_LINK:
+        # A page that does without the values of all states cannot tell what decisions cost.
+        for known in (content, content.get("turns", {})):
+            known.get("returns", {}).pop("values", None)
+        fragment = _fragment(code, content)
+    if len(fragment) > MAX_LINK:
+        raise TooLargeError(
+            f"the level is too large for a link: it would have {len(fragment):,} characters, "
+            f"and the limit is {MAX_LINK:,}"
+        )
+    return fragment
+
+
+def _fragment(code: str, content: dict[str, Any]) -> str:
+    """Return the fragment of a link with its data, however long."""
     version = PLAY_VERSIONS["things" in content or "turns" in content]
     text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     data = text.encode("utf-8")
@@ -195,13 +211,7 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
     packed = packer.compress(data) + packer.flush()
     checksum = zlib.crc32(packed, zlib.crc32(code.encode("ascii")))
     body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + packed).decode().rstrip("=")
-    fragment = f"{code}{PLAY_MARK}{version}.{len(body)}.{body}"
-    if len(fragment) > MAX_LINK:
-        raise TooLargeError(
-            f"the level is too large for a link: it would have {len(fragment):,} characters, "
-            f"and the limit is {MAX_LINK:,}"
-        )
-    return fragment
+    return f"{code}{PLAY_MARK}{version}.{len(body)}.{body}"
 
 
 # -- what a page knows about a level ---------------------------------------------------------------

@@ -390,6 +390,16 @@ def test_a_level_that_is_too_large_for_a_link_says_so(monkeypatch: pytest.Monkey
         link_fragment(ROW, ROW)
 
 
+def test_a_long_link_leaves_out_what_decisions_are_graded_by(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bare, whole = replace(GUIDE, values=()), replace(GUIDE, values=[-2.0, -1 / 3, 0.0])
+    short_link, long_link = (link_fragment(ROW, ROW, guide) for guide in (bare, whole))
+    assert len(short_link) < len(long_link)
+    monkeypatch.setattr("babyrobot_levels.render.page.MAX_LINK", len(long_link) - 1)
+    assert link_fragment(ROW, ROW, whole) == short_link
+
+
 def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.MonkeyPatch) -> None:
     level = Level.from_fields({"version": 1, "description": "x" * 10_000})
     data = json.dumps(page_data(level), ensure_ascii=False, separators=(",", ":"))
