@@ -183,7 +183,7 @@ export function chart(title, numbers, unit, goal) {
     line(numbers, isReturn ? "faint" : "line"),
     ...(isReturn ? [line(means.slice(span - 1), "line")] : []),
     ...(isReturn ? [element("path", { class: "goal", d: `M${left} ${y(goal)}H${right}` })] : []),
-    label(right, height - 6, `${numbers.length - Number(!isReturn)} ${unit}s`, "end"),
+    label(right, height - 6, `${unit} ${numbers.length - Number(!isReturn)}`, "end"),
   );
 }
 
