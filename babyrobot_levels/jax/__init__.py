@@ -26,6 +26,9 @@ from babyrobot_levels.jax.env import EnvState as EnvState
 from babyrobot_levels.jax.env import LevelEnvironment as LevelEnvironment
 from babyrobot_levels.jax.env import UnderspecifiedEnv as UnderspecifiedEnv
 from babyrobot_levels.jax.env import make as make
+from babyrobot_levels.jax.estimators import learnability as learnability
+from babyrobot_levels.jax.estimators import max_monte_carlo as max_monte_carlo
+from babyrobot_levels.jax.estimators import positive_value_loss as positive_value_loss
 from babyrobot_levels.jax.params import EnvParams as EnvParams
 from babyrobot_levels.jax.solver import Optimum as Optimum
 from babyrobot_levels.jax.solver import Worth as Worth
@@ -45,8 +48,11 @@ __all__ = [
     "Worth",
     "designs",
     "evaluate",
+    "learnability",
     "make",
+    "max_monte_carlo",
     "optimum",
+    "positive_value_loss",
     "random_policy",
     "regret",
 ]
