@@ -57,6 +57,9 @@ def prepare_plays(arguments: list[str]) -> list[str]:
         Path("plays", f"{name}.brlplay").unlink()
     shutil.copy("plays/ada.brlplay", "ada.brlplay")
     shutil.copy(FILES / "agents.py", "agents.py")
+    shutil.make_archive("class", "zip", "plays")
+    Path("robots").mkdir()
+    brl.load("frozen-lake").save("robots/frozen-lake.yaml")
     np.save("policy.npy", brl.solve("frozen-lake").policy)
     if "ppo.zip" in arguments:
         library = pytest.importorskip("stable_baselines3", reason="it is not installed")
