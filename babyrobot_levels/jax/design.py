@@ -23,7 +23,8 @@ from babyrobot_levels.envs.observations.planes import plane_names, squashed
 from babyrobot_levels.generation.edits import Fields, changed, flat_fields
 from babyrobot_levels.jax.env import LevelEnvironment, make
 from babyrobot_levels.jax.observations import Counts, PlaneTables, Room, RowTable
-from babyrobot_levels.jax.params import NEVER, REACHED, SKIDDED, TERMINAL, EnvParams
+from babyrobot_levels.jax.outcomes import WIDTH, merged
+from babyrobot_levels.jax.params import NEVER, TERMINAL, EnvParams
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.cells import PRECEDENCE, Puddle
 from babyrobot_levels.library.catalogue import load
@@ -37,8 +38,6 @@ OBSERVED = ("index", "position", "planes")
 
 KINDS = ("wall", "puddle", "start", "exit")
 _PUDDLES = ("small", "large")
-_WIDTH = 4
-"""The most outcomes of an action: the four cells around."""
 
 
 @register_dataclass
@@ -92,7 +91,7 @@ def designs(
     check_choice("observation", observation.name, OBSERVED)
     cells = base.width * base.height
     most = Counts(cells, cells * 4, 1, int(isinstance(params.observations, PlaneTables)))
-    room = Room(count, Counts(*(count * each for each in most)), most, _WIDTH)
+    room = Room(count, Counts(*(count * each for each in most)), most, WIDTH)
     made = Designs(base, count, params, room, env)
     first = jax.tree.map(lambda array: jnp.stack([array] * count), made.layout(base))
     loaded = LevelEnvironment(made.params(first), env._loader, room, f"{count:,} designs")
@@ -311,9 +310,9 @@ class Designs:
         base = (jnp.arange(count, dtype=jnp.int32) * cells)[:, None, None, None]
         floats = self._params.reward.dtype
         entries = {
-            "next_state": (found["next_state"] + base).reshape(-1, _WIDTH),
-            "reward": found["reward"].astype(floats).reshape(-1, _WIDTH),
-            "outcome": found["outcome"].reshape(-1, _WIDTH),
+            "next_state": (found["next_state"] + base).reshape(-1, WIDTH),
+            "reward": found["reward"].astype(floats).reshape(-1, WIDTH),
+            "outcome": found["outcome"].reshape(-1, WIDTH),
         }
         is_drawn = found["is_drawn"].reshape(-1)
         number = jnp.cumsum(is_drawn, dtype=jnp.int32) - 1
@@ -331,11 +330,11 @@ class Designs:
         counts = is_drawn.reshape(count, -1).sum(axis=1, dtype=jnp.int32)
         offset = jnp.arange(count + 1, dtype=jnp.int32) * cells
         once = jnp.arange(count + 1, dtype=jnp.int32)
-        chances = found["probability"].reshape(-1, _WIDTH).astype(floats)
+        chances = found["probability"].reshape(-1, WIDTH).astype(floats)
         return replace(
             self._params,
             **{name: jnp.concatenate([first[name], drawn[name]]) for name in entries},
-            threshold=branches(found["threshold"].reshape(-1, _WIDTH - 1), NEVER),
+            threshold=branches(found["threshold"].reshape(-1, WIDTH - 1), NEVER),
             probability=branches(chances, 0),
             mask=found["mask"].reshape(-1),
             held=jnp.zeros((states, self._params.held.shape[-1]), bool),
@@ -350,7 +349,7 @@ class Designs:
             number=once[:-1],
             observations=self._observations(layouts),
             num_actions=actions,
-            most_outcomes=_WIDTH,
+            most_outcomes=WIDTH,
             sizes=(self._room.most.states, self._room.most.branches, 1),
             draws_levels=count > 1,
             draws_outcomes=True,
@@ -388,10 +387,10 @@ class Designs:
                 bumps = jnp.zeros_like(over) if taken is None else ~open_[taken]
                 branches.append((sure, to, self._pay(layout, to, paid, over, bumps=bumps)))
             intended = jnp.where(over, cells, landing[way])
-            rows.append(_merged(branches, over, intended, ~open_[way] & ~over))
+            rows.append(merged(branches, over, intended, ~open_[way] & ~over))
         if not self._first_action:
             stays = self._pay(layout, cells, paid, over, stays=True)
-            rows.insert(0, _merged([(jnp.ones(cells.size), cells, stays)], over, cells, None))
+            rows.insert(0, merged([(jnp.ones(cells.size), cells, stays)], over, cells, None))
         mask = [~over & open_[way] for way in range(4)]
         if not self._first_action:
             mask.insert(0, jnp.ones_like(over))
@@ -479,57 +478,6 @@ def _sides(is_free: NDArray[np.bool_]) -> NDArray[np.bool_]:
     sides[0, :, :-1] = is_free[:, :-1] & is_free[:, 1:]
     sides[1, :-1] = is_free[:-1] & is_free[1:]
     return sides
-
-
-def _merged(
-    branches: list[tuple[Array, Array, Array]],
-    over: Array,
-    intended: Array,
-    is_refused: Array | None,
-) -> dict[str, Array]:
-    """Return the distinct outcomes of a row of each cell, in the order of the compiler.
-
-    Args:
-        branches: the chance, the next state and the reward of each, `[cells]`.
-        over: in which states the episode is over.
-        intended: where the action leads without chance.
-        is_refused: whether a wall refuses it.
-    """
-    chance, to, paid = (jnp.stack(each) for each in zip(*branches, strict=True))
-    count = len(branches)
-    alike = (to[:, None] == to) & (paid[:, None] == paid) & (chance > 0)
-    is_first = (chance > 0) & ~jnp.stack(
-        [reduce(jnp.logical_or, alike[k, :k], jnp.zeros_like(over)) for k in range(count)]
-    )
-    # The first one, and then the sum of the others: so NumPy adds them up.
-    more = [
-        reduce(jnp.add, (jnp.where(alike[k, n], chance[n], 0) for n in range(k + 1, count)), 0.0)
-        for k in range(count)
-    ]
-    total = jnp.where(is_first, chance + jnp.stack([jnp.zeros(over.size) + m for m in more]), 0)
-    # Sorting so few is slow in compiled code: each is put into its place.
-    is_less = (to[:, None] < to) | ((to[:, None] == to) & (paid[:, None] < paid))
-    place = (is_first[:, None] & is_less).sum(axis=0)
-    found, number = is_first.sum(axis=0), jnp.arange(_WIDTH)[:, None]
-    is_there = is_first & (place == jnp.minimum(number, found - 1)[:, None])
-    to, paid = (jnp.where(is_there, each, 0).sum(axis=1, dtype=each.dtype) for each in (to, paid))
-    chance = jnp.where(is_first & (place == number[:, None]), total, 0).sum(axis=1)
-    cumulated = jnp.stack([reduce(jnp.add, chance[: k + 1]) for k in range(_WIDTH)])
-    cumulated = jnp.where(number >= found - 1, 1.0, jnp.minimum(cumulated, 1.0))
-    before = jnp.concatenate([jnp.zeros((1, over.size)), cumulated[:-1]])
-    at_target = to == intended
-    refused = jnp.zeros_like(over) if is_refused is None else is_refused
-    outcome = TERMINAL * over[to] + REACHED * (at_target & ~refused) + SKIDDED * ~at_target
-    # In float32, 2**32 - 1 is none of the numbers.
-    word = jnp.ceil(jnp.where(cumulated < 1, cumulated, 0) * 2.0**32).astype(jnp.uint32) - 1
-    return {
-        "next_state": to.T,
-        "reward": paid.T,
-        "outcome": outcome.astype(jnp.uint8).T,
-        "is_drawn": found > 1,
-        "probability": (cumulated - before).T,
-        "threshold": jnp.where(cumulated < 1, word, NEVER)[:-1].T,
-    }
 
 
 def _check(level: Level) -> None:
