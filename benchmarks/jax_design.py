@@ -42,7 +42,9 @@ def main() -> None:
     options = parser.parse_args()
     base = {"version": 1, "size": [options.size] * 2, "max_steps": 100}
     _, made = brl_jax.designs(base, options.levels, observation="index")
-    first = jax.tree.map(lambda array: jnp.stack([array] * options.levels), made.layout(base))
+    first = jax.tree.map(
+        lambda array: jnp.broadcast_to(array, (options.levels, *array.shape)), made.layout(base)
+    )
 
     def mutate(key: Any) -> Any:
         keys = jax.random.split(key, options.levels)

@@ -93,7 +93,9 @@ def designs(
     most = Counts(cells, cells * 4, 1, int(isinstance(params.observations, PlaneTables)))
     room = Room(count, Counts(*(count * each for each in most)), most, WIDTH)
     made = Designs(base, count, params, room, env)
-    first = jax.tree.map(lambda array: jnp.stack([array] * count), made.layout(base))
+    first = jax.tree.map(
+        lambda array: jnp.broadcast_to(array, (count, *array.shape)), made.layout(base)
+    )
     loaded = LevelEnvironment(made.params(first), env._loader, room, f"{count:,} designs")
     return loaded, made
 
