@@ -364,7 +364,7 @@ def test_a_site_has_numpy_if_the_folder_has_it(tmp_path: Path) -> None:
     scipy = given / f"scipy-1.18.0-cp314-cp314-{PLATFORM}.whl"
     scipy.write_bytes(b"b" * 3_000_000)
     write_site(site, session_of(None), given)
-    assert 'from: "5 MB"' in (site / "editor.js").read_text("utf-8")
+    assert 'from:"5 MB"' in (site / "editor.js").read_text("utf-8")
     for name in ("editor.js", "worker.js"):
         assert "cdn.jsdelivr.net" not in (site / name).read_text("utf-8")
     entry = json.loads((site / "python" / "pyodide-lock.json").read_bytes())["packages"]["scipy"]
