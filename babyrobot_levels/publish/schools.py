@@ -10,15 +10,19 @@ from xml.etree import ElementTree
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.packs.build import Course
 from babyrobot_levels.render.templates import html, put_together
+from babyrobot_levels.text.errors import DISTRIBUTION
 from babyrobot_levels.text.files import PACK_FILE
 
-_SETUP = """\
+_SETUP = f"""\
 #!/usr/bin/env bash
 set -e
 apt-get update
 apt-get install -y python3 python3-venv
 python3 -m venv /autograder/venv
-/autograder/venv/bin/pip install babyrobot-levels
+# A wheel that was put into this archive, else the release.
+wheels=(/autograder/source/*.whl)
+[ -e "${{wheels[0]}}" ] || wheels=({DISTRIBUTION})
+/autograder/venv/bin/pip install "${{wheels[@]}}"
 """
 
 _RUN = """\
