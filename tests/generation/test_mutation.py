@@ -62,6 +62,12 @@ def test_mutants_of_any_level_are_valid_levels(
     assert brl.mutate(level, solvable=False, **arguments) == mutant
 
 
+def test_edits_that_undo_each_other_are_no_mutant() -> None:
+    level = brl.Level(version=1, size=[2, 2], exit=[1, 1])
+    mutants = [brl.mutate(level, seed=seed, edits=2, kinds=["wall"]) for seed in range(20)]
+    assert level.digest not in {mutant.digest for mutant in mutants}
+
+
 @untimed
 @given(st.sampled_from(PARENTS), st.integers(0, 2**53), st.integers(1, 12))
 def test_mutants_are_won_by_default(name: str, seed: int, edits: int) -> None:

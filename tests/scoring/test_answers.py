@@ -213,6 +213,17 @@ def test_agents() -> None:
         brl.grade_agent(LAKE, lambda _: 1 // 0)
 
 
+def test_an_agent_passes_from_the_bound_on_and_its_share_counts_below() -> None:
+    best = np.eye(5)[brl.solve(LAKE).policy.ravel()]
+    mixed = 0.9 * best + 0.1 / 5
+    (found,) = brl.score(mixed, LAKE)
+    assert 0.1 < found.share < 0.9
+    assert brl.grade_agent(LAKE, mixed, at_least=found.share - 0.01)
+    short = brl.grade_agent(LAKE, mixed, at_least=found.share + 0.01, points=4)
+    assert not short
+    assert short.points == pytest.approx(4 * found.share)
+
+
 def test_no_message_tells_the_solution() -> None:
     """The digits of a right value stand in no sentence about a wrong one."""
     solution = brl.solve(LAKE)
