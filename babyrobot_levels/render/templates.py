@@ -37,9 +37,11 @@ _LEFT = re.compile(r"^(?:import\b|export (?!default )|@import\b).*", re.M)
 _NEEDLESS = re.compile(r"^((?:(?!//).)*),\n(?=[)\]}])", re.M)
 """A comma and a break after the last of several lines."""
 _COMMENTS = re.compile(
-    r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$|/\*\* @type (?:(?!\*/).)*\*/ ?", re.M | re.S
+    r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$|(?<=[;,{([]) // [^\n\"`]*$"
+    r"|/\*\* @type (?:(?!\*/).)*\*/ ?",
+    re.M | re.S,
 )
-"""Comments that have lines of their own, and types of expressions."""
+"""Comments that have lines of their own, or end one, and types of expressions."""
 
 
 _TEXT = r'("(?:[^"\\]|\\.)*")'
