@@ -34,7 +34,7 @@ for (const { name, data, runs } of RUNS) {
 
 /** Learn some updates of the corridor, and tell the last one. */
 function told(steps, options = {}) {
-  const learner = new Learner(corridor(), { discount: 1, stays: true, ...options });
+  const learner = new Learner(corridor(), { discount: 1, actions: "all", ...options });
   let update;
   for (let step = 0; step < steps; step++) update = learner.step();
   return toldUpdate(new Game(corridor()), learner, update);
@@ -50,9 +50,9 @@ test("updates are told with their numbers", () => {
     "Round 1: the policy's exact values, and a better action in 2 states.",
   );
   assert.match(told(1), /^Q\(\[0, 0\], \w+\) ← 0 \+ 0\.1 · \(−1 \+ 1 · 0 − 0\) = −0\.1$/);
-  assert.match(told(1, { planning: 3 }), /, and 3 planned$/);
-  assert.match(told(1, { algorithm: "sarsa", span: 2 }), /^\[0, 0\], \w+: reward −1$/);
-  assert.match(told(2, { algorithm: "sarsa", span: 2 }), /\(G − 0\) = .*, where G = −?\d+: 2 rewards, and then 0$/);
+  assert.match(told(1, { planning_steps: 3 }), /, and 3 planned$/);
+  assert.match(told(1, { algorithm: "sarsa", n_steps: 2 }), /^\[0, 0\], \w+: reward −1$/);
+  assert.match(told(2, { algorithm: "sarsa", n_steps: 2 }), /\(G − 0\) = .*, where G = −?\d+: 2 rewards, and then 0$/);
   assert.match(told(5, { algorithm: "monte_carlo" }), /^V\(.*\) ← 0 \+ 1\/1 · \(−?\d+ − 0\) = −?\d+$/);
 });
 
@@ -75,7 +75,7 @@ test("the optimum is found without a known policy, and for other discounts", () 
 });
 
 test("a run is a program in Python", () => {
-  const learner = new Learner(corridor(), { algorithm: "sarsa", discount: 0.9, span: 4, seed: "3" });
+  const learner = new Learner(corridor(), { algorithm: "sarsa", discount: 0.9, n_steps: 4, seed: "3" });
   assert.match(
     inPython(corridor(), learner),
     /brl\.sarsa\(\n {4}level,\n {4}discount=0\.9,\n(.*\n)* {4}n_steps=4,\n\)/,

@@ -25,14 +25,6 @@ LEARNED = """([data, runs]) => runs.map(({options, number}) => {
 })"""
 """What a page runs to return the numbers, values and returns of runs."""
 
-_NAMES = {
-    "step_size": "stepSize",
-    "n_steps": "span",
-    "planning_steps": "planning",
-    "exploring_starts": "exploring",
-}
-"""What the page calls arguments, where it differs."""
-
 
 def runs_of(level: Level, *, all_starts: bool) -> Iterator[dict[str, Any]]:
     """Yield runs of all algorithms on a level: the page's options, and the numbers of Python.
@@ -71,9 +63,9 @@ def _run(
     options = {
         "algorithm": algorithm,
         "discount": level.discount if discount is None else discount,
-        "stays": actions == "all",
+        "actions": actions,
         **{
-            _NAMES.get(name, name): str(value) if name == "seed" else value
+            name: str(value) if name == "seed" else value
             for name, value in given.items()
             if name not in ("episodes", "every", "max_sweeps")
         },

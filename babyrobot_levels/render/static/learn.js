@@ -16,7 +16,7 @@ const SPEEDS = [
   ["1 a frame", 0],
   ["fastest", 1e9],
 ];
-const LIVE = ["stepSize", "epsilon", "planning"]; // What may change while it runs.
+const LIVE = ["step_size", "epsilon", "planning_steps"]; // What may change while it runs.
 const LEARN_KEYS = { " ": "run", arrowright: "step", arrowdown: "unit", r: "again", n: "luck", f: "faster" };
 const OTHER_KEYS = "vbe0+=-"; // They do what they do otherwise.
 
@@ -60,7 +60,7 @@ export class Learning {
     this.leave();
     Object.assign(this, { game, picture, trail });
     const { data } = game;
-    Object.assign(this.options, { discount: data.discount ?? 1, exploring: false });
+    Object.assign(this.options, { discount: data.discount ?? 1, exploring_starts: false });
     byId("learn-on").hidden = data.rows === undefined || !(data.learn ?? data.policy !== null);
   }
 
@@ -240,7 +240,7 @@ export class Learning {
     for (const label of this.panel.querySelectorAll("[data-for]")) {
       label.hidden = !label.dataset.for.split(" ").includes(this.options.algorithm);
     }
-    if (this.game.data.things) this.panel.querySelector('[data-option="exploring"]').parentElement.hidden = true;
+    if (this.game.data.things) this.panel.querySelector('[data-option="exploring_starts"]').parentElement.hidden = true;
     byId("learn-unit").textContent = capital(this.learner.unit);
     byId("learn-step").textContent = this.learner.unit === "sweep" ? "State" : "Step";
     this.showOutput(byId("learn-speed"));

@@ -214,9 +214,9 @@ export function toldUpdate(game, { problem, options, actions, isPrediction, numb
   if (visits) return `V(${place(state)}) ← ${was} + 1/${visits} · (${target} − ${was}) = ${value}`;
   const reward = formatted(step.reward);
   if (state === undefined) return `${place(step.state)}, ${names[step.action]}: reward ${reward}`;
-  const [begin, end] = [`Q(${place(state)}, ${names[action]}) ← ${was} + ${options.stepSize}`, `− ${was}) = ${value}`];
+  const [begin, end] = [`Q(${place(state)}, ${names[action]}) ← ${was} + ${options.step_size}`, `− ${was}) = ${value}`];
   if (rewards > 1) return `${begin} · (G ${end}, where G = ${target}: ${rewards} rewards, and then ${ahead}`;
-  const planned = options.planning > 0 ? `, and ${options.planning} planned` : "";
+  const planned = options.planning_steps > 0 ? `, and ${options.planning_steps} planned` : "";
   return `${begin} · (${reward} + ${formatted(problem.discount)} · ${ahead} ${end}${planned}`;
 }
 
@@ -227,17 +227,17 @@ export function toldUpdate(game, { problem, options, actions, isPrediction, numb
  * @param {any} learner
  */
 export function inPython({ code, title }, { options, number, unit, isPrediction }) {
-  const { algorithm, discount, policy, seed } = options;
+  const { algorithm, discount, actions, policy, seed } = options;
   const count = Math.max(1, number);
-  const given = { discount, actions: options.stays ? '"all"' : '"moves"' };
+  const given = { discount, actions: `"${actions}"` };
   if (isPrediction) given.policy = `"${policy}"`;
   if (unit === "episode") Object.assign(given, { episodes: count, seed });
   else given.max_sweeps = count;
   if (unit === "episode" && !isPrediction) {
-    const { stepSize: step_size, epsilon, initial, span: n_steps, planning: planning_steps, exploring } = options;
+    const { step_size, epsilon, initial, n_steps, planning_steps, exploring_starts } = options;
     Object.assign(given, { step_size, epsilon, initial });
     if (algorithm === "sarsa") given.n_steps = n_steps;
-    else Object.assign(given, { planning_steps, exploring_starts: exploring ? "True" : "False" });
+    else Object.assign(given, { planning_steps, exploring_starts: exploring_starts ? "True" : "False" });
   }
   const lines = Object.entries(given).map(([name, value]) => `    ${name}=${value},\n`);
   return (

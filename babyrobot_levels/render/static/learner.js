@@ -10,18 +10,18 @@ const DENSE = 150; // Neighbours of a state.
 const ROUNDING = 1e-14; // The share of a value by which a sweep may still change it.
 const UNITS = { value_iteration: "sweep", policy_evaluation: "sweep", policy_iteration: "round" };
 
-/** What an algorithm is told; `planning` is for Q-learning, `span` for Sarsa: how many rewards a target has. */
+/** What an algorithm is told: the arguments in Python, by their names. */
 export const USUAL = {
   algorithm: "q_learning",
-  stays: false, // Whether staying is an action.
+  actions: "moves",
   discount: 1,
   policy: "random",
-  stepSize: 0.1,
+  step_size: 0.1,
   epsilon: 0.1,
   initial: 0,
-  planning: 0,
-  span: 1,
-  exploring: false,
+  planning_steps: 0,
+  n_steps: 1,
+  exploring_starts: false,
   seed: "0",
 };
 
@@ -39,10 +39,10 @@ function greedy(values) {
 
 /** A level to learn: what each action leads to, for a set of actions. */
 class Problem {
-  constructor(data, { stays, discount }) {
+  constructor(data, { actions, discount }) {
     this.data = data;
     this.discount = discount;
-    this.first = stays ? 0 : 1;
+    this.first = actions === "all" ? 0 : 1;
     const rows = data.rows.map((row) =>
       Array.from({ length: row.length / OUTCOME_LENGTH }, (_, at) => {
         const [chance, shift, reward, over, code, pose] = row.slice(OUTCOME_LENGTH * at);
@@ -369,7 +369,7 @@ export class Learner {
     this.memory = []; // The last step for each state and action, told by their places here.
     this.places = new Map();
     for (;;) {
-      this.way = [this.options.exploring ? drawn(this.random, reached) : drawn(this.world, data.starts)];
+      this.way = [this.options.exploring_starts ? drawn(this.random, reached) : drawn(this.world, data.starts)];
       this.total = 0;
       yield* episode.call(this, this.way[0]);
     }
@@ -396,8 +396,8 @@ export class Learner {
       const ahead = step.over ? 0 : this.actions[state][action];
       waiting.push(step);
       isLast = this.ends(step);
-      if (waiting.length < this.options.span && !isLast) yield { step };
-      for (; waiting.length >= (isLast ? 1 : this.options.span); waiting = waiting.slice(1)) {
+      if (waiting.length < this.options.n_steps && !isLast) yield { step };
+      for (; waiting.length >= (isLast ? 1 : this.options.n_steps); waiting = waiting.slice(1)) {
         const target = waiting.reduceRight((later, { reward }) => reward + this.problem.discount * later, ahead);
         const update = this.learn(waiting[0], target);
         if (isLast && waiting.length === 1) this.count(this.total);
@@ -444,7 +444,7 @@ export class Learner {
   learn({ state, action }, target) {
     const row = this.actions[state];
     const before = row[action];
-    row[action] += this.options.stepSize * (target - before);
+    row[action] += this.options.step_size * (target - before);
     this.values[state] = Math.max(...row);
     return { state, action, before, target, value: row[action] };
   }
@@ -457,11 +457,11 @@ export class Learner {
 
   /** Remember a step in the place of the last one like it, and learn from remembered ones. */
   plan(step) {
-    const { planning } = this.options;
+    const { planning_steps } = this.options;
     const key = 5 * step.state + step.action;
     if (!this.places.has(key)) this.places.set(key, this.memory.length);
     this.memory[this.places.get(key)] = step;
-    for (let time = 0; time < planning; time++)
+    for (let time = 0; time < planning_steps; time++)
       this.learnGreedily(this.memory[this.random.integer(this.memory.length)]);
   }
 }

@@ -138,7 +138,7 @@ def test_sliders_begin_again_or_change_what_runs(ground: Playground) -> None:
     page.locator("#learn details").click()
     python = page.locator("#learn-python")
     expect(python).to_contain_text("step_size=0.1,")
-    page.locator("[data-option=stepSize]").fill("0.5")
+    page.locator("[data-option=step_size]").fill("0.5")
     assert numbers(page).startswith("Episode 1")
     expect(python).to_contain_text("# Sliders were moved")
     page.locator("[data-option=discount]").fill("0.9")
