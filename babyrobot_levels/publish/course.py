@@ -17,7 +17,13 @@ from babyrobot_levels.library.packs.build import Course, read_course
 from babyrobot_levels.library.search_path import data_folder
 from babyrobot_levels.publish.gallery import gallery
 from babyrobot_levels.publish.packing import pack
-from babyrobot_levels.publish.schools import gradescope, scorm, write_zip
+from babyrobot_levels.publish.schools import (
+    GITHUB_CLASSROOM,
+    classroom50,
+    gradescope,
+    scorm,
+    write_zip,
+)
 from babyrobot_levels.publish.sheet import PAPERS, Sheet, sheet
 from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.text.emitter import emit
@@ -164,6 +170,8 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
     yield lambda: write_zip(teacher / "scorm.zip", scorm(given, title))
     if course.fields.functions:
         yield lambda: write_zip(teacher / "gradescope.zip", gradescope(course))
+        yield lambda: write_zip(teacher / "classroom50.zip", classroom50(course))
+        yield lambda: write_text(teacher / "github-classroom.yml", GITHUB_CLASSROOM)
 
 
 def _save(make: Callable[[], Sheet], path: Path) -> None:

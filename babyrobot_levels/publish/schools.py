@@ -25,27 +25,102 @@ wheels=(/autograder/source/*.whl)
 /autograder/venv/bin/pip install "${{wheels[@]}}"
 """
 
-_RUN = """\
-#!/autograder/venv/bin/python3
-import json
-from pathlib import Path
+GITHUB_CLASSROOM = f"""\
+# Put this into the repository of the assignment as .github/workflows/classroom.yml
+name: Autograding Tests
+on: [push, workflow_dispatch]
+permissions:
+  checks: write
+  actions: read
+  contents: read
+jobs:
+  run-autograding-tests:
+    runs-on: ubuntu-latest
+    if: github.actor != 'github-classroom[bot]'
+    steps:
+      - uses: actions/checkout@v4
+      - uses: actions/setup-python@v5
+        with:
+          python-version: "3.13"
+      - run: pip install {DISTRIBUTION}
+      - id: course
+        shell: python
+        run: |
+          import base64, json, os
+          import babyrobot_levels as brl
 
-import babyrobot_levels as brl
-
-if __name__ == "__main__":
-    found = brl.grade_functions("/autograder/source/course", "/autograder/submission")
-    results = Path("/autograder/results/results.json")
-    results.write_text(json.dumps(found.to_gradescope()))
+          if __name__ == "__main__":
+              found = brl.grade_functions(".")
+              print(found)
+              result = json.dumps(found.to_github_classroom()).encode()
+              with open(os.environ["GITHUB_OUTPUT"], "a") as output:
+                  print("result=" + base64.b64encode(result).decode(), file=output)
+      - uses: classroom-resources/autograding-grading-reporter@v1
+        env:
+          COURSE_RESULTS: ${{{{ steps.course.outputs.result }}}}
+        with:
+          runners: course
 """
+"""The workflow of an assignment of GitHub Classroom, which runs in a copy of the students' code."""
 
 
 def gradescope(course: Course) -> Mapping[str, bytes]:
     """Return the files of an autograder for Gradescope."""
-    files = {"setup.sh": _SETUP.encode(), "run_autograder": _RUN.encode()}
-    paths = [course.folder / PACK_FILE, *course.files.values()]
-    for path in sorted(paths):
-        files[f"course/{path.relative_to(course.folder).as_posix()}"] = path.read_bytes()
-    return files
+    script = _autograder(
+        "/autograder/submission",
+        "/autograder/results/results.json",
+        "to_gradescope",
+        python="/autograder/venv/bin/python3",
+        here='Path("/autograder/source")',
+    )
+    return {"setup.sh": _SETUP.encode(), "run_autograder": script, **_files_of(course)}
+
+
+def classroom50(course: Course) -> Mapping[str, bytes]:
+    """Return the files of an autograder for Classroom 50, for the folder of an assignment."""
+    script = _autograder(".", "result.json", "to_classroom50")
+    return {"autograder.py": script, **_files_of(course)}
+
+
+def _autograder(
+    code: str,
+    results: str,
+    method: str,
+    python: str = "/usr/bin/env python3",
+    here: str = "Path(__file__).parent",
+) -> bytes:
+    """Return a script that grades the files in the folder `code`."""
+    script = f"""\
+#!{python}
+import importlib.util
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+HERE = {here}
+
+if __name__ == "__main__":
+    if importlib.util.find_spec("babyrobot_levels") is None:
+        # A wheel that was put beside this file, else the release.
+        wheels = [*map(str, HERE.glob("*.whl"))] or ["{DISTRIBUTION}"]
+        subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", *wheels], check=True)
+        importlib.invalidate_caches()
+    import babyrobot_levels as brl
+
+    found = brl.grade_functions(HERE / "course", "{code}")
+    results = Path("{results}")
+    results.parent.mkdir(parents=True, exist_ok=True)
+    results.write_text(json.dumps(found.{method}()))
+"""
+    return script.encode()
+
+
+def _files_of(course: Course) -> Mapping[str, bytes]:
+    """Return what an autograder needs of a course, in the folder `course`."""
+    paths = sorted([course.folder / PACK_FILE, *course.files.values()])
+    names = [f"course/{path.relative_to(course.folder).as_posix()}" for path in paths]
+    return {name: path.read_bytes() for name, path in zip(names, paths, strict=True)}
 
 
 def write_zip(path: Path, files: Mapping[str, bytes]) -> None:

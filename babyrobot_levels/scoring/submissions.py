@@ -14,6 +14,7 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from importlib import import_module
 from itertools import groupby
 from multiprocessing import get_context
@@ -94,7 +95,7 @@ class Submission(Table[GradedFunction]):
         """Return what Gradescope's autograder reads from `results.json`."""
         tests = [
             {
-                "name": f"{each.function} in {each.level}",
+                "name": _name(each),
                 "status": "passed" if each.passed else "failed",
                 "score": round(each.points, 4),
                 "max_score": round(each.out_of, 4),
@@ -110,7 +111,7 @@ class Submission(Table[GradedFunction]):
         """Return what PrairieLearn's external grader reads from `results.json`."""
         tests = [
             {
-                "name": f"{each.function} in {each.level}",
+                "name": _name(each),
                 "points": round(each.points, 4),
                 "max_points": round(each.out_of, 4),
                 "output": "" if each.hidden else each.message,
@@ -118,6 +119,51 @@ class Submission(Table[GradedFunction]):
             for each in self
         ]
         return {"gradable": True, "score": self.points / self.out_of, "tests": tests}
+
+    def to_github_classroom(self) -> dict[str, Any]:
+        """Return what the reporter of GitHub Classroom reads, as JSON in base64."""
+        tests = [
+            {
+                "name": _name(each),
+                "status": "pass" if each.passed else "fail",
+                "message": "" if each.hidden else each.message,
+                "score": round(each.points, 4),
+                "line_no": 0,
+            }
+            for each in self
+        ]
+        status = "pass" if all(each.passed for each in self) else "fail"
+        return {"version": 1, "status": status, "max_score": self.out_of, "tests": tests}
+
+    def to_classroom50(self, told: Mapping[str, str] = os.environ) -> dict[str, Any]:
+        """Return what Classroom 50 reads from `result.json`.
+
+        Scores are whole numbers there: they are hundredths of points.
+
+        Args:
+            told: what its runner tells, by the names of environment variables.
+
+        Raises:
+            KeyError: something is not told.
+        """
+        tests = [
+            {
+                "test-name": _name(each),
+                "passed": each.passed,
+                "score": round(100 * each.points),
+                "max-score": round(100 * each.out_of),
+                "message": "" if each.hidden else each.message,
+            }
+            for each in self
+        ]
+        return {
+            "schema": "classroom50/result/v1",
+            **{key: told[name] for key, name in _CLASSROOM50.items()},
+            "datetime": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+            "score": sum(each["score"] for each in tests),
+            "max-score": sum(each["max-score"] for each in tests),
+            "tests": tests,
+        }
 
     def __str__(self) -> str:
         lines: list[str] = []
@@ -133,6 +179,23 @@ class Submission(Table[GradedFunction]):
                 total = f"{points:.4g}/{out_of:.4g}"
                 lines += [f"  {mark}  {levels:{width}}  {total:>9}  {found[0].message}"]
         return "\n".join([*lines, f"{self.points:.4g} of {self.out_of:.4g} points"])
+
+
+_CLASSROOM50 = {
+    "classroom": "CLASSROOM",
+    "assignment": "ASSIGNMENT",
+    "assignment_type": "ASSIGNMENT_TYPE",
+    "owner": "OWNER",
+    "submission": "SUBMISSION_TAG",
+    "commit": "COMMIT_URL",
+    "release": "RELEASE_URL",
+    "review": "REVIEW_URL",
+}
+"""The fields of a result that the runner of Classroom 50 tells, and where."""
+
+
+def _name(graded: GradedFunction) -> str:
+    return f"{graded.function} in {graded.level}"
 
 
 def _total(found: Iterable[GradedFunction]) -> tuple[float, float]:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
+import jsonschema
 import pytest
+from support.classrooms import RESULT, TOLD
 from support.places import ROOT
+from yaml import safe_load
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.packs.archive import PackError
@@ -47,6 +52,8 @@ def test_what_is_built(built: Path) -> None:
         "site",
     }
     assert {path.name for path in teacher.iterdir()} == {
+        "classroom50.zip",
+        "github-classroom.yml",
         "gradescope.zip",
         "scorm.zip",
         "sheet-key-a4.pdf",
@@ -88,29 +95,73 @@ def test_the_code_of_students_grades_itself(built: Path) -> None:
     assert lines[1].split(None, 4) == ["wrong", "10", "levels", "0/27", "it is not written yet"]
 
 
+SOLUTION = ROOT / "tests" / "scoring" / "solutions" / "value_iteration.py"
+
+
+def run(script: Path, folder: Path, **more: str) -> None:
+    """Run an autograder in a folder."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **more}
+    subprocess.run([sys.executable, script], env=environment, cwd=folder, check=True)
+
+
+def unpacked(built: Path, name: str, folder: Path) -> dict[str, int]:
+    """Unpack an archive for teachers, and return the modes of its files."""
+    with zipfile.ZipFile(built / "built" / "teacher" / name) as archive:
+        archive.extractall(folder)
+        return {each.filename: each.external_attr >> 16 for each in archive.infolist()}
+
+
 def test_the_autograder_runs_as_gradescope_runs_it(built: Path, tmp_path: Path) -> None:
     """In its folders, with the same script, but under another root."""
     source = tmp_path / "source"
-    with zipfile.ZipFile(built / "built" / "teacher" / "gradescope.zip") as archive:
-        archive.extractall(source)
-        modes = {each.filename: each.external_attr >> 16 for each in archive.infolist()}
+    modes = unpacked(built, "gradescope.zip", source)
     assert modes["setup.sh"] == modes["run_autograder"] == 0o100755
     assert (source / "setup.sh").read_text("utf-8").startswith("#!/usr/bin/env bash\nset -e\n")
     (tmp_path / "submission").mkdir()
-    (tmp_path / "results").mkdir()
-    solution = ROOT / "tests" / "scoring" / "solutions" / "value_iteration.py"
-    (tmp_path / "submission" / "value_iteration.py").write_bytes(solution.read_bytes())
-    script = source / "run_autograder"
-    text = script.read_text("utf-8").replace("/autograder/", f"{tmp_path.as_posix()}/")
-    script.write_text(text, "utf-8")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    subprocess.run([sys.executable, script], env=environment, cwd=tmp_path, check=True)
+    (tmp_path / "submission" / "value_iteration.py").write_bytes(SOLUTION.read_bytes())
+    # It copies the script out of the folder.
+    text = (source / "run_autograder").read_text("utf-8")
+    script = tmp_path / "run_autograder"
+    script.write_text(text.replace("/autograder/", f"{tmp_path.as_posix()}/"), "utf-8")
+    run(script, tmp_path)
     results = json.loads((tmp_path / "results" / "results.json").read_text("utf-8"))
     names = {each["name"]: each for each in results["tests"]}
     assert names["value_iteration in vault"]["status"] == "passed"
     assert names["value_iteration in exam"]["visibility"] == "after_published"
     assert names["q_learning in ice"]["score"] == 0
     assert results["score"] == pytest.approx(32)
+
+
+def test_the_autograder_runs_as_classroom50_runs_it(built: Path, tmp_path: Path) -> None:
+    """From the folder of the student, with what the runner tells."""
+    unpacked(built, "classroom50.zip", tmp_path / "bundle")
+    student = tmp_path / "student"
+    student.mkdir()
+    (student / "value_iteration.py").write_bytes(SOLUTION.read_bytes())
+    run(tmp_path / "bundle" / "autograder.py", student, **TOLD)
+    result = json.loads((student / "result.json").read_text("utf-8"))
+    jsonschema.validate(result, RESULT)
+    assert (result["score"], result["max-score"]) == (3200, 10000)
+
+
+def test_the_workflow_of_github_classroom_grades_the_code_of_students(
+    built: Path, tmp_path: Path
+) -> None:
+    workflow = safe_load((built / "built" / "teacher" / "github-classroom.yml").read_text("utf-8"))
+    # The reporter finds the job by its name, and the results by that of the runner.
+    steps = workflow["jobs"]["run-autograding-tests"]["steps"]
+    assert steps[-1]["env"] == {"COURSE_RESULTS": "${{ steps.course.outputs.result }}"}
+    (step,) = (step for step in steps if step.get("id") == "course" == steps[-1]["with"]["runners"])
+    script, output = tmp_path / "script.py", tmp_path / "output"
+    script.write_text(step["run"], "utf-8")
+    student = shutil.copytree(built / "built" / "students" / "code", tmp_path / "student")
+    (student / "value_iteration.py").write_bytes(SOLUTION.read_bytes())
+    run(script, student, GITHUB_OUTPUT=str(output))
+    name, _, data = output.read_text("utf-8").partition("=")
+    results = json.loads(base64.b64decode(data))
+    assert (name, results["status"], results["max_score"]) == ("result", "fail", 90)
+    # Students have no hidden levels.
+    assert sum(each["score"] for each in results["tests"]) == pytest.approx(27)
 
 
 def test_what_is_built_again_replaces_what_was_built(built: Path, tmp_path: Path) -> None:

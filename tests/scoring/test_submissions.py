@@ -6,7 +6,9 @@ import json
 import shutil
 from pathlib import Path
 
+import jsonschema
 import pytest
+from support.classrooms import RESULT, TOLD
 from support.places import ROOT
 
 import babyrobot_levels as brl
@@ -125,8 +127,28 @@ def test_results_for_other_systems(small: Path) -> None:
     learn = found.to_prairielearn()
     assert learn["score"] == pytest.approx(0.8)
     assert [each["output"] == "" for each in learn["tests"]] == [False, True, False]
+    classroom = json.loads(json.dumps(found.to_github_classroom()))
+    assert (classroom["version"], classroom["status"], classroom["max_score"]) == (1, "fail", 10)
+    assert [each["status"] for each in classroom["tests"]] == ["pass", "pass", "fail"]
+    assert [each["score"] for each in classroom["tests"]] == [2, 6, 0]
+    assert [each["message"] == "" for each in classroom["tests"]] == [False, True, False]
     assert json.loads(found.to_json())["out_of"] == 10
     assert found.to_csv().splitlines()[0].startswith("function,level,hidden,passed,points")
+
+
+def test_scores_of_classroom50_are_whole_numbers(small: Path) -> None:
+    thirds = PACK.replace("points: 4", "points: 5").replace("points: 6", "points: 0.3")
+    (small / "pack.yaml").write_text(thirds, "utf-8")
+    shutil.copy(SOLUTIONS / "value_iteration.py", small)
+    found = brl.grade_functions(small)
+    result = json.loads(json.dumps(found.to_classroom50(TOLD)))
+    jsonschema.validate(result, RESULT)
+    assert (result["owner"], result["submission"]) == ("ada", TOLD["SUBMISSION_TAG"])
+    scores = [(each["passed"], each["score"], each["max-score"]) for each in result["tests"]]
+    assert scores == [(True, 250, 250), (True, 30, 30), (False, 0, 250)]
+    assert (result["score"], result["max-score"]) == (280, 530)
+    with pytest.raises(KeyError, match="OWNER"):
+        found.to_classroom50({name: TOLD[name] for name in TOLD if name != "OWNER"})
 
 
 def test_what_is_no_course(small: Path, tmp_path: Path) -> None:
