@@ -81,3 +81,123 @@ test("a run is a program in Python", () => {
     /brl\.sarsa\(\n {4}level,\n {4}discount=0\.9,\n(.*\n)* {4}n_steps=4,\n\)/,
   );
 });
+
+// -- a level that changes --------------------------------------------------------------------------
+
+const EAST = 1; // Of the moves.
+
+/** The corridor with one more cell, before its exit. */
+const LONGER = corridor({
+  width: 4,
+  table: [0, 3, 1, 3, 3, 0, 3, 1, 3, 2, 0, 3, 4, 3, 2, -1, -1, -1, -1, -1],
+  possible: [0b00101, 0b10101, 0b10101, 0],
+  policy: null,
+});
+
+/** That one with a wall in the east of its first cell. */
+const WALLED = { ...LONGER, table: LONGER.table.with(2, 3).with(9, 3) };
+
+/** Learn some episodes or sweeps of a level. */
+function learned(data, count, options = {}) {
+  const learner = new Learner(data, { discount: 0.9, ...options });
+  while (learner.number < count && learner.finish() !== null);
+  return learner;
+}
+
+test("what was learned is kept for states that are still there", () => {
+  const learner = learned(corridor(), 50, { initial: 3 });
+  const before = structuredClone(learner.actions);
+  const values = [...learner.values];
+  learner.follow(LONGER);
+  assert.deepEqual(learner.actions.slice(0, 2), before.slice(0, 2));
+  assert.deepEqual([...learner.values], [values[0], values[1], 3, 0]);
+  while (learner.number < 100) learner.finish();
+  assert.notEqual(learner.values[2], 3);
+  learner.follow(corridor());
+  assert.equal(learner.values[2], 0);
+  learner.follow(LONGER);
+  assert.deepEqual(learner.actions[2], [3, 3, 3, 3]);
+});
+
+test("states are the same with the same things", () => {
+  const take = [1, 4, -1, 0, 1, 0]; // To the next cell, and the other configuration.
+  const rows = [...corridor().rows, take, [1, -2, -1, 0, 1, 0]];
+  const [bumps, ends] = [Array(5).fill(3), Array(5).fill(-1)];
+  const [begin, beyond] = [
+    [0, 3, 5, 3, 3],
+    [0, 3, 4, 3, 2],
+  ];
+  const thing = (values) => [{ kind: "item", name: "key", values, cells: [[1], []] }];
+  const [nothing, key] = [
+    [begin, bumps, ends],
+    [bumps, beyond, ends],
+  ];
+  const last = [[0, 3, 6, 3, 3], bumps, ends];
+  const first = corridor({
+    rows,
+    things: thing([0, 1]),
+    table: [...nothing, ...key].flat(),
+    possible: Array(6).fill(30),
+  });
+  const other = { ...first, things: thing([1, 0]), table: [...key, ...last].flat(), starts: [3] };
+  const learner = learned({ ...first, policy: null }, 20);
+  const [start, held] = [learner.values[0], learner.values[4]];
+  assert.ok(held > 0);
+  learner.follow({ ...other, policy: null });
+  assert.deepEqual([learner.values[3], learner.values[1]], [start, held]);
+});
+
+test("the model of Dyna is as the level was until it is tried again", () => {
+  for (const [name, changed] of [
+    ["a wall", WALLED],
+    ["no cell", corridor({ width: 1, starts: [0], exits: [], table: [0, 3, 3, 3, 3], possible: [1], policy: null })],
+  ]) {
+    const learner = learned(LONGER, 300, { planning_steps: 20 });
+    const before = learner.actions[0][EAST];
+    learner.follow(changed);
+    learner.options.planning_steps = 500;
+    learner.way = [0];
+    learner.plan(learner.act(0, 0));
+    assert.ok(learner.actions[0][EAST] >= before - 1e-3, `${name} is not known yet`);
+    learner.plan(learner.act(0, EAST));
+    assert.ok(learner.actions[0][EAST] < before - 0.5, `${name} is known`);
+  }
+});
+
+test("an episode goes on where the robot is, if it can be there", () => {
+  const learner = new Learner(LONGER, {});
+  while (learner.way.at(-1) !== 1) learner.step();
+  const { length } = learner.way;
+  learner.follow(WALLED);
+  assert.equal(learner.step().step.state, 1);
+  assert.equal(learner.way.length, length + 1);
+  learner.follow(corridor({ width: 1, starts: [0], exits: [], table: [0, 3, 3, 3, 3], possible: [1], policy: null }));
+  assert.equal(learner.step().step.state, 0);
+  assert.equal(learner.way.length, 2);
+});
+
+for (const algorithm of ["value_iteration", "policy_evaluation", "policy_iteration"]) {
+  test(`${algorithm} goes on to the values of the level that has changed`, () => {
+    const learner = learned(corridor(), Infinity, { algorithm });
+    const [before, { number }] = [learner.values[0], learner];
+    for (const changed of [LONGER, WALLED, corridor()]) {
+      learner.follow(changed);
+      while (learner.finish() !== null);
+      assert.ok(learner.error() < 1e-9);
+    }
+    assert.ok(learner.number > number);
+    assert.ok(Math.abs(learner.values[0] - before) < 1e-9);
+  });
+}
+
+for (const algorithm of ["monte_carlo", "sarsa"]) {
+  test(`${algorithm} goes on in the middle of an episode`, () => {
+    const learner = learned(corridor(), 20, { algorithm, n_steps: 3 });
+    learner.step();
+    const before = learner.values[0];
+    learner.follow(LONGER);
+    assert.equal(learner.values[0], before);
+    while (learner.number < 40) learner.finish();
+    assert.notEqual(learner.values[2], 0);
+  });
+}

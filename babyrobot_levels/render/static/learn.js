@@ -1,6 +1,5 @@
 // Learn: an algorithm at work, in the picture of the player and in a panel of its own.
 
-import { byId } from "./dom.js";
 import { capital, formatted } from "./game.js";
 import { chart, inPython, LearnedLayer, toldUpdate } from "./learned.js";
 import { Learner, USUAL } from "./learner.js";
@@ -22,16 +21,21 @@ const OTHER_KEYS = "vbe0+=-"; // They do what they do otherwise.
 
 /** The mode of a page in which it learns. */
 export class Learning {
-  /** @param {(configuration: number) => void} showSets Tells for what is held the picture shows values. */
-  constructor(showSets) {
+  /**
+   * @param {(configuration: number) => void} showSets Tells for what is held the picture shows values.
+   * @param {Document | ShadowRoot} root What has the panel.
+   */
+  constructor(showSets, root = document) {
     this.showSets = showSets;
+    /** @type {(id: string) => any} */
+    this.find = (id) => root.getElementById(id);
     /** @type {any} */
     this.layer = null;
     /** @type {any} */
     this.game = this.picture = this.trail = null; // Of the level at hand.
     this.options = { ...USUAL };
-    this.panel = byId("learn");
-    this.python = byId("learn-python");
+    this.panel = this.find("learn");
+    this.python = this.find("learn-python");
     this.details = this.python.parentElement;
     this.commands = {
       run: () => this.run(!this.isRunning),
@@ -61,7 +65,7 @@ export class Learning {
     Object.assign(this, { game, picture, trail });
     const { data } = game;
     Object.assign(this.options, { discount: data.discount ?? 1, exploring_starts: false });
-    byId("learn-on").hidden = data.rows === undefined || !(data.learn ?? data.policy !== null);
+    this.find("learn-on").hidden = data.rows === undefined || !(data.learn ?? data.policy !== null);
   }
 
   /** Begin to learn in place of the game, if the level is small enough. */
@@ -76,7 +80,7 @@ export class Learning {
     this.marks = picture.marks;
     picture.marks = this.layer;
     this.put(true);
-    this.begin(byId("seed").value);
+    this.begin(this.find("seed").value);
     picture.showAnswers();
   }
 
@@ -96,17 +100,17 @@ export class Learning {
     this.panel.hidden = !isOn;
     this.panel.closest(".player").classList.toggle("learning", isOn);
     for (const name of ["values", "policy"]) {
-      const button = byId(`show-${name}`);
-      button.setAttribute("aria-pressed", !byId(name).classList.contains("hidden"));
+      const button = this.find(`show-${name}`);
+      button.setAttribute("aria-pressed", !this.find(name).classList.contains("hidden"));
       if (isOn) button.hidden = false;
     }
-    if (isOn) byId("policy-name").textContent = "Greedy actions";
+    if (isOn) this.find("policy-name").textContent = "Greedy actions";
   }
 
   /** Forget what was learned, and begin again. */
   begin(seed = this.options.seed) {
     this.run(false);
-    this.options.seed = byId("seed").value = seed;
+    this.options.seed = this.find("seed").value = seed;
     this.learner = new Learner(this.game.data, this.options);
     this.isMixed = false;
     this.showOptions();
@@ -131,21 +135,21 @@ export class Learning {
     if (this.isRunning === wanted) return;
     this.isRunning = wanted;
     cancelAnimationFrame(this.frame);
-    byId("learn-run").setAttribute("aria-pressed", wanted);
-    byId("learn-run").firstElementChild.textContent = wanted ? "Stop" : "Run";
+    this.find("learn-run").setAttribute("aria-pressed", wanted);
+    this.find("learn-run").firstElementChild.textContent = wanted ? "Stop" : "Run";
     if (wanted) {
       this.due = 1;
       this.last = this.charted = performance.now();
       this.frame = requestAnimationFrame((now) => this.tick(now));
     } else if (this.isOn && this.learner) {
       this.showAll();
-      byId("spoken").textContent = byId("learn-numbers").textContent;
+      this.find("spoken").textContent = this.find("learn-numbers").textContent;
     }
   }
 
   /** Learn for a frame. */
   tick(now) {
-    const [, rate] = SPEEDS[byId("learn-speed").value];
+    const [, rate] = SPEEDS[this.find("learn-speed").value];
     const { learner } = this;
     const { number } = learner;
     const end = performance.now() + FRAME;
@@ -167,7 +171,7 @@ export class Learning {
     }
     if (update) {
       this.show(update, rate === SPEEDS[0][1]);
-      byId("message").textContent = toldUpdate(this.game, learner, update);
+      this.find("message").textContent = toldUpdate(this.game, learner, update);
       this.showNumbers();
       if (now - this.charted > CHARTS) this.showCharts(now);
     }
@@ -213,7 +217,7 @@ export class Learning {
       starts.reduce((sum, state) => sum + values[state] / starts.length, 0),
     );
     this.goal = exact;
-    byId("learn-numbers").textContent =
+    this.find("learn-numbers").textContent =
       `${capital(learner.unit)} ${learner.number} · value at the start ${formatted(value)}, exact ${formatted(exact)}`;
     if (!this.details.open) return;
     const warning = this.isMixed ? "# Sliders were moved while this ran: Python's numbers differ.\n" : "";
@@ -223,7 +227,7 @@ export class Learning {
   showCharts(now = performance.now()) {
     this.charted = now;
     const { unit, returns, errors } = this.learner;
-    byId("learn-charts").replaceChildren(
+    this.find("learn-charts").replaceChildren(
       ...(returns.length > 0 ? [chart("Return", returns, unit, this.goal)] : []),
       chart("Error of the values", errors, unit),
     );
@@ -241,9 +245,9 @@ export class Learning {
       label.hidden = !label.dataset.for.split(" ").includes(this.options.algorithm);
     }
     if (this.game.data.things) this.panel.querySelector('[data-option="exploring_starts"]').parentElement.hidden = true;
-    byId("learn-unit").textContent = capital(this.learner.unit);
-    byId("learn-step").textContent = this.learner.unit === "sweep" ? "State" : "Step";
-    this.showOutput(byId("learn-speed"));
+    this.find("learn-unit").textContent = capital(this.learner.unit);
+    this.find("learn-step").textContent = this.learner.unit === "sweep" ? "State" : "Step";
+    this.showOutput(this.find("learn-speed"));
   }
 
   showOutput(field, value = Number(field.value)) {
@@ -270,7 +274,7 @@ export class Learning {
   }
 
   faster() {
-    const speed = byId("learn-speed");
+    const speed = this.find("learn-speed");
     speed.value = (Number(speed.value) + 1) % SPEEDS.length;
     this.showOutput(speed);
     this.run(true);
@@ -289,7 +293,7 @@ export class Learning {
 
   /** Tell something, also to screen readers. */
   say(text) {
-    Object.assign(byId("message"), { textContent: text }).dataset.kind = "";
-    byId("spoken").textContent = text.replace("←", "becomes");
+    Object.assign(this.find("message"), { textContent: text }).dataset.kind = "";
+    this.find("spoken").textContent = text.replace("←", "becomes");
   }
 }

@@ -1,6 +1,7 @@
 // Learning, update by update: the algorithms of `babyrobot_levels.analysis.learning`, with the same numbers.
 
 import { OUTCOME_LENGTH } from "./checks.js";
+import { COMMON } from "./common.js";
 import { Generator } from "./random.js";
 
 const LONGEST = 10000; // Steps of an episode without another limit, and rounds and sweeps that are not seen.
@@ -217,6 +218,27 @@ class Problem {
   }
 }
 
+/** Return the states that are in both of two problems, by cell and by what is held, on, or moved: numbers by numbers. */
+function commonStates(before, after) {
+  const [old, now] = [before, after].map(({ reached, data: { width, height, starts, things = [] } }) => {
+    const cells = width * height;
+    const own = things.filter(({ kind }) => kind in COMMON.needed || kind === "mover");
+    const first = Math.floor(starts[0] / cells);
+    return new Map(
+      reached.map((state) => {
+        const [at, cell] = [Math.floor(state / cells), state % cells];
+        const changed = own.filter(({ values }) => values[at] !== values[first]);
+        const told = changed.map(({ kind, name, values }) => [kind, name, values[at]]);
+        return [JSON.stringify([cell % width, Math.floor(cell / width), told]), state];
+      }),
+    );
+  });
+  return new Map([...old].filter(([key]) => now.has(key)).map(([key, state]) => [state, now.get(key)]));
+}
+
+/** Return the number of a state and an action. */
+const slotOf = ({ state, action }) => 5 * state + action;
+
 /** One run of an algorithm on a level. */
 export class Learner {
   /**
@@ -225,15 +247,25 @@ export class Learner {
    */
   constructor(data, options) {
     this.options = { ...USUAL, ...options };
-    const { algorithm, initial, policy } = this.options;
-    this.problem = new Problem(data, this.options);
+    const { algorithm } = this.options;
     this.unit = UNITS[algorithm] ?? "episode";
     this.isPrediction = algorithm === "policy_evaluation" || algorithm === "monte_carlo";
-    this.most = data.max_steps ?? LONGEST;
     this.number = 0; // Of sweeps, rounds or episodes.
     this.returns = [];
     this.way = []; // The states of the episode at hand.
+    this.memory = []; // The last step for each state and action, told by their places here.
+    this.places = new Map();
+    this.begin(data);
+    this.errors = [this.error()];
+  }
+
+  /** Begin in a level without any knowledge. */
+  begin(data) {
+    const { algorithm, initial, policy } = this.options;
+    this.problem = new Problem(data, this.options);
+    this.most = data.max_steps ?? LONGEST;
     this.values = new Float64Array(this.problem.size);
+    this.visits = new Float64Array(this.problem.size); // Of Monte Carlo: how many returns a value is the mean of.
     /** What is known of each action: its probability in a policy, or its value. */
     this.actions = this.isPrediction ? this.problem.policy(policy) : null;
     this.exact = this.isPrediction ? this.problem.valuesOf(this.actions) : this.problem.optimum();
@@ -241,8 +273,33 @@ export class Learner {
       this.actions = this.problem.rows.map((row) => row.map(() => initial));
       this.values = this.values.map((_, state) => (this.problem.rows[state] ? initial : 0));
     }
-    this.errors = [this.error()];
     this.updates = this[algorithm]();
+  }
+
+  /**
+   * Go on in the level after a change, with what was learned of the states that both have. What is remembered of
+   * their actions stays as it was until they are tried again.
+   *
+   * @param {LevelData} data
+   */
+  follow(data) {
+    const { problem, values, visits, actions, isPrediction } = this;
+    this.begin(data);
+    const kept = commonStates(problem, this.problem);
+    if (actions !== null && !isPrediction) this.actions ??= this.problem.firstPolicy();
+    for (const [before, state] of kept) {
+      this.values[state] = values[before];
+      this.visits[state] = visits[before];
+      if (this.actions !== null && !isPrediction) this.actions[state] = actions[before];
+    }
+    this.memory = this.memory.flatMap((step) => {
+      const [state, next] = [kept.get(step.state), kept.get(step.next)];
+      const ahead = step.ahead ?? (next === undefined ? values[step.next] : undefined);
+      return state === undefined ? [] : [{ ...step, state, next, ahead }];
+    });
+    this.places = new Map(this.memory.map((step, place) => [slotOf(step), place]));
+    const here = this.isOver ? undefined : kept.get(this.way.at(-1));
+    this.way = here === undefined ? [] : this.way.map((state) => kept.get(state) ?? here);
   }
 
   /** Learn from one more state, step or round, and return what happened; null after the end. */
@@ -306,7 +363,7 @@ export class Learner {
   }
 
   *policy_iteration() {
-    this.actions = this.problem.firstPolicy();
+    this.actions ??= this.problem.firstPolicy();
     for (let changed = 1; changed > 0 && this.number < LONGEST; ) {
       this.values = this.problem.valuesOf(this.actions);
       changed = this.problem.improve(this.actions, this.values);
@@ -316,16 +373,15 @@ export class Learner {
   }
 
   *monte_carlo() {
-    const { problem, values } = this;
-    const random = new Generator(this.options.seed);
+    const { problem, values, visits } = this;
+    this.random ??= new Generator(this.options.seed);
     const draw = (chances) => {
       const sums = [];
       for (const chance of chances) sums.push((sums.at(-1) ?? 0) + chance);
-      const drawn = random.random();
+      const drawn = this.random.random();
       return sums.findIndex((part) => part / sums.at(-1) > drawn);
     };
     const { starts } = problem.data;
-    const visits = new Float64Array(problem.size);
     for (;;) {
       const steps = [];
       this.way = [starts[draw(starts.map(() => 1 / starts.length))]];
@@ -363,15 +419,17 @@ export class Learner {
   *episodes(episode) {
     const { reached, data } = this.problem;
     const drawn = (random, states) => states[random.integer(states.length)];
-    this.random = new Generator(this.options.seed);
-    this.world = new Generator(this.random.integer(2 ** 31));
-    drawn(this.world, data.starts); // The environment is reset for its seed, and then for each episode.
-    this.memory = []; // The last step for each state and action, told by their places here.
-    this.places = new Map();
-    for (;;) {
-      this.way = [this.options.exploring_starts ? drawn(this.random, reached) : drawn(this.world, data.starts)];
-      this.total = 0;
-      yield* episode.call(this, this.way[0]);
+    if (this.random === undefined) {
+      this.random = new Generator(this.options.seed);
+      this.world = new Generator(this.random.integer(2 ** 31));
+      drawn(this.world, data.starts); // The environment is reset for its seed, and then for each episode.
+    }
+    for (; ; this.way = []) {
+      if (this.way.length === 0) {
+        this.way = [this.options.exploring_starts ? drawn(this.random, reached) : drawn(this.world, data.starts)];
+        this.total = 0;
+      }
+      yield* episode.call(this, this.way.at(-1));
     }
   }
 
@@ -437,7 +495,8 @@ export class Learner {
   ends({ reward, over }) {
     const steps = this.way.length - 1;
     this.total += this.problem.discount ** (steps - 1) * reward;
-    return over === 1 || steps === this.most;
+    this.isOver = over === 1 || steps >= this.most;
+    return this.isOver;
   }
 
   /** Move the value of a step's action towards a target. */
@@ -451,14 +510,14 @@ export class Learner {
 
   /** Learn from a step as if the best action followed. */
   learnGreedily(step) {
-    const ahead = step.over ? 0 : this.values[step.next];
+    const ahead = step.over ? 0 : (step.ahead ?? this.values[step.next]);
     return { ...this.learn(step, step.reward + this.problem.discount * ahead), ahead, rewards: 1 };
   }
 
   /** Remember a step in the place of the last one like it, and learn from remembered ones. */
   plan(step) {
     const { planning_steps } = this.options;
-    const key = 5 * step.state + step.action;
+    const key = slotOf(step);
     if (!this.places.has(key)) this.places.set(key, this.memory.length);
     this.memory[this.places.get(key)] = step;
     for (let time = 0; time < planning_steps; time++)
