@@ -21,6 +21,7 @@ from babyrobot_levels.publish.schools import (
     GITHUB_CLASSROOM,
     classroom50,
     gradescope,
+    prairielearn,
     scorm,
     write_zip,
 )
@@ -171,6 +172,7 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
     if course.fields.functions:
         yield lambda: write_zip(teacher / "gradescope.zip", gradescope(course))
         yield lambda: write_zip(teacher / "classroom50.zip", classroom50(course))
+        yield lambda: write_zip(teacher / "prairielearn.zip", prairielearn(course, title))
         yield lambda: write_text(teacher / "github-classroom.yml", GITHUB_CLASSROOM)
 
 

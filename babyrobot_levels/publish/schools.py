@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import zipfile
 from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
+from uuid import NAMESPACE_URL, uuid5
 from xml.etree import ElementTree
 
 from babyrobot_levels.library.level import Level
@@ -80,6 +83,42 @@ def classroom50(course: Course) -> Mapping[str, bytes]:
     """Return the files of an autograder for Classroom 50, for the folder of an assignment."""
     script = _autograder(".", "result.json", "to_classroom50")
     return {"autograder.py": script, **_files_of(course)}
+
+
+def prairielearn(course: Course, title: str) -> Mapping[str, bytes]:
+    """Return the files of a question for PrairieLearn, with its external grader."""
+    info = {
+        "uuid": str(uuid5(NAMESPACE_URL, course.fields.name)),
+        "title": title,
+        "topic": "Markov decision processes",
+        "type": "v3",
+        "singleVariant": True,
+        "gradingMethod": "External",
+        "externalGradingOptions": {
+            "image": "python:3.13-slim",
+            "entrypoint": "/grade/tests/grade.py",
+            "timeout": 600,
+            "enableNetworking": True,
+        },
+    }
+    page = f"""\
+<pl-question-panel>
+  <p>Hand in your files of the course “{escape(title)}”.</p>
+  <pl-file-upload file-names="{",".join(f"{name}.py" for name in course.fields.functions)}">
+  </pl-file-upload>
+</pl-question-panel>
+<pl-submission-panel>
+  <pl-external-grader-results></pl-external-grader-results>
+  <pl-file-preview></pl-file-preview>
+</pl-submission-panel>
+"""
+    script = _autograder("/grade/student", "/grade/results/results.json", "to_prairielearn")
+    tests = {"grade.py": script, **_files_of(course)}
+    return {
+        "info.json": json.dumps(info, indent=2).encode(),
+        "question.html": page.encode(),
+        **{f"tests/{name}": data for name, data in tests.items()},
+    }
 
 
 def _autograder(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from support.classrooms import RESULT, TOLD
+from support.classrooms import QUESTION, RESULT, TOLD
 from support.places import ROOT
 from yaml import safe_load
 
@@ -55,6 +55,7 @@ def test_what_is_built(built: Path) -> None:
         "classroom50.zip",
         "github-classroom.yml",
         "gradescope.zip",
+        "prairielearn.zip",
         "scorm.zip",
         "sheet-key-a4.pdf",
         "sheet-key-letter.pdf",
@@ -142,6 +143,26 @@ def test_the_autograder_runs_as_classroom50_runs_it(built: Path, tmp_path: Path)
     result = json.loads((student / "result.json").read_text("utf-8"))
     jsonschema.validate(result, RESULT)
     assert (result["score"], result["max-score"]) == (3200, 10000)
+
+
+def test_the_question_runs_as_prairielearn_runs_it(built: Path, tmp_path: Path) -> None:
+    """In its folders, but under another root; and `info.json` has the fields that it knows."""
+    unpacked(built, "prairielearn.zip", tmp_path)
+    info = json.loads((tmp_path / "info.json").read_text("utf-8"))
+    jsonschema.validate(info, QUESTION)
+    page = (tmp_path / "question.html").read_text("utf-8")
+    assert 'file-names="value_iteration.py,policy_iteration.py,q_learning.py,' in page
+    (tmp_path / "student").mkdir()
+    (tmp_path / "student" / "value_iteration.py").write_bytes(SOLUTION.read_bytes())
+    script = tmp_path / Path(info["externalGradingOptions"]["entrypoint"]).relative_to("/grade")
+    assert script.read_bytes().startswith(b"#!/usr/bin/env python3\n")
+    text = script.read_text("utf-8").replace("/grade/", f"{tmp_path.as_posix()}/")
+    script.write_text(text, "utf-8")
+    run(script, tmp_path)
+    results = json.loads((tmp_path / "results" / "results.json").read_text("utf-8"))
+    assert results["gradable"]
+    assert results["score"] == pytest.approx(0.32)
+    assert results["tests"][0]["points"] == results["tests"][0]["max_points"] == 1
 
 
 def test_the_workflow_of_github_classroom_grades_the_code_of_students(

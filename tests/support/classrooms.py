@@ -46,3 +46,29 @@ RESULT: dict[str, Any] = {
         },
     },
 }
+
+# PrairieLearn: the fields of `info.json` that questions with an external grader need.
+QUESTION: dict[str, Any] = {
+    "type": "object",
+    "additionalProperties": False,
+    "required": ["uuid", "title", "topic", "type"],
+    "properties": {
+        "uuid": {"pattern": "^[0-9a-fA-F]{8}(-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}$"},
+        "title": {"type": "string"},
+        "topic": {"type": "string"},
+        "type": {"const": "v3"},
+        "singleVariant": {"type": "boolean"},
+        "gradingMethod": {"const": "External"},
+        "externalGradingOptions": {
+            "type": "object",
+            "additionalProperties": False,
+            "required": ["image"],
+            "properties": {
+                "image": {"type": "string"},
+                "entrypoint": {"type": "string"},
+                "timeout": {"type": "integer", "maximum": 600},
+                "enableNetworking": {"type": "boolean"},
+            },
+        },
+    },
+}
