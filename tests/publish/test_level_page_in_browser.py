@@ -103,6 +103,16 @@ def test_an_address_opens_a_tab_and_the_game_begins_when_it_is_seen(own: Page, s
     solve(own)
 
 
+def test_an_address_opens_what_is_learned(own: Page, site: Path) -> None:
+    show(own, site, "gridworld-3-5", "#learn=sarsa&seed=7")
+    assert chosen(own) == "Play"
+    for given in ("learn=sarsa&seed=7", "learn=value_iteration"):
+        own.evaluate("hash => { location.hash = hash }", given)
+        sweeps = own.get_by_role("button", name="Sweep")
+        expect(sweeps).to_have_count(int("iteration" in given))
+        assert own.evaluate("location.hash") == f"#{given}"
+
+
 def test_an_unknown_part_of_an_address_opens_the_first_tab(own: Page, site: Path) -> None:
     show(own, site, fragment="#nothing")
     assert chosen(own) == "Play"

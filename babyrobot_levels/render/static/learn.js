@@ -19,14 +19,19 @@ const LIVE = ["step_size", "epsilon", "planning_steps"]; // What may change whil
 const LEARN_KEYS = { " ": "run", arrowright: "step", arrowdown: "unit", r: "again", n: "luck", f: "faster" };
 const OTHER_KEYS = "vbe0+=-"; // They do what they do otherwise.
 
+/** Return the value of an option's field. */
+const chosenIn = (field) => ({ checkbox: field.checked, range: Number(field.value) })[field.type] ?? field.value;
+
 /** The mode of a page in which it learns. */
 export class Learning {
   /**
    * @param {(configuration: number) => void} showSets Tells for what is held the picture shows values.
    * @param {Document | ShadowRoot} root What has the panel.
+   * @param {(run: string) => boolean} keepRun Keeps what is learned as a link, if there is one.
    */
-  constructor(showSets, root = document) {
+  constructor(showSets, root = document, keepRun = () => false) {
     this.showSets = showSets;
+    this.keepRun = keepRun;
     /** @type {(id: string) => any} */
     this.find = (id) => root.getElementById(id);
     /** @type {any} */
@@ -44,7 +49,8 @@ export class Learning {
       again: () => this.begin(),
       luck: () => this.begin(String(BigInt(this.options.seed) + 1n)),
       faster: () => this.faster(),
-      copy: () => navigator.clipboard?.writeText(this.python.textContent).then(() => this.say("Copied.")),
+      copy: () => this.copy(this.python.textContent),
+      link: () => this.copy(location.href),
     };
     for (const button of this.panel.querySelectorAll("[data-learn]")) {
       button.addEventListener("click", () => this.commands[button.dataset.learn]());
@@ -64,8 +70,26 @@ export class Learning {
     this.leave();
     Object.assign(this, { game, picture, trail });
     const { data } = game;
-    Object.assign(this.options, { discount: data.discount ?? 1, exploring_starts: false });
+    this.usual = { ...USUAL, discount: data.discount ?? 1 };
+    Object.assign(this.options, { discount: this.usual.discount, exploring_starts: false });
     this.find("learn-on").hidden = data.rows === undefined || !(data.learn ?? data.policy !== null);
+  }
+
+  /** Take over what a link tells to learn, as far as it can be chosen here; return its seed, or null. */
+  follow(run) {
+    if (!run.has("learn") || this.find("learn-on").hidden) return null;
+    this.options = { ...this.usual };
+    run.set("algorithm", run.get("learn"));
+    for (const field of this.panel.querySelectorAll("[data-option]")) {
+      const text = run.get(field.dataset.option);
+      const given = field.type === "range" ? Number.parseFloat(text) : text;
+      if (given === null || (field.type === "range" && !Number.isFinite(given))) continue;
+      // The field refuses what it does not offer.
+      Object.assign(field, { value: given, checked: given === "true" });
+      if (field.selectedIndex !== -1) this.options[field.dataset.option] = chosenIn(field);
+    }
+    this.options.exploring_starts &&= !this.game.data.things;
+    return /^\d{1,40}$/.test(run.get("seed")) ? run.get("seed") : this.usual.seed;
   }
 
   /** Begin to learn in place of the game, if the level is small enough. */
@@ -118,7 +142,16 @@ export class Learning {
     this.layer.begin(this.learner);
     this.show(null);
     this.showAll();
+    this.keep();
     this.say(`Nothing is learned yet. The seed is ${seed}.`);
+  }
+
+  /** Have the address of the page lead here: to the algorithm, and to what differs from how one begins otherwise. */
+  keep() {
+    const { algorithm, ...given } = this.options;
+    const run = new URLSearchParams({ learn: algorithm });
+    for (const [name, value] of Object.entries(given)) if (value !== this.usual[name]) run.set(name, String(value));
+    this.find("learn-link").hidden = !this.keepRun(String(run));
   }
 
   /** Show and tell a single update; null after the end. */
@@ -264,9 +297,10 @@ export class Learning {
     const { option } = field.dataset;
     const isLive = LIVE.includes(option);
     if (option === undefined || !(isLive || isChosen)) return;
-    this.options[option] = { checkbox: field.checked, range: Number(field.value) }[field.type] ?? field.value;
+    this.options[option] = chosenIn(field);
     if (!isLive) this.begin();
-    else if (this.learner.options[option] !== this.options[option]) {
+    else if (isChosen) this.keep();
+    if (this.learner.options[option] !== this.options[option]) {
       this.learner.options[option] = this.options[option];
       this.isMixed = this.learner.way.length > 0;
       this.showNumbers();
@@ -289,6 +323,11 @@ export class Learning {
     event.preventDefault();
     if (!event.repeat || key.startsWith("arrow")) this.commands[command]();
     return true;
+  }
+
+  copy(text) {
+    const told = navigator.clipboard?.writeText(text).then(() => "Copied.") ?? Promise.reject();
+    told.catch(() => "This browser does not let the page copy.").then((words) => this.say(words));
   }
 
   /** Tell something, also to screen readers. */

@@ -1,5 +1,6 @@
 // Links: a level after the `#` of the page's address, as a share code and a play part.
 
+import { decoded } from "./address.js";
 import { checked, LinkError, NOT_A_LEVEL, need } from "./checks.js";
 import { COMMON } from "./common.js";
 import { checksum } from "./play.js";
@@ -12,7 +13,7 @@ import { checksum } from "./play.js";
  */
 export async function linkedLevel(fragment) {
   if (!/^#\s*brl[0-9]/i.test(fragment)) return null;
-  const [code, play] = decoded(fragment.slice(1)).replace(/\s/g, "").split("~");
+  const [code, play] = decoded(fragment.slice(1)).replace(/\s/g, "").split("&")[0].split("~");
   needVersion(/^brl([0-9]+)/i.exec(code)[1], COMMON.code_versions);
   if (play === undefined) {
     throw new LinkError(
@@ -48,15 +49,6 @@ export async function linkedLevel(fragment) {
   const level = checked(data);
   level.code ??= letters;
   return level;
-}
-
-/** @param {string} fragment */
-function decoded(fragment) {
-  try {
-    return decodeURIComponent(fragment);
-  } catch {
-    return fragment;
-  }
 }
 
 /**

@@ -1,5 +1,6 @@
 // The player: a level in the elements of `player.html`, and how it is controlled.
 
+import { keepRun, runOf } from "./address.js";
 import { byId, showStars } from "./dom.js";
 import { capital, formatted, Game, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
@@ -22,7 +23,7 @@ const legend = new Legend(view, byId("rules"), byId("cell"));
 const sets = new ShownSets(byId("sets"), (configuration) => picture.look(configuration));
 
 const views = new Views(showView, (cells) => legend.outline(cells));
-const learning = new Learning((configuration) => sets.stand(true, configuration));
+const learning = new Learning((configuration) => sets.stand(true, configuration), document, keepRun);
 
 let game = null;
 let picture = null;
@@ -57,6 +58,16 @@ export function showLevel(data) {
   showActions();
   showTrail();
   begin(seedAfter(data.seed, data.seed), goal ?? GOAL + game.things.needs(game.configuration));
+  learnAddressed();
+}
+
+/** Learn, if the address of the page tells what. */
+export function learnAddressed() {
+  const seed = learning.follow(runOf(location.hash));
+  if (seed === null) return;
+  learning.leave();
+  begin(seed);
+  learn();
 }
 
 /** Show the controls of the robot's actions, and what is known about them. */
@@ -300,7 +311,8 @@ function learn() {
   Object.assign(game, { isTurning: wasOn && (game.data.turns?.on ?? false), view: "optimum" });
   showActions();
   begin(game.seed);
-  if (!wasOn) learning.enter();
+  if (wasOn) keepRun("");
+  else learning.enter();
 }
 
 function byHand(action) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from typing import Any
+from urllib.parse import parse_qsl
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -14,7 +15,7 @@ from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.page import page_data
+from babyrobot_levels.render.page import link_fragment, page_data
 
 MOST_STATES = 400
 """Of the levels that are learned: with more, all tests together take minutes."""
@@ -176,6 +177,83 @@ def test_without_answers_a_page_learns_if_it_may(
         ground.press("ArrowDown")
         assert texts(ground.page)
         assert ground.page.locator("#signs").is_visible()
+
+
+def run_of(page: Page) -> dict[str, str]:
+    """Return what the address tells of the run, beside the level."""
+    fragment = page.evaluate("location.hash").lstrip("#")
+    return dict(parse_qsl(fragment[fragment.index("learn=") :]))
+
+
+@pytest.mark.parametrize("name", ["", "frozen-lake"])
+def test_the_address_is_a_link_to_the_run(name: str, ground: Playground) -> None:
+    """It keeps the level of the page's link, if there is one."""
+    page = learn(ground, "cliff-walking")
+    level = link_fragment(load(name), load(name), guide_of(load(name))) if name else ""
+    if name:
+        ground.follow(level)
+        ground.press("e")
+    before = page.evaluate("history.length")
+    assert page.evaluate("location.hash") == f"#{level}{'&' if name else ''}learn=q_learning"
+    page.select_option("[data-option=algorithm]", "sarsa")
+    page.locator("[data-option=step_size]").fill("0.25")
+    page.locator("[data-option=initial]").fill("-5")
+    page.locator("[data-option=n_steps]").fill("4")
+    page.locator("#stage").focus()
+    ground.press("n", "ArrowDown")
+    given = {"learn": "sarsa", "step_size": "0.25", "initial": "-5", "n_steps": "4", "seed": "1"}
+    assert run_of(page) == given
+    assert page.evaluate("history.length") == before
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Copy link").click()
+    expect(page.locator("#message")).to_have_text("Copied.")
+    link = page.evaluate("navigator.clipboard.readText()")
+    assert link == page.url
+    shown = texts(page)
+
+    ground.follow(link.partition("#")[2])
+    assert page.title() == ("Frozen Lake" if name else "Cliff Walking")
+    assert (run_of(page), set(texts(page))) == (given, {"-5"})
+    ground.press("ArrowDown")
+    assert texts(page) == shown
+    ground.press("e")
+    assert page.evaluate("location.hash") == (level and f"#{level}")
+
+
+@pytest.mark.parametrize(
+    ("fragment", "told"),
+    [
+        ("learn=", {"learn": "q_learning"}),
+        ("learn=<script>&policy=__proto__&actions=", {"learn": "q_learning"}),
+        (
+            "learn=sarsa&step_size=7&epsilon=-1",
+            {"learn": "sarsa", "step_size": "1", "epsilon": "0"},
+        ),
+        ("learn=sarsa&n_steps=1e9&seed=-1", {"learn": "sarsa", "n_steps": "16"}),
+        ("learn=sarsa&n_steps=NaN&discount=Infinity&initial=1e999", {"learn": "sarsa"}),
+        ("learn=sarsa&learn=%E0%A4%A&step_size=&seed=" + "9" * 41, {"learn": "sarsa"}),
+        ("learn=sarsa&exploring_starts=yes&toString=1", {"learn": "sarsa"}),
+        ("learn%3Dsarsa%26seed%3D8", {"learn": "sarsa", "seed": "8"}),
+    ],
+)
+def test_what_a_link_tells_wrongly_is_as_usual_or_within_bounds(
+    fragment: str, told: dict[str, str], ground: Playground
+) -> None:
+    learn(ground, "cliff-walking")
+    ground.follow(fragment)
+    assert run_of(ground.page) == told
+    ground.press("ArrowDown")
+    assert numbers(ground.page).startswith("Episode 1")
+
+
+def test_pages_that_do_not_learn_ignore_what_a_link_tells(ground: Playground) -> None:
+    ground.open(load("frozen-lake"))
+    ground.follow("learn=sarsa")
+    assert not ground.page.locator("#learn").is_visible()
+    assert not ground.page.locator("#notice").is_visible()
+    ground.open(load("first-key"), learn=True)
+    ground.follow("learn=q_learning&exploring_starts=true")
+    assert run_of(ground.page) == {"learn": "q_learning"}
 
 
 def test_larger_levels_say_so(ground: Playground) -> None:
