@@ -117,6 +117,7 @@ from .scoring.many import LevelValue as LevelValue
 from .scoring.many import evaluate_many as evaluate_many
 from .scoring.many import metrics_many as metrics_many
 from .scoring.many import solve_many as solve_many
+from .scoring.novelty import NoveltyArchive as NoveltyArchive
 from .scoring.plays import Play as Play
 from .scoring.plays import RecordPlay as RecordPlay
 from .scoring.plays import read_plays as read_plays

@@ -60,6 +60,9 @@ class LevelScore:
         high: the upper end.
         invalid: of an agent that reads and writes, how many replies of an episode were invalid, on
             average; else 0.
+        advantage: if asked for, the mean of the advantages Q(s, a) - V(s) of the agent's steps,
+            those below 0 counted as 0, with its own exact action values and values.
+        cvar: if asked for, the mean of its returns in the worst share of episodes.
     """
 
     __module__ = "babyrobot_levels"
@@ -79,6 +82,17 @@ class LevelScore:
     low: float
     high: float
     invalid: float = 0.0
+    advantage: float | None = None
+    cvar: float | None = None
+
+    @property
+    def learnability(self) -> float:
+        """`success * (1 - success)`: the variance of success, highest where it is a coin toss.
+
+        After A. Rutherford et al.: No Regrets: Investigating and Improving Regret Approximations
+        for Curriculum Discovery (2024).
+        """
+        return self.success * (1.0 - self.success)
 
     @property
     def regret_interval(self) -> tuple[float, float]:

@@ -6,12 +6,14 @@ import math
 import os
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from babyrobot_levels.analysis.guides import BEST
+from babyrobot_levels.analysis.solver.advantage import expected_positive_advantage
+from babyrobot_levels.analysis.solver.distribution import distribution_of
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
 from babyrobot_levels.analysis.solver.optimum import solve
@@ -62,6 +64,8 @@ def score(
     sight: str | None = None,
     chat: bool = False,
     record: str | os.PathLike[str] | None = None,
+    advantage: bool = False,
+    cvar: float | None = None,
     **options: Any,
 ) -> Scores:
     """Return the scores of an agent: its expected return in each level, beside the best one.
@@ -103,6 +107,10 @@ def score(
         sight: what an agent sees that reads and writes: `"map"`, `"view"` or `"words"`.
         chat: whether it gets all messages so far, instead of the rules and what is seen now.
         record: a file to which its episodes are appended as plays, such as `model.brlplay`.
+        advantage: whether to find the mean positive advantage, of an agent without memory.
+        cvar: the share of the worst episodes, such as 0.1, of which to find the mean return, of an
+            agent without memory; exact where `brl.return_distribution` is, else that of 10,000
+            simulated episodes; this can take a second for each level.
         options: the other options of the observation.
 
     Raises:
@@ -144,21 +152,29 @@ def score(
         episodes = 10 if episodes is None else episodes
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, not {episodes}")
+    if (advantage or cvar is not None) and (sight is not None or isinstance(taken, Player)):
+        raise ValueError("advantage and cvar are for agents without memory, which are tables")
+    if cvar is not None and not 0 < cvar <= 1:
+        raise ValueError(f"cvar must be above 0 and at most 1, not {cvar!r}")
     best = _best(problems)
     chance = _worth(
         problems, [weights_by_step("random", each.space, each.limit) for each in problems]
     )
     played: list[Played] = []
+    policies: list[ByStep] = []
     if sight is not None:
         worth, played = _conversed(taken, problems, episodes, seed, sight, chat, record)
     elif isinstance(taken, Player):
         worth, played = _played(taken, problems, chosen, extent, actions, episodes, seed)
     else:
-        worth = _worth(problems, [_policy(taken, problem, chosen, extent) for problem in problems])
+        policies = [_policy(taken, problem, chosen, extent) for problem in problems]
+        worth = _worth(problems, policies)
     rows = [
         _row(problem, worth, chance, best, played[number] if played else None, number)
         for number, problem in enumerate(problems)
     ]
+    for number, policy in enumerate(policies):
+        rows[number] = _with_more(rows[number], problems[number], policy, advantage, cvar)
     scores = Scores(rows, played)
     if scores.notice is not None and sight is None:
         warnings.warn(scores.notice, stacklevel=3)
@@ -232,6 +248,21 @@ def _worth(problems: Sequence[_Problem], policies: Sequence[ByStep]) -> Worth:
             alone = evaluate_within(each.space, policy, each.discount, each.limit)
         found[:, number] = alone.expected_return, alone.exit_probability, alone.expected_steps
     return Worth(*found)
+
+
+def _with_more(
+    row: LevelScore, problem: _Problem, policy: Any, advantage: bool, cvar: float | None
+) -> LevelScore:
+    """Return a row with what is found of a policy if it is asked for."""
+    space, discount, limit = problem.space, problem.discount, problem.limit
+    if advantage:
+        own = policy if limit else policy(0)
+        mean = expected_positive_advantage(space, own, discount, limit)
+        row = replace(row, advantage=mean)
+    if cvar is not None:
+        returns = distribution_of(space, policy, discount, limit or MAX_STEPS)
+        row = replace(row, cvar=returns.cvar(cvar))
+    return row
 
 
 def _arguments(

@@ -80,6 +80,24 @@ class ReturnDistribution(Result):
         """By how much returns differ from the expected one, as a root mean square."""
         return float(np.sqrt((self.values - self.mean) ** 2 @ self.probabilities))
 
+    def cvar(self, share: float) -> float:
+        """Return the mean of the lowest returns: of those of such a share of all episodes.
+
+        It is the conditional value at risk (CVaR), also called expected shortfall, after R. T.
+        Rockafellar and S. Uryasev: Conditional value-at-risk for general loss distributions (2002),
+        who divide a return at the border between what counts and what does not.
+
+        Args:
+            share: above 0 and at most 1, such as 0.1; of 1, it is the mean.
+
+        Raises:
+            ValueError: it is not in this range.
+        """
+        if not 0 < share <= 1:
+            raise ValueError(f"the share of episodes must be above 0 and at most 1, not {share}")
+        weights = np.diff(np.minimum(np.cumsum(self.probabilities), share), prepend=0.0)
+        return float(self.values @ weights / weights.sum())
+
     def quantiles(self, shares: Floats) -> Floats:
         """Return the smallest return that at least such a share of episodes does not exceed."""
         reached = np.searchsorted(np.cumsum(self.probabilities), np.asarray(shares) - _REST)

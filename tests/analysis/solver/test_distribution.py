@@ -104,3 +104,21 @@ def test_quantiles_are_returns_that_are_possible() -> None:
 def test_no_steps_are_no_episode() -> None:
     with pytest.raises(ValueError, match="within must be a number of steps from 1 on"):
         brl.return_distribution("default", "random", 0)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.25, 0.5, 1.0])
+def test_the_cvar_is_the_largest_value_of_its_dual(share: float) -> None:
+    level = brl.load("four-corners")
+    expected = recursive(level, 6, 0.9)
+    values, chances = np.array([*expected]), np.array([*expected.values()])
+    # Rockafellar and Uryasev: the maximum over v of v - E[max(v - return, 0)] / share.
+    best = max(v - chances @ np.maximum(v - values, 0) / share for v in values)
+    found = brl.return_distribution(level, "random", 6, discount=0.9)
+    assert found.cvar(share) == pytest.approx(best, abs=1e-9)
+
+
+def test_a_share_of_episodes_is_more_than_none() -> None:
+    found = brl.return_distribution("four-corners", "random", 5)
+    for share in (0.0, 1.5, float("nan")):
+        with pytest.raises(ValueError, match=r"^the share of episodes must be above 0"):
+            found.cvar(share)
