@@ -124,10 +124,14 @@ from .scoring.plays import read_plays as read_plays
 from .scoring.policy_tables import policy_table as policy_table
 from .scoring.results import LevelScore as LevelScore
 from .scoring.results import Scores as Scores
+from .scoring.results import improvement as improvement
+from .scoring.results import summary as summary
 from .scoring.score import score as score
 from .scoring.submissions import GradedFunction as GradedFunction
 from .scoring.submissions import Submission as Submission
 from .scoring.submissions import grade_functions as grade_functions
+from .scoring.summaries import Improvement as Improvement
+from .scoring.summaries import Summary as Summary
 from .scoring.text_world import GradedMove as GradedMove
 from .scoring.text_world import TextWorld as TextWorld
 from .scoring.verify import Replays as Replays

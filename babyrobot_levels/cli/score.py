@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import astuple
@@ -318,16 +319,27 @@ def _summary(scores: Scores) -> dict[str, str]:
     if len(scores) < 2:
         return {}
     found = scores.summary
-    ends = "" if scores.is_exact else f" ({short(found.low)} to {short(found.high)})"
-    return {
+
+    def told(name: str, text: Callable[[float], str] = short) -> str:
+        ends = " to ".join(map(text, found.intervals[name]))
+        value = getattr(found, name)
+        return text(value) if math.isnan(value) else f"{text(value)} ({ends})"
+
+    rows = {
         "levels": f"{found.levels:,}",
-        "mean share": short(found.mean) + ends,
-        "median": short(found.median),
-        "interquartile mean": short(found.iqm),
-        "worst tenth": short(found.worst_tenth),
-        "solved": percent(found.solved),
-        "success": percent(found.success),
-        "scores": "exact" if scores.is_exact else "from episodes, with 95 % intervals",
+        "mean share": told("mean"),
+        "median": told("median"),
+        "interquartile mean": told("iqm"),
+        "worst tenth": told("worst_tenth"),
+        "solved": told("solved", percent),
+        "success": told("success", percent),
+    }
+    if scores.is_exact:
+        return {**rows, "scores": "exact; 95 % intervals for levels like these"}
+    return {
+        **rows,
+        "mean in these levels": f"{short(found.low)} to {short(found.high)}",
+        "scores": "from episodes; 95 % intervals for levels like these",
     }
 
 

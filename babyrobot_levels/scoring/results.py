@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, overload
 
@@ -18,22 +19,23 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.scoring.summaries import (
+    TAIL,
+    Improvement,
+    Summary,
+    improvement_of,
+    statistics_of,
+)
 from babyrobot_levels.text.files import write_bytes, write_text
 
 if TYPE_CHECKING:
     from babyrobot_levels.render.scene.shapes import Scene
-
-SOLVED = 0.95
-"""From this share of the optimum on, a level counts as solved."""
 
 FEW = 100
 """Scores from fewer episodes in each level are told to be rough."""
 
 MAX_BARS = 100
 """The most levels in a picture."""
-
-WORST = 0.1
-"""The share of the levels that the worst tenth is made of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,36 +111,6 @@ class LevelScore:
         """Return the shares of returns in the level, as `share` is that of the expected return."""
         way = math.nan if math.isnan(self.share) else self.optimum - self.random
         return self.share + (returns - self.expected_return) / way
-
-
-@dataclass(frozen=True, slots=True)
-class Summary:
-    """The scores of all levels in a few numbers. Levels without a share are left out.
-
-    Attributes:
-        levels: the number of levels.
-        mean: the mean of the shares.
-        median: the median of the shares.
-        iqm: the interquartile mean: that of the middle half of the shares.
-        worst_tenth: the mean of the lowest tenth of the shares (CVaR), at least one.
-        solved: how many of the levels are solved, 0 to 1: those with a share of 0.95 or more.
-        regret: the mean of the regrets of all levels.
-        success: the mean of the chances to reach an exit of all levels.
-        low: the lower end of the 95 % confidence interval of `mean`, in these levels; equal to it
-            if all scores are exact.
-        high: the upper end.
-    """
-
-    levels: int
-    mean: float
-    median: float
-    iqm: float
-    worst_tenth: float
-    solved: float
-    regret: float
-    success: float
-    low: float
-    high: float
 
 
 Row = TypeVar("Row", bound=Any)
@@ -233,40 +205,7 @@ class Scores(Table[LevelScore]):
     @cached_property
     def summary(self) -> Summary:
         """The scores of all levels in a few numbers."""
-        shares = np.sort([score.share for score in self if not math.isnan(score.share)])
-        count = shares.size
-        if not count:
-            shares = np.array([math.nan])
-        middle = shares[count // 4 : count - count // 4]
-        mean = float(shares.mean())
-        low, high = (mean, mean) if self.is_exact else self._interval()
-        return Summary(
-            len(self),
-            mean,
-            float(np.median(shares)),
-            float(middle.mean()) if middle.size else math.nan,
-            float(shares[: max(1, math.ceil(WORST * count))].mean()),
-            float((shares >= SOLVED).mean()) if count else math.nan,
-            _mean([score.regret for score in self]),
-            _mean([score.success for score in self]),
-            low,
-            high,
-        )
-
-    def _interval(self) -> tuple[float, float]:
-        """Return the 95 % confidence interval of the mean share; nan without episodes.
-
-        All episodes count as if each were in a level that is drawn, which makes it wider.
-        """
-        shares, ends = [], []
-        for score, played in zip(self, self._played, strict=False):
-            if not math.isnan(score.share):
-                shares.append(score.share_of(played.returns))
-                ends.append(score.share_of(np.array([played.lowest, played.highest])))
-        if not shares:
-            return math.nan, math.nan
-        lows, highs = np.array(ends).T
-        return interval(np.concatenate(shares), float(lows.min()), float(highs.max()))
+        return summary([self])
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
@@ -327,8 +266,78 @@ class Scores(Table[LevelScore]):
         )
 
 
-def _mean(numbers: Sequence[float]) -> float:
-    return float(np.mean(numbers)) if numbers else math.nan
+def summary(runs: Sequence[Scores], *, stratified: bool = False) -> Summary:
+    """Return the scores of several runs in a few numbers, such as of agents from several seeds.
+
+    The intervals are from 2,000 samples. Each draws runs, and levels, both with replacement: they
+    hold for agents that learned elsewhere, in other levels of the same kind. The stratified
+    bootstrap of Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical
+    Precipice (2021), draws runs within each level: it holds in these levels, for agents that
+    learned in each of them by itself.
+
+    Args:
+        runs: the scores of each run, in the same levels.
+        stratified: whether runs are drawn within each level, and levels are not drawn.
+
+    Raises:
+        ValueError: there are no runs, or their levels differ, or a single run is stratified.
+    """
+    if stratified and len(runs) < 2:
+        raise ValueError("only several runs can be drawn within each level; give two or more")
+    shares = _shares(runs)
+    means = np.array([[(each.regret, each.success) for each in run] for run in runs])
+    if not means.size:
+        means = np.full((len(runs), 1, 2), math.nan)
+    known, intervals = statistics_of(shares, means, stratified=stratified)
+    low = high = known["mean"]
+    if not all(run.is_exact for run in runs):
+        low, high = _interval_of(runs)
+    return Summary(len(runs[0]), **known, low=low, high=high, runs=len(runs), intervals=intervals)
+
+
+def improvement(ones: Scores | Sequence[Scores], others: Scores | Sequence[Scores]) -> Improvement:
+    """Return the probability that one agent is better than another (Agarwal et al., 2021).
+
+    It is the statistic of Mann and Whitney in each level. The samples of its interval draw runs of
+    both, and levels.
+
+    Args:
+        ones: the scores of the one agent: of a run, or of several.
+        others: those of the other agent, in the same levels.
+
+    Raises:
+        ValueError: there are no runs, or their levels differ.
+    """
+    first, second = ([each] if isinstance(each, Scores) else [*each] for each in (ones, others))
+    shares = _shares([*first, *second])
+    return improvement_of(shares[: len(first)], shares[len(first) :])
+
+
+def _shares(runs: Sequence[Scores]) -> Floats:
+    """Return the shares of runs, `[runs, levels]`, nan for a single level if there are none."""
+    if not runs:
+        raise ValueError("there are no runs")
+    if len({tuple(each.digest for each in run) for run in runs}) > 1:
+        raise ValueError("the runs are not in the same levels")
+    shares = np.array([[each.share for each in run] for run in runs]).reshape(len(runs), -1)
+    shares = shares[:, ~np.isnan(shares).any(axis=0)]
+    return shares if shares.size else np.full((len(runs), 1), math.nan)
+
+
+def _interval_of(runs: Sequence[Scores]) -> tuple[float, float]:
+    """Return the 95 % confidence interval of the mean share in these levels; nan without episodes.
+
+    All episodes count as if each were in a level that is drawn, which makes it wider.
+    """
+    shares, ends = [], []
+    for score, played in chain.from_iterable(zip(run, run._played, strict=False) for run in runs):
+        if not math.isnan(score.share):
+            shares.append(score.share_of(played.returns))
+            ends.append(score.share_of(np.array([played.lowest, played.highest])))
+    if not shares:
+        return math.nan, math.nan
+    lows, highs = np.array(ends).T
+    return interval(np.concatenate(shares), float(lows.min()), float(highs.max()))
 
 
 def plain(data: dict[str, Any]) -> dict[str, Any]:
@@ -337,6 +346,10 @@ def plain(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _number(value: Any) -> Any:
+    if isinstance(value, dict):
+        return plain(value)
+    if isinstance(value, tuple):
+        return [_number(each) for each in value]
     if not isinstance(value, float) or math.isfinite(value):
         return value
     return None if math.isnan(value) else "inf" if value > 0 else "-inf"
@@ -348,9 +361,6 @@ def _written(text: str, path: str | os.PathLike[str] | None) -> str:
         write_text(Path(path), text)
     return text
 
-
-_TAIL = 0.025
-"""The chance that an interval of 95 % lies below what it is of, and that it lies above."""
 
 _DRAWS = 4000
 """How often weights are drawn: the ends vary by about 2 % of the width of the interval."""
@@ -403,8 +413,8 @@ def interval(values: Floats, low: float, high: float) -> tuple[float, float]:
     weights = random.standard_gamma([*counts, 1.0], (_DRAWS, len(counts) + 1))
     weights /= weights.sum(axis=1, keepdims=True)
     known, unknown, mean = weights[:, :-1] @ distinct, weights[:, -1], float(values.mean())
-    least = float(np.quantile(known + unknown * low, _TAIL))
-    most = float(np.quantile(known + unknown * high, 1 - _TAIL))
+    least = float(np.quantile(known + unknown * low, TAIL))
+    most = float(np.quantile(known + unknown * high, 1 - TAIL))
     return min(least, mean), max(most, mean)
 
 

@@ -32,7 +32,6 @@ from babyrobot_levels.mdp.mazes import ALGORITHMS
 from babyrobot_levels.render.templates import static
 from babyrobot_levels.render.text import PLAIN_ROBOTS, ROBOTS
 from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER
-from babyrobot_levels.scoring.results import LevelScore, Summary
 from babyrobot_levels.suites.batch import origin_of
 
 README = ROOT / "README.md"
@@ -228,7 +227,7 @@ def test_all_fields_of_plays_and_attributes_of_scores_are_described() -> None:
     described = PAGES["plays"].partition("## The format")[2]
     for name in SCHEMAS["play"]()["properties"]:
         assert f"`{name}`" in described, name
-    for name in [field.name for kind in (LevelScore, Summary) for field in fields(kind)]:
+    for name in [field.name for kind in (brl.LevelScore, brl.Summary) for field in fields(kind)]:
         assert f"`{name}`" in PAGES["scoring"] or name in {"level", "levels", "digest"}, name
 
 
