@@ -29,7 +29,10 @@ SHA512 = "Zbe+7ArMUbT1lVnqYxsbGRfI9JD9JVqEPzZLQdk0nfNmcDYJ404rMO9nbkQ0Hzwux5uACF
 SCHOOL = """\
 <!doctype html>
 <script src="scorm12.min.js"></script>
-<script>window.API = new Scorm12API({autocommit: false});</script>
+<script>
+window.API = new Scorm12API({autocommit: false});
+API.loadFromJSON({core: {student_name: "Lovelace, Ada", student_id: "1815"}}, "cmi");
+</script>
 <iframe src="ADDRESS" style="width: 1000px; height: 800px"></iframe>
 """
 
@@ -90,6 +93,7 @@ def test_the_best_play_is_reported_and_can_be_verified(
                 stage.press(key)
             page.wait_for_function("API.lmsGetValue('cmi.suspend_data').includes('\"return\":-2,')")
         line = told(page, "suspend_data")
+        assert '"player":"Lovelace, Ada (1815)",' in line
         page.evaluate("document.querySelector('iframe').src = 'about:blank'")
         page.wait_for_function("API.isTerminated()")
         assert told(page, "core.score.raw") in ("100", "")

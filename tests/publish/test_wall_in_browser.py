@@ -199,6 +199,14 @@ def test_a_link_opens_a_filtered_wall(page: Page, gallery: str) -> None:
     assert opened(page, f"{gallery}#%E0%A4&sort=nonsense").count == "4 levels"
 
 
+def test_the_name_in_the_address_is_passed_on_to_the_levels(page: Page, gallery: str) -> None:
+    page.goto(f"{gallery}?player=Ada+Lovelace")
+    links = page.locator("#wall a")
+    assert links.count() == 4
+    for link in links.all():
+        assert str(link.get_attribute("href")).endswith("/index.html?player=Ada+Lovelace")
+
+
 def test_typing_makes_no_steps_back(wall: Wall, gallery: str) -> None:
     wall.page.locator("#query").press_sequentially("cliff", delay=20)
     wall.page.wait_for_url(f"{gallery}#q=cliff")

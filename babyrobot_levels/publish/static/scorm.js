@@ -65,13 +65,21 @@ function listen() {
   frame.contentDocument?.addEventListener("episodeend", (/** @type {any} */ { detail }) => tell(detail));
 }
 
+/** Return who plays, as the system knows them: `Lovelace, Ada (1815)`. */
+function player() {
+  const [name, id] = ["name", "id"].map((each) => system.LMSGetValue(`cmi.core.student_${each}`));
+  return name && id ? `${name} (${id})` : name || id;
+}
+
+let page = "level.html";
 if (system) {
   system.LMSInitialize("");
+  page += `?player=${encodeURIComponent(player())}`;
   frame.addEventListener("load", listen);
-  if (frame.contentDocument?.readyState === "complete") listen();
   addEventListener("pagehide", () => {
     system.LMSSetValue("cmi.core.session_time", time());
     system.LMSSetValue("cmi.core.exit", "suspend");
     system.LMSFinish("");
   });
 }
+frame.src = page;

@@ -27,6 +27,7 @@ const rows = JSON.parse(byId("tiles").textContent);
 const tiles = [...wall.children].map((element, index) => {
   const [places, text, digest, ...numbers] = rows[index];
   const title = element.querySelector("h2").textContent;
+  element.querySelector("a").search = location.search; // Who plays.
   return { element, places, text: folded(`${title}\n${text}`), title, digest, numbers, index, isSolved: false };
 });
 
