@@ -41,8 +41,12 @@ _BROKEN = (zipfile.BadZipFile, zlib.error, LZMAError, struct.error, NotImplement
 _ASIDE = re.compile(r"/$|(^|/)(__MACOSX/|\.[^./][^/]*$)")
 """Folders, and what computers put beside files."""
 
-_EXPORTED = re.compile(r"_\d+_assignsubmission_.*$|(_late)?_\d+_\d+_.*$", re.IGNORECASE)
-"""What Moodle puts behind a student's name, and Canvas."""
+_EXPORTED = re.compile(
+    r"((?:.*-)?participant_\d+|.+?)(?:_\d+)?_assignsubmission_.*"
+    r"|(anon_[^_]+)(?:_late)?_\d+_.*|(.+?)(?:_late)?_\d+_\d+_.*",
+    re.IGNORECASE,
+)
+"""A student's name, or the number of one without a name, with what Moodle and Canvas put behind."""
 
 
 class Entry(NamedTuple):
@@ -70,8 +74,8 @@ class HandIn:
 
 
 def words_of(name: str) -> frozenset[str]:
-    """Return the words of a name, or of a file's name, without their case."""
-    return frozenset(re.findall(r"[^\W_]+", name.casefold()))
+    """Return the words of a name, or of a file's, without case and what is in parentheses."""
+    return frozenset(re.findall(r"[^\W_]+", re.sub(r"\([^()]*\)", "", name.casefold())))
 
 
 def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
@@ -92,10 +96,11 @@ def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
                 except PlayError as error:
                     fault = re.sub(r"^:(?:(\d+):)? ", lambda at: f"line {at[1]}: " if at[1] else "",
                                    str(error))  # fmt: skip
-            player = _EXPORTED.sub("", unit)
+            exported = _EXPORTED.fullmatch(unit)
+            player = next(filter(None, exported.groups())) if exported else unit
             claims = {play.player for play in plays}
             claim = claims.pop() if len(claims) == 1 else None
-            if place == "" and claim and words_of(claim) <= words_of(player):
+            if place == "" and claim and frozenset() < words_of(claim) <= words_of(player):
                 player = claim
             hand_in = found.setdefault(player, HandIn(player))
             at = f"{place}, " if place else ""

@@ -68,6 +68,27 @@ def test_exports_of_schools_have_folders_or_files_of_players(tmp_path: Path, lin
         assert players == PLAYERS
 
 
+def test_students_without_names_have_their_numbers(tmp_path: Path, line: bytes) -> None:
+    names = [
+        "Participant_12_assignsubmission_file_/row.brlplay",
+        "B-Participant_13_assignsubmission_file_/row.brlplay",
+        "anon_0jR2c_98_row.brlplay",
+        "anon_0jR2c_LATE_99_lake.brlplay",
+        "anon_Xy1_97_row.brlplay",
+        "submission_7/row.brlplay",
+        "ada_2_row.brlplay",
+    ]
+    (tmp_path / "all.zip").write_bytes(zipped(dict.fromkeys(names, line)))
+    assert {player: len(places) for player, (places, _) in found(tmp_path / "all.zip").items()} == {
+        "Participant_12": 1,
+        "B-Participant_13": 1,
+        "anon_0jR2c": 2,
+        "anon_Xy1": 1,
+        "submission_7": 1,
+        "ada_2_row": 1,
+    }
+
+
 def test_a_folder_around_those_of_the_players_is_none(tmp_path: Path, line: bytes) -> None:
     files = {f"export_1/submission_{number}/a.brlplay": line for number in (1, 2)}
     (tmp_path / "class.zip").write_bytes(zipped(files))
@@ -93,12 +114,20 @@ def test_a_zip_file_of_a_player_is_read_and_none_in_it(tmp_path: Path, line: byt
 def test_the_name_in_plays_is_the_players_if_the_file_has_it(tmp_path: Path, line: bytes) -> None:
     folder = tmp_path / "all"
     folder.mkdir()
-    names = {"Ada-Lovelace-Row": "Ada Lovelace", "ada_lovelace_lake": "Ada Lovelace", "eve": "Ada"}
+    names = {
+        "Ada-Lovelace-Row": "Ada Lovelace",
+        "ada_lovelace_lake": "Ada Lovelace",
+        "eve": "Ada",
+        "hopper grace": "Hopper, Grace (1906)",
+        "mallory": "(Ada)",
+    }
     for file, player in names.items():
         (folder / f"{file}.brlplay").write_bytes(told(line, player))
     assert {name: len(places) for name, (places, _) in found(folder).items()} == {
         "Ada Lovelace": 2,
         "eve": 1,
+        "Hopper, Grace (1906)": 1,
+        "mallory": 1,
     }
 
 
