@@ -28,6 +28,9 @@ from babyrobot_levels.jax.env import UnderspecifiedEnv as UnderspecifiedEnv
 from babyrobot_levels.jax.env import make as make
 from babyrobot_levels.jax.estimators import learnability as learnability
 from babyrobot_levels.jax.estimators import max_monte_carlo as max_monte_carlo
+from babyrobot_levels.jax.estimators import (
+    maximised_negative_advantage as maximised_negative_advantage,
+)
 from babyrobot_levels.jax.estimators import positive_value_loss as positive_value_loss
 from babyrobot_levels.jax.params import EnvParams as EnvParams
 from babyrobot_levels.jax.solver import Optimum as Optimum
@@ -51,6 +54,7 @@ __all__ = [
     "learnability",
     "make",
     "max_monte_carlo",
+    "maximised_negative_advantage",
     "optimum",
     "positive_value_loss",
     "random_policy",

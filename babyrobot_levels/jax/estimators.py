@@ -6,6 +6,8 @@ of infos. A level that does not occur has nan.
 
 from __future__ import annotations
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jax import Array
@@ -36,6 +38,46 @@ def max_monte_carlo(values: Array, levels: Array, highest: Array) -> Array:
         highest: float `[levels]`: the highest return of an episode in each level so far.
     """
     return highest - _means(values, levels, highest.shape[0])
+
+
+def maximised_negative_advantage(
+    errors: Array, dones: Array, levels: Array, solved: Array, *, discount: float, decay: float
+) -> Array:
+    """Return the mean of what is lost against the best that was expected, float `[levels]`.
+
+    From each step on, the advantages of n-step returns are followed: how far each is below the
+    highest of those before it, 0 among them, is a loss. The losses are mixed as in a lambda-return,
+    and averaged over the steps. Levels that were never solved have 0.
+
+    It is the maximised negative advantage (MNA) of H. Mead et al.: Improving Regret Approximation
+    for Unsupervised Dynamic Environment Generation (2026), where it is a mean over time. It takes
+    steps times steps.
+
+    Args:
+        errors: float `[steps, envs]`: the temporal difference error of each step.
+        dones: bool `[steps, envs]`: whether the episode ended with it.
+        levels: int `[steps, envs]`: the level of each step.
+        solved: bool `[levels]`: whether an episode in the level has succeeded so far.
+        discount: the discount factor.
+        decay: the lambda of the mixture, from 0 to 1.
+    """
+    steps = jnp.arange(len(errors))
+
+    def follow(carry: tuple[Array, Array, Array], now: tuple[Array, Array, Array]) -> Any:
+        """Add a step to what is followed from each step, `[steps, envs]`."""
+        below, lost, goes_on = carry
+        step, error, done = now
+        age = jnp.maximum(step - steps, 0)[:, None]
+        counts = goes_on & (steps <= step)[:, None]
+        change = jnp.minimum(below + discount**age * error, 0) - below
+        change = jnp.where(counts, change, 0)
+        return (below + change, lost - decay**age * change, goes_on & ~(counts & done)), None
+
+    nothing = jnp.zeros_like(errors)
+    (_, lost, _), _ = jax.lax.scan(
+        follow, (nothing, nothing, jnp.ones(errors.shape, bool)), (steps, errors, dones)
+    )
+    return jnp.where(solved, _means(lost, levels, len(solved)), 0)
 
 
 def learnability(successes: Array, levels: Array, num_levels: int) -> Array:
