@@ -2,6 +2,7 @@
 
 import os
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import minari
 import numpy as np
@@ -36,7 +37,7 @@ data = brl.rollout(level, policy, 64, max(1, args.steps // 64), args.seed, actio
 name = f"babyrobot/{level.name}-v0"
 with TemporaryDirectory() as folder:
     os.environ["MINARI_DATASETS_PATH"] = folder  # by default, a folder in the user's home
-    about = dict.fromkeys(ABOUT, "-")
+    about: dict[str, Any] = dict.fromkeys(ABOUT, "-")
     brl.to_minari(data, name, level=level, actions="moves", observation="index", **about)
     dataset = minari.load_dataset(name)
     greedy = learn(dataset, best.policy.size, level.discount).reshape(best.policy.shape)

@@ -107,6 +107,54 @@ def test_rollouts_come_back() -> None:
     assert first.terminations[-1] != first.truncations[-1]
 
 
+SUITE = {
+    "version": 1,
+    "kind": "suite",
+    "seed": 3,
+    "count": 12,
+    "splits": {"train": 0.5, "test": 0.5},
+    "size": {"min": [3, 2], "max": [5, 4]},
+    "max_steps": 40,
+}
+
+
+@pytest.mark.parametrize("data_format", ["hdf5", "arrow"])
+def test_a_split_of_a_suite_comes_back_with_the_level_of_each_episode(data_format: str) -> None:
+    train = brl.load_suite(SUITE).split("train")
+    data = brl.rollout(train, "random", num_envs=len(train), num_steps=200, seed=1)
+    brl.to_minari(data, NAME, level=train, observation="view", per_level=4, data_format=data_format)
+    dataset = loaded()
+    told = [*dataset.storage.get_episode_metadata(dataset.episode_indices)]
+    assert [each["digest"] for each in told] == [level.digest for level in train for _ in range(4)]
+    assert brl.loads(told[-1]["level"]).digest == told[-1]["digest"]
+    # No level of the test split is in it.
+    test = {level.digest for level in brl.load_suite(SUITE).split("test")}
+    assert test.isdisjoint(each["digest"] for each in told)
+    scores = brl.score("random", train)
+    metadata = dataset.storage.metadata
+    assert metadata["ref_min_score"] == pytest.approx(np.mean([each.random for each in scores]))
+    assert metadata["ref_max_score"] == pytest.approx(np.mean([each.optimum for each in scores]))
+    # Nothing is random in these levels but the policy: the environment repeats the episodes.
+    env = dataset.recover_environment()
+    for episode, metadata in zip(dataset, told, strict=True):
+        observation, _ = env.reset(options=metadata["options"])
+        assert env.unwrapped.level.digest == metadata["digest"]
+        for step, action in enumerate(episode.actions):
+            assert np.array_equal(episode.observations[step], observation)
+            observation, reward, terminated, truncated, _ = env.step(action)
+            assert reward == episode.rewards[step]
+        assert (terminated, truncated) == (episode.terminations[-1], episode.truncations[-1])
+
+
+def test_what_makes_no_dataset_of_a_suite_is_refused() -> None:
+    suite = brl.load_suite(SUITE)
+    data = brl.rollout(suite, "random", num_envs=3, num_steps=60, seed=1)
+    with pytest.raises(ValueError, match="not of a slice"):
+        brl.to_minari(data, NAME, level=suite[:3])
+    with pytest.raises(ValueError, match=r"only \d episodes ended, not 50: follow the policy for"):
+        brl.to_minari(data, NAME, level=suite, per_level=50)
+
+
 def test_what_makes_no_dataset_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "ada.brlplay"
     record(path, "frozen-lake")
