@@ -37,9 +37,9 @@ def course(
     tells them what is right. pack.yaml lists the levels with their points.
 
     `build` makes for students, without hidden levels and answers: a site, sheets, a pack, share
-    codes, and the code with the levels; for teachers: the site and the sheets with the answers, an
-    autograder for Gradescope, and pages that report to a school's system (SCORM). What was built
-    before is replaced.
+    codes, and the code with the levels; for teachers: the site and the sheets with the answers,
+    autograders for Gradescope, PrairieLearn, Classroom 50 and GitHub Classroom, and pages that
+    report to a school's system (SCORM). What was built before is replaced.
 
     Exits with status 1 if a file of the course has an error.
 
@@ -69,6 +69,8 @@ def course(
         fail(str(error), error.help)
     except PackError as error:
         note(f"error: {one_line(str(error))}")
+        if error.help:
+            note(f"  help: {one_line(error.help)}")
         raise typer.Exit(FINDINGS) from None
     size = f"{len(built.files):,} files, {built.size / 1e6:.1f} MB"
     write(f"built {one_line(built.title)} in {one_line(str(built.folder))}: {size}\n")

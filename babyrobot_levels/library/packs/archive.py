@@ -29,9 +29,16 @@ from babyrobot_levels.text.source import MAX_BYTES
 
 
 class PackError(BabyRobotError):
-    """A pack that is damaged, too large, or different from its manifest."""
+    """A pack that is damaged, too large, or different from its manifest.
+
+    `help` says what to do, if it is known.
+    """
 
     __module__ = "babyrobot_levels"
+
+    def __init__(self, message: str, help_text: str | None = None):
+        self.help = help_text
+        super().__init__(message)
 
 
 class PackConflictError(BabyRobotError):

@@ -155,13 +155,15 @@ def read_course(path: str | os.PathLike[str]) -> Course:
     """
     folder = Path(path)
     if not os.path.lexists(folder / PACK_FILE):
-        raise PackError(f"there is no {PACK_FILE} in {os.fspath(path)}")
+        advice = "name the folder of a course; `babyrobot course new DIR` writes one to change"
+        raise PackError(f"there is no {PACK_FILE} in {os.fspath(path)}", advice)
     paths, _ = _paths(folder)
     contents = survey(folder, paths, folder)
     if contents.fields is None or contents.diagnostics:
         raise LevelError(contents.diagnostics)
     if not contents.fields.levels:
-        raise PackError(f"{folder / PACK_FILE} is no course: it lists no `levels`")
+        advice = "list them in their order: `levels: [{level: NAME, points: 4}]`"
+        raise PackError(f"{folder / PACK_FILE} is no course: it lists no `levels`", advice)
     files = {name: folder / entry.file for name, entry in contents.levels.items()}
     return Course(folder, contents.fields, files, paths)
 
