@@ -1,7 +1,7 @@
 """Submissions: the functions that students write, run in each level of a course, and graded.
 
-Their code runs in a process of its own, with a limit of time. Only plain data comes back, which is
-graded here. No code of students is kept from files and networks: that is what containers are for.
+Their code runs in a process of its own, with limits of time and memory. Only plain data comes back,
+which is graded here. No code is kept from files and networks: that is what containers are for.
 """
 
 from __future__ import annotations
@@ -209,6 +209,7 @@ def grade_functions(
     *,
     functions: Sequence[str] | None = None,
     seconds: float = 60.0,
+    memory: float = 4.0,
 ) -> Submission:
     """Run the functions of a student in the levels of a course, and grade what they return.
 
@@ -222,6 +223,7 @@ def grade_functions(
         functions: those that are run; all by default.
         seconds: how long each may take in a level. After one that takes longer, the function
             is not run in the other levels.
+        memory: how many GiB each may take. Only Linux limits them.
 
     Raises:
         PackError: there is no course in the folder.
@@ -234,16 +236,19 @@ def grade_functions(
         if name not in known:
             raise ValueError(f"{name!r} is no function of the course: {', '.join(known)}")
     folder = Path(found.folder if code is None else code).resolve()
+    limits = seconds, memory
     return Submission(
-        [each for name in functions or known for each in _graded(found, folder, name, seconds)]
+        [each for name in functions or known for each in _graded(found, folder, name, limits)]
     )
 
 
-def _graded(course: Course, code: Path, name: str, seconds: float) -> Iterator[GradedFunction]:
+def _graded(
+    course: Course, code: Path, name: str, limits: tuple[float, float]
+) -> Iterator[GradedFunction]:
     fields = course.fields
     entries = [each for each in fields.levels if name in fields.graded_in(each)]
     paths = [course.files[each.level].resolve() for each in entries]
-    answers = _answers(code, name, paths, seconds)
+    answers = _answers(code, name, paths, *limits)
     for entry, answer in zip(entries, answers, strict=True):
         out_of = entry.points / len(fields.graded_in(entry))
         if "fault" in answer:
@@ -257,12 +262,12 @@ def _graded(course: Course, code: Path, name: str, seconds: float) -> Iterator[G
 
 
 def _answers(
-    code: Path, name: str, levels: Sequence[Path], seconds: float
+    code: Path, name: str, levels: Sequence[Path], seconds: float, memory: float
 ) -> Iterator[dict[str, Any]]:
     """Yield the answer of a function in each level, or its fault."""
     context = get_context("spawn")
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_run, args=(code, name, levels, theirs), daemon=True)
+    process = context.Process(target=_run, args=(code, name, levels, memory, theirs), daemon=True)
     process.start()
     theirs.close()
     fault = ""
@@ -282,8 +287,12 @@ def _answers(
         ours.close()
 
 
-def _run(code: Path, name: str, levels: Sequence[Path], to: Connection) -> None:
+def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: Connection) -> None:
     """Run a function in each level, in a process of its own."""
+    with suppress(ImportError, ValueError, OSError):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (int(memory * 2**30),) * 2)
     sys.path.insert(0, str(code))
     os.chdir(code)
     for level in levels:
@@ -293,6 +302,9 @@ def _run(code: Path, name: str, levels: Sequence[Path], to: Connection) -> None:
             line = json.dumps(answer)
         except NotImplementedError:
             line = json.dumps({"fault": "it is not written yet"})
+        except MemoryError as error:
+            told = f"it took more than {memory:g} GiB of memory{_place(error, code)}"
+            line = json.dumps({"fault": told})
         except BaseException as error:
             line = json.dumps({"fault": _told(error, code)})
         to.send_bytes(line.encode())
@@ -300,7 +312,10 @@ def _run(code: Path, name: str, levels: Sequence[Path], to: Connection) -> None:
 
 def _told(error: BaseException, code: Path) -> str:
     """Return an error in one line, with the place in the student's code."""
+    return " ".join(f"{type(error).__name__}{_place(error, code)}: {error}".split())[:500]
+
+
+def _place(error: BaseException, code: Path) -> str:
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if code in Path(frame.filename).parents]
-    where = f" in {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""
-    return " ".join(f"{type(error).__name__}{where}: {error}".split())[:500]
+    return f" in {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""

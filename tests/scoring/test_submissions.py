@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
 from pathlib import Path
 
 import jsonschema
@@ -93,6 +94,23 @@ def test_a_function_that_never_returns_is_ended(small: Path, tmp_path: Path) -> 
     assert [each.message for each in found] == [
         "it took longer than 4 seconds",
         "it was not run, as it took too long in row",
+    ]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit memory")
+def test_memory_is_limited(small: Path, tmp_path: Path) -> None:
+    large = """\
+import numpy as np
+def value_iteration(level):
+    if level.name == "row":
+        return np.ones((64, 2**24))
+    return bytearray(2**34)
+"""
+    ada = code(tmp_path / "ada", value_iteration=large)
+    found = brl.grade_functions(small, ada, functions=["value_iteration"], memory=1.5)
+    assert [each.message for each in found] == [
+        "it took more than 1.5 GiB of memory in value_iteration.py, line 4",
+        "it took more than 1.5 GiB of memory in value_iteration.py, line 5",
     ]
 
 
