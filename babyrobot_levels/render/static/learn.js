@@ -5,7 +5,9 @@ import { chart, inPython, LearnedLayer, toldUpdate } from "./learned.js";
 import { Learner, USUAL } from "./learner.js";
 
 const MOST_STATES = 5000;
-const FRAME = 9; // Milliseconds of a frame in which it learns.
+const FRAME = 8; // Milliseconds of a frame in which it learns.
+const SMOOTH = 20; // Milliseconds from frame to frame, but for a picture that takes long to paint.
+const REST = 5; // How many times as long the next picture waits after such a one.
 const CHARTS = 100; // Milliseconds from one picture of the charts to the next.
 /** @type {[string, number][]} Steps a second; 0 for a sweep or an episode in each frame. */
 const SPEEDS = [
@@ -172,9 +174,12 @@ export class Learning {
     this.find("learn-run").firstElementChild.textContent = wanted ? "Stop" : "Run";
     if (wanted) {
       this.due = 1;
+      this.wait = this.shown = 0;
+      this.update = null;
       this.last = this.charted = performance.now();
       this.frame = requestAnimationFrame((now) => this.tick(now));
     } else if (this.isOn && this.learner) {
+      this.show(this.update);
       this.showAll();
       this.find("spoken").textContent = this.find("learn-numbers").textContent;
     }
@@ -186,15 +191,15 @@ export class Learning {
     const { learner } = this;
     const { number } = learner;
     const end = performance.now() + FRAME;
-    this.due =
-      rate > 0 ? Math.min(this.due + (rate * Math.max(0, now - this.last)) / 1000, Math.max(1, rate)) : Infinity;
+    const took = now - this.last;
+    if (this.shown === this.last) this.wait = took > SMOOTH ? REST * took : 0;
+    this.due = rate > 0 ? Math.min(this.due + (rate * Math.max(0, took)) / 1000, Math.max(1, rate)) : Infinity;
     this.last = now;
-    let update;
     for (let steps = 1; this.due >= 1; steps++) {
-      update = learner.step();
-      if (update === null) {
+      this.update = learner.step();
+      this.isStale = true;
+      if (this.update === null) {
         this.run(false);
-        this.show(null);
         this.say(this.ending);
         return;
       }
@@ -202,9 +207,11 @@ export class Learning {
       if (steps % 32 === 0 && performance.now() > end) break;
       if (rate === 0 && learner.number > number) break;
     }
-    if (update) {
-      this.show(update, rate === SPEEDS[0][1]);
-      this.find("message").textContent = toldUpdate(this.game, learner, update);
+    if (this.isStale && now >= this.shown + this.wait) {
+      this.shown = now;
+      this.isStale = false;
+      this.show(this.update, rate === SPEEDS[0][1]);
+      this.find("message").textContent = toldUpdate(this.game, learner, this.update);
       this.showNumbers();
       if (now - this.charted > CHARTS) this.showCharts(now);
     }

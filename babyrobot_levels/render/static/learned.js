@@ -144,6 +144,8 @@ function arrowTo(action) {
   return `M${at(0, 0)}L${at(7, 0)}M${at(13.5, 0)}L${at(7, 3.6)}L${at(7, -3.6)}z`;
 }
 
+const strideOf = (values) => Math.ceil(values.length / MOST_POINTS);
+
 /**
  * Return a chart of numbers: errors of values from 0 on, or returns with the mean of several, and a goal.
  *
@@ -155,15 +157,16 @@ function arrowTo(action) {
 export function chart(title, numbers, unit, goal) {
   const { width, height, left, right, top, bottom } = CHART;
   const isReturn = goal !== undefined;
-  const sorted = numbers.filter(Number.isFinite).sort((one, other) => one - other);
+  const sorted = numbers.filter((number, index) => Number.isFinite(number) && index % strideOf(numbers) === 0);
+  sorted.sort((one, other) => one - other);
   // A few bad episodes would press all others together.
   const least = isReturn ? sorted[Math.floor(sorted.length / 50)] : 0;
   const low = Math.min(least ?? 0, goal ?? Infinity);
   const high = Math.max(sorted.at(-1) ?? 0, goal ?? -Infinity);
   const x = (index) => left + (index / Math.max(1, numbers.length - 1)) * (right - left);
-  const y = (value) => bottom - ((Math.max(value, low) - low) / (high - low || 1)) * (bottom - top);
+  const y = (value) => bottom - ((Math.min(Math.max(value, low), high) - low) / (high - low || 1)) * (bottom - top);
   const line = (values, name) => {
-    const stride = Math.ceil(values.length / MOST_POINTS);
+    const stride = strideOf(values);
     const points = values.flatMap((value, index) => {
       const isDrawn = Number.isFinite(value) && (index % stride === 0 || index === values.length - 1);
       return isDrawn ? `${x(index + numbers.length - values.length).toFixed(1)} ${y(value).toFixed(1)}` : [];
