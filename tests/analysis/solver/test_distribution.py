@@ -76,6 +76,28 @@ def test_the_frozen_lake_is_crossed_or_not() -> None:
     assert found.standard_deviation == pytest.approx((chance * (1 - chance)) ** 0.5)
 
 
+@pytest.mark.parametrize("policy", ["random", "by step"])
+@pytest.mark.parametrize("name", ["first-key", "puddles", "frozen-lake"])
+def test_counted_returns_are_those_that_are_followed(
+    name: str, policy: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken = policy if policy == "random" else brl.solve(name, within=15)
+    counted = brl.return_distribution(name, taken, 15)
+    monkeypatch.setattr(distribution, "MAX_PRODUCTS", -1)
+    followed = brl.return_distribution(name, taken, 15)
+    assert counted.episodes == followed.episodes == 0
+    assert counted.values == pytest.approx(followed.values)
+    assert counted.probabilities == pytest.approx(followed.probabilities)
+
+
+def test_many_steps_of_chance_are_still_exact() -> None:
+    level = brl.load_suite("bench-hard").split("test")[0]
+    found = brl.return_distribution(level, "random")
+    assert found.episodes == 0
+    exact = brl.evaluate(level, "random", within="max_steps")
+    assert found.mean == pytest.approx(exact.expected_return)
+
+
 @pytest.mark.slow
 def test_where_returns_are_too_many_episodes_are_simulated(
     monkeypatch: pytest.MonkeyPatch,
