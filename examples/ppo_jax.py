@@ -72,8 +72,7 @@ class State(NamedTuple):
     weights: Weights
     optimizer: Any
     updates: Array  # how many there were
-    views: Array
-    envs: Any
+    begun: Any  # the observations and the states of the environments
 
 
 class Scale(NamedTuple):
@@ -107,20 +106,32 @@ class Learner:
         limited = optax.clip_by_global_norm(LARGEST_GRADIENT)
         self.optimizer = optax.chain(limited, optax.adam(schedule))
 
+    def new(self, key: Array) -> State:
+        sizes = (len(self.told), *HIDDEN, self.env.num_actions + 1)
+        weights = new_weights(key, sizes)
+        return State(weights, self.optimizer.init(weights), jnp.int32(0), None)
+
     def start(self, key: Array, params: Any) -> State:
         weights_key, reset_key = jax.random.split(key)
-        sizes = (len(self.told), *HIDDEN, self.env.num_actions + 1)
-        weights = new_weights(weights_key, sizes)
         reset = jax.vmap(self.env.reset, in_axes=(0, None))
-        views, envs = reset(jax.random.split(reset_key, NUM_ENVS), params)
-        return State(weights, self.optimizer.init(weights), jnp.int32(0), views, envs)
+        begun = reset(jax.random.split(reset_key, NUM_ENVS), params)
+        return self.new(weights_key)._replace(begun=begun)
 
     def update(self, state: State, params: Any, key: Array) -> tuple[State, Array]:
         """Play and learn; return also the levels that were played, `[steps, environments]`."""
         steps_key, epochs_key = jax.random.split(key)
-        step = partial(self.step, state.weights, params)
-        keys = jax.random.split(steps_key, NUM_STEPS)
-        (views, envs), steps = jax.lax.scan(step, (state.views, state.envs), keys)
+        begun, steps = self.play(state.weights, params, state.begun, steps_key, NUM_STEPS)
+        return self.learn(state._replace(begun=begun), steps, epochs_key), steps.level
+
+    def play(
+        self, weights: Weights, params: Any, begun: Any, key: Array, length: int
+    ) -> tuple[Any, Steps]:
+        """Take a number of steps in all environments."""
+        step = partial(self.step, weights, params)
+        played: tuple[Any, Steps] = jax.lax.scan(step, begun, jax.random.split(key, length))
+        return played
+
+    def learn(self, state: State, steps: Steps, key: Array) -> State:
         data = (steps, advantages_of(steps))
         flat = jax.tree.map(lambda each: each.reshape(-1, *each.shape[2:]), data)
         entropy_weight = ENTROPY_WEIGHT * (1 - state.updates / self.updates)
@@ -133,12 +144,12 @@ class Learner:
             return (optax.apply_updates(weights, changes), optimizer), None
 
         orders = [
-            jax.random.permutation(key, NUM_ENVS * NUM_STEPS).reshape(BATCHES, -1)
-            for key in jax.random.split(epochs_key, EPOCHS)
+            jax.random.permutation(key, steps.level.size).reshape(BATCHES, -1)
+            for key in jax.random.split(key, EPOCHS)
         ]
         learned = state.weights, state.optimizer
         (weights, optimizer), _ = jax.lax.scan(batch, learned, jnp.concatenate(orders))
-        return State(weights, optimizer, state.updates + 1, views, envs), steps.level
+        return State(weights, optimizer, state.updates + 1, state.begun)
 
     def step(self, weights: Weights, params: Any, carry: Any, key: Array) -> tuple[Any, Steps]:
         views, envs = carry
@@ -148,7 +159,7 @@ class Learner:
         actions = jax.random.categorical(action_key, log_chances)
         views, envs, rewards, terminated, truncated, info = jax.vmap(
             self.env.step, in_axes=(0, 0, 0, None)
-        )(jax.random.split(step_key, NUM_ENVS), envs, actions, params)
+        )(jax.random.split(step_key, len(actions)), envs, actions, params)
         # At the end of an episode, `views` are already of the next one.
         _, ahead = network(weights, self.inputs(info["final_observation"]))
         before = of_actions(log_chances, actions)

@@ -122,6 +122,7 @@ class Designs:
         self._reward = np.stack([ground.reward for ground in grounds])
         self._blocked = base.grid().blocked.ravel()
         self._ends = grounds[0].ends
+        self._cells = np.arange(self._ends.size, dtype=np.int32)
         self._sides = _sides(~self._blocked.reshape(base.height, base.width))
         self._rewards = base.rewards
 
@@ -206,8 +207,8 @@ class Designs:
     ) -> Layout:
         """Return a layout with random edits.
 
-        An edit builds or removes a wall, makes a puddle another one or none, or moves the start or
-        the exit to a free cell. Walls and puddles are not edited where there is none to edit.
+        An edit builds or removes a wall, makes a puddle another one or none, or moves the start to
+        a free cell, or the exit to one that is dry, too. What cannot be edited stays.
 
         Args:
             key: the source of randomness.
@@ -244,21 +245,24 @@ class Designs:
     def _edit_puddle(self, key: Array, layout: Layout) -> Layout:
         where, what = jax.random.split(key)
         flat = layout.puddles.reshape(-1)
-        cell = jax.random.choice(where, np.flatnonzero(~self._blocked))
+        cell = self._free_cell(where, self._cells != layout.exit, layout.start)
         new = (flat[cell] + jax.random.randint(what, (), 1, 3, jnp.int8)) % 3
         return replace(layout, puddles=flat.at[cell].set(new).reshape(layout.puddles.shape))
 
     def _edit_start(self, key: Array, layout: Layout) -> Layout:
-        return replace(layout, start=self._free_cell(key, layout, layout.start))
+        is_free = (self._cells != layout.start) & (self._cells != layout.exit)
+        return replace(layout, start=self._free_cell(key, is_free, layout.start))
 
     def _edit_exit(self, key: Array, layout: Layout) -> Layout:
-        return replace(layout, exit=self._free_cell(key, layout, layout.exit))
+        # A puddle has no effect on an exit.
+        is_free = (self._cells != layout.start) & (self._cells != layout.exit)
+        is_free &= layout.puddles.reshape(-1) == 0
+        return replace(layout, exit=self._free_cell(key, is_free, layout.exit))
 
-    def _free_cell(self, key: Array, layout: Layout, now: Array) -> Array:
-        """Draw a cell that is neither start nor exit; if there is none, return the one of now."""
-        cell = jnp.arange(self._ends.size, dtype=jnp.int32)
-        is_free = ~self._ends & (cell != layout.start) & (cell != layout.exit)
-        drawn = jax.random.choice(key, cell, p=is_free / jnp.maximum(is_free.sum(), 1))
+    def _free_cell(self, key: Array, is_free: Array, now: Array) -> Array:
+        """Draw one of some cells that does not end the episode; without one, return that of now."""
+        is_free &= ~self._ends
+        drawn = jax.random.choice(key, self._cells, p=is_free / jnp.maximum(is_free.sum(), 1))
         return jnp.where(is_free.any(), drawn, now)
 
     @partial(jax.jit, static_argnames=("self",))

@@ -90,6 +90,20 @@ def test_levels_are_replayed_by_their_regret(suite: Path, tmp_path: Path) -> Non
         assert sum(map(float, seeds)) / 2 == pytest.approx(rows[-1][column], abs=0.001)
 
 
+def test_evolved_levels_are_files_that_lint_and_replay(tmp_path: Path) -> None:
+    text = printed_by("accel_jax", "--steps", 32_768, "--every", 2, "-o", "evolved", cwd=tmp_path)
+    rows = rows_of(text)
+    assert [row[0] for row in rows] == [16_384, 32_768]
+    assert all(share < 1 and regret > 0 for row in rows for share, regret in (row[1:3], row[3:]))
+    levels = [*map(brl.load, sorted((tmp_path / "evolved").iterdir()))]
+    assert f"wrote {len(levels)} levels to evolved\n" in text
+    # All of them differ, the exit is in the corner, and can be reached.
+    assert len({level.digest for level in levels}) == len(levels)
+    assert {level.exits for level in levels} == {((4, 4),)}
+    issues = [issue for level in levels for issue in brl.lint(level)]
+    assert {issue.code for issue in issues} <= {"BR502", "BR514", "BR515"}
+
+
 def test_priorities_are_those_of_the_sampler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(EXAMPLES)
     import jax.numpy as jnp
