@@ -1,22 +1,32 @@
 """Whether mutants keep their promise, and how many there are in a second.
 
-    python benchmarks/mutate.py [--edits 100000] [--seed 0]
+    python benchmarks/mutate.py [--edits 100000] [--seed 0] [--jobs 1]
 
 Levels of the gallery and mazes of `small-mazes` and `locked-mazes` are edited, one to five edits at
 a time, each mutant being the parent of the next one, for a hundred mutants; then the next level has
 its turn. The file of each mutant is read again: it must be valid, another MDP than its parent, and
 won by its optimal policy. Levels that are not won themselves are edited without this condition.
-Seconds are those of the processor, without the checks.
+Seconds are those of one processor, without the checks; what is counted does not depend on the jobs.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import astuple, dataclass
+from functools import cache
+from itertools import count
+
+# Threads of linear algebra only get in the way of such small systems.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import babyrobot_levels as brl
+from babyrobot_levels.parallel import executor_for
+from babyrobot_levels.parallel.executor import results
 
 GENERATION = 100
 BOUNDS = {"items": "..4", "movers": "..2", "configurations": "..500"}
@@ -34,6 +44,9 @@ class Tally:
     unmet: int = 0
     seconds: float = 0.0
 
+    def __add__(self, other: Tally) -> Tally:
+        return Tally(*map(sum, zip(astuple(self), astuple(other), strict=True)))
+
     def __str__(self) -> str:
         rate = self.mutants / max(self.seconds, 1e-9)
         return (
@@ -49,26 +62,29 @@ def is_won(level: brl.Level) -> bool:
     return success is not None and success > 1 - 1e-9
 
 
-def evolve(parent: brl.Level, seed: int, tally: Tally, most: int) -> None:
-    """Edit a level, its mutant, and so on."""
+@cache
+def parents() -> Sequence[Sequence[brl.Level] | brl.Suite]:
+    """Return where first levels come from: the gallery, but what breaks a bound, and suites."""
+    gallery = (brl.load(info.name) for info in brl.levels() if info.name != "coin-run")
+    small = [[level] for level in gallery if not level.has_random_maze and level.width <= 13]
+    return [*small, *map(brl.load_suite, ("small-mazes", "locked-mazes"))]
+
+
+def evolve(seed: int) -> Tally:
+    """Edit a level, its mutant, and so on; tell what became of the edits."""
+    turn, place = divmod(seed, len(parents()))
+    levels = parents()[place]
+    parent, tally = levels[turn % len(levels)], Tally()
     solvable = is_won(parent)
     for generation in range(GENERATION):
-        if tally.edits >= most:
-            return
         number = seed * GENERATION + generation
         edits = 1 + number % 5
         begin = time.process_time()
         try:
-            mutant = brl.mutate(
-                parent,
-                seed=number,
-                edits=edits,
-                solvable=solvable,
-                expect=BOUNDS,
-            )
+            mutant = brl.mutate(parent, seed=number, edits=edits, solvable=solvable, expect=BOUNDS)
         except brl.UnsatisfiableError:
             tally.unmet += 1
-            return
+            break
         finally:
             tally.seconds += time.process_time() - begin
         tally.edits += edits
@@ -80,25 +96,24 @@ def evolve(parent: brl.Level, seed: int, tally: Tally, most: int) -> None:
         except brl.LevelError:
             tally.invalid += 1
         parent = mutant
+    return tally
 
 
 def main() -> None:
     """Print what became of the edits."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--edits", type=int, default=100_000, help="number of edits")
+    parser.add_argument("--edits", type=int, default=100_000, help="least number of edits")
     parser.add_argument("--seed", type=int, default=0, help="seed of the first level")
+    parser.add_argument("--jobs", type=int, default=1, help="number of processes")
     options = parser.parse_args()
-    gallery = [brl.load(info.name) for info in brl.levels()]
-    parents = [level for level in gallery if not level.has_random_maze and level.width <= 13]
-    suites = [brl.load_suite(name) for name in ("small-mazes", "locked-mazes")]
-    tally, seed = Tally(), options.seed
-    while tally.edits < options.edits:
-        turn, place = divmod(seed, len(parents) + len(suites))
-        level = parents[place] if place < len(parents) else suites[place - len(parents)][turn]
-        evolve(level, seed, tally, options.edits)
-        print(tally, end="\r", file=sys.stderr, flush=True)
-        seed += 1
-    print(tally)
+    total = Tally()
+    with closing(executor_for(jobs=options.jobs).map(evolve, count(options.seed))) as tallies:
+        for tally in results(tallies):
+            total += tally
+            print(total, end="\r", file=sys.stderr, flush=True)
+            if total.edits >= options.edits:
+                break
+    print(total)
 
 
 if __name__ == "__main__":

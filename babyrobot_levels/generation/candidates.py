@@ -58,6 +58,9 @@ class Candidate:
         exit: the index of the exit.
     """
 
+    is_placed = False
+    """Whether its things have their places already, and are not drawn when they are asked for."""
+
     def __init__(
         self, maker: Maker, name: str, rng: random.Random, grown: Level, start: int, exit_: int
     ) -> None:

@@ -143,7 +143,7 @@ class Mutant(Candidate):
         self._grown, self.size = level, level.size
         vars(self)["level"] = level
 
-    is_playable = True
+    is_placed = is_playable = True
     is_surely_won = False
     needs_its_doors = True
 
@@ -202,15 +202,15 @@ class Descendants(Maker):
 
     def draw(self, number: int, attempt: int) -> Candidate:
         """Return a candidate for a level."""
-        made = self._made(self._rng(number, attempt))
+        fields, made = self._made(self._rng(number, attempt))
         walls = [*wall_entries(inner_walls(made, made.grid()))]
-        fields = changed(flat_fields(made), {"walls": walls, "name": self.name(number) or None})
+        fields = changed(fields, {"walls": walls, "name": self.name(number) or None})
         level = valid(fields)
         assert level is not None
         return Mutant(level)
 
-    def _made(self, rng: random.Random) -> Level:
-        """Return a level."""
+    def _made(self, rng: random.Random) -> tuple[Fields, Level]:
+        """Return a level, and before it its fields."""
         raise NotImplementedError
 
 
@@ -246,33 +246,30 @@ class Mutants(Descendants):
         self._edits, self._kinds, self._fields = (least, most), [*kinds], flat_fields(level)
         self._hit = {"reward": hit_reward(level, level.size)}
 
-    def _made(self, rng: random.Random) -> Level:
+    def _made(self, rng: random.Random) -> tuple[Fields, Level]:
         least, most = self._edits
-        fields, made = self._fields, None
-        for _ in range(least + below(rng, most - least + 1)):
-            fields, made = self._edited(Edits(fields, rng), rng)
-        assert made is not None
+        more = least - 1 + below(rng, most - least + 1)
+        made = self._edited(self._fields, rng)
+        for _ in range(more):
+            made = self._edited(made[0], rng)
         return made
 
-    def _edited(self, edits: Edits, rng: random.Random) -> tuple[Fields, Level]:
+    def _edited(self, before: Fields, rng: random.Random) -> tuple[Fields, Level]:
         """Return a valid level with one edit more."""
+        edits = Edits(before, rng)
         for _ in range(MOST_DRAWN):
             changes = edits.drawn(self._kinds[below(rng, len(self._kinds))])
             if not changes:
                 continue
-            if "movers" in changes and "movers" not in edits.fields:
+            if "movers" in changes and not {"movers", "hit"} & before.keys():
                 # By default, a hit would cost less than the way.
-                changes = {"hit": self._hit, **changes, **_given(edits.fields, "hit")}
-            fields = changed(edits.fields, changes)
+                changes = {"hit": self._hit, **changes}
+            fields = changed(before, changes)
             level = valid(fields)
-            if level is not None and fields != edits.fields:
+            if level is not None and fields != before:
                 return fields, level
         reason = f"none of {MOST_DRAWN:,} edits of {listed(self._kinds, 'and')} is valid"
         raise UnsatisfiableError("edits", "", reason)
-
-
-def _given(fields: Fields, name: str) -> Fields:
-    return {name: fields[name]} if name in fields else {}
 
 
 class Crossed(Descendants):
@@ -282,11 +279,12 @@ class Crossed(Descendants):
         super().__init__(one, suite, solvable=solvable)
         self._parents = flat_fields(one), flat_fields(other)
 
-    def _made(self, rng: random.Random) -> Level:
+    def _made(self, rng: random.Random) -> tuple[Fields, Level]:
         for _ in range(MOST_DRAWN):
-            level = valid(_cross(*self._parents, rng))
+            fields = _cross(*self._parents, rng)
+            level = valid(fields)
             if level is not None:
-                return level
+                return fields, level
         raise UnsatisfiableError("", "", f"none of {MOST_DRAWN:,} crossings is valid")
 
 

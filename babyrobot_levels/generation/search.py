@@ -28,6 +28,9 @@ _QUICK = ("path_length", "dead_ends")
 _FIELDS = (*_QUICK, "detour", "difficulty")
 """The fields of a suite that are conditions; the quick ones are known before things are placed."""
 
+_COUNTED = ("items", "doors", "switches", "movers")
+"""The metrics that the fields of a level tell without its tables."""
+
 _HARD = {*SOLVED, *NEEDS}
 """The metrics for which a level has to be solved, or compiled several times."""
 
@@ -138,6 +141,8 @@ class Tally:
     states: int = 0
     conditions: dict[str, Condition] = field(default_factory=dict)
     """By their names."""
+    counted: list[Condition] = field(default_factory=list)
+    """Those on metrics for which no level is compiled."""
     easy: list[Condition] = field(default_factory=list)
     """Those on metrics for which no level is solved."""
     hard: list[Condition] = field(default_factory=list)
@@ -157,7 +162,9 @@ class Tally:
             self.conditions[name] = Condition(metric, value, name)
         for name, condition in self.conditions.items():
             if name not in _FIELDS or name == "difficulty":
-                (self.hard if condition.metric in _HARD else self.easy).append(condition)
+                metric = condition.metric
+                part = self.hard if metric in _HARD else self.easy
+                (self.counted if metric in _COUNTED else part).append(condition)
 
     def accepts(self, candidate: Candidate) -> bool:
         """Return whether a candidate meets all conditions."""
@@ -174,6 +181,9 @@ class Tally:
         if not candidate.is_playable:
             return False
         self.playable += 1
+        counted = [] if candidate.is_placed else self.counted
+        if candidate.is_placed and not _meets(candidate, self.counted):
+            return False
         # Both are evaluated, so that each is counted for itself.
         quick = [
             self.conditions[name].accepts(getattr(candidate, name))
@@ -191,11 +201,11 @@ class Tally:
         longest = self.suite.max_steps
         if longest is not None and candidate.path_length + candidate.detour > longest:
             return False
-        for part in (self.easy, self.hard):
-            if part is self.hard:
-                self.solved += len(part) > 1 or not candidate.is_surely_won
-            if not all(each.accepts(candidate.value(each.metric)) for each in part):
-                return False
+        if not _meets(candidate, [*counted, *self.easy]):
+            return False
+        self.solved += len(self.hard) > 1 or not candidate.is_surely_won
+        if not _meets(candidate, self.hard):
+            return False
         if not candidate.needs_its_doors:
             self.crowded += 1
             return False
@@ -295,6 +305,10 @@ def most_tries(suite: SuiteFields, layouts: tuple[float, float] = (0.0, 1.0)) ->
     width, height = suite.largest
     tries = min(MOST_TRIES, max(FEWEST_TRIES, MOST_CELLS // (width * height)))
     return int(tries / max(layouts[1] - layouts[0], 1e-3))
+
+
+def _meets(candidate: Candidate, conditions: list[Condition]) -> bool:
+    return all(each.accepts(candidate.value(each.metric)) for each in conditions)
 
 
 def _text(value: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -235,7 +236,7 @@ def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Ints, Flags]:
 
 def strong_components(size: int, source: Ints, target: Ints) -> Ints:
     """Return a label for each of `size` states: equal where each can reach the other."""
-    if size <= DENSE_STATES:
+    if size <= DENSE_STATES and "scipy.sparse" not in sys.modules:
         reach = np.eye(size, dtype=np.float32)
         reach[source, target] = 1.0
         for _ in range(max(1, size.bit_length())):
@@ -245,8 +246,13 @@ def strong_components(size: int, source: Ints, target: Ints) -> Ints:
     from scipy.sparse import csr_array  # type: ignore[import-untyped]
     from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
 
-    graph = csr_array((np.ones(source.size, np.int8), (source, target)), shape=(size, size))
-    components: Ints = connected_components(graph, connection="strong")[1].astype(np.intp)
+    # Made of pairs, it has each edge once: of an edge that is there twice, SciPy makes no end.
+    graph = csr_array((np.ones(source.size), (source, target)), shape=(size, size))
+    _, first, number = np.unique(
+        connected_components(graph, connection="strong")[1], return_index=True, return_inverse=True
+    )
+    # Each is named by its first state, as above: results must not depend on what is imported.
+    components: Ints = first[number]
     return components
 
 

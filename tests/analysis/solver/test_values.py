@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -203,3 +204,16 @@ def test_a_large_level_with_chance() -> None:
         expected = value_iteration(*dense(level.compile(), 0), discount)[:-1]
         np.testing.assert_allclose(solution.values.ravel(), expected, rtol=1e-9)
         assert_sound(level, solution)
+
+
+@given(st.integers(1, 12), st.data())
+def test_components_do_not_depend_on_what_is_imported(size: int, data: st.DataObject) -> None:
+    node = st.integers(0, size - 1)
+    edges = data.draw(st.lists(st.tuples(node, node), max_size=3 * size))
+    source, target = np.array(edges, int).reshape(-1, 2).T
+    with as_if_large(True):
+        by_scipy = model.strong_components(size, source, target)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delitem(sys.modules, "scipy.sparse")
+        by_numpy = model.strong_components(size, source, target)
+    assert by_scipy.tolist() == by_numpy.tolist()
