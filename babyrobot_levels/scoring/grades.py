@@ -7,6 +7,7 @@ import os
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from hashlib import sha256
@@ -25,7 +26,6 @@ from babyrobot_levels.scoring.results import Table, csv_of, plain
 from babyrobot_levels.scoring.score import score
 from babyrobot_levels.scoring.verify import verify_play
 from babyrobot_levels.suites.suite import Levels, folder_named, named_levels
-from babyrobot_levels.text.files import PACK_FILE, is_file
 from babyrobot_levels.text.words import did_you_mean, listed
 
 _Conditions = tuple[str, str, int | None, float]
@@ -227,10 +227,10 @@ def grade(
     Args:
         files: `.brlplay` files, and folders and zip files of them, with a folder for each player.
         level: the level that was to be played, or the levels: several, a folder, a pack or a
-            course, whose levels have points. They are to be played under their time limit, their
-            discount and from their starts; plays of other levels are left out, and those under
-            other conditions or of other versions are faults. By default, each level has a grade of
-            its own, under the conditions of its plays.
+            course, whose levels have points, without those that are hidden. They are to be played
+            under their time limit, their discount and from their starts; plays of other levels are
+            left out, and those under other conditions or of other versions are faults. By default,
+            each level has a grade of its own, under the conditions of its plays.
         points: by what a level's points are given, for the best play in which the player watched
             no policy: `"regret"`, 1 less the cost of its decisions as a share of what the optimum
             is above random actions; `"share"`, the share of the way that its return covers;
@@ -262,16 +262,12 @@ def _wanted(levels: Levels) -> dict[str, _Asked]:
     """Return the levels that were to be played with what they are worth, by their digests."""
     folder = folder_named(levels) if isinstance(levels, str | os.PathLike) else None
     found: list[_Asked] = []
-    if folder is not None and is_file(folder / PACK_FILE):
-        try:
+    with suppress(PackError):
+        if folder is not None:
             course = read_course(folder)
-        except PackError:
-            course = None
-        if course is not None:
-            entries = course.fields.levels
-            found = [_Asked(load(course.files[each.level]), each.points) for each in entries]
-    if not found:
-        found = [_Asked(load(each), 1.0) for each in named_levels(levels)]
+            played = [each for each in course.fields.levels if not each.hidden]
+            found = [_Asked(load(course.files[each.level]), each.points) for each in played]
+    found = found or [_Asked(load(each), 1.0) for each in named_levels(levels)]
     by_digest = {asked.level.digest: asked for asked in found}
     names = {asked.level.name or asked.level.digest for asked in found}
     if min(len(by_digest), len(names)) < len(found):

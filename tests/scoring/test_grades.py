@@ -214,11 +214,12 @@ def test_a_detour_costs_a_part_and_watching_all(tmp_path: Path) -> None:
 
 def test_the_levels_of_a_course_have_points(tmp_path: Path) -> None:
     course = tmp_path / "robots"
-    for level in (ROW, ICE):
+    for level in (ROW, ICE, {**ROW, "name": "exam", "size": (5, 1)}):
         brl.load(level).save(course / "levels" / f"{level['name']}.yaml")
     (course / "pack.yaml").write_text(
         "name: robots\nversion: 1.0.0\ndescription: A course.\n"
-        "levels: [{level: ice, points: 3}, {level: row, points: 7}]\n"
+        "levels: [{level: ice, points: 3}, {level: row, points: 7},\n"
+        "  {level: exam, hidden: true}]\n"
     )
     hand_in(tmp_path / "plays", "ada", DIRECT)
     grades = brl.grade([tmp_path / "plays"], course)
