@@ -138,11 +138,10 @@ def _check_place(path: Path, course: Path) -> None:
         raise FolderError(f"{path} is not apart from the course and the current folder", advice)
     if not os.path.lexists(path) or (path.is_dir() and not any(path.iterdir())):
         return
-    advice = "choose a folder that is new or empty"
-    if not is_file(path / CONTENTS):
-        raise FolderError(f"{path} is something else than a course that was built", advice)
-    head, *known = (path / CONTENTS).read_text("utf-8").splitlines() or [""]
+    contents = (path / CONTENTS).read_text("utf-8", "replace") if is_file(path / CONTENTS) else ""
+    head, *known = contents.splitlines() or [""]
     if not head.startswith(_HEAD):
+        advice = "choose a folder that is new or empty"
         raise FolderError(f"{path} is something else than a course that was built", advice)
     others = {each.relative_to(path).as_posix() for each in path.rglob("*") if each.is_file()}
     others -= {*known, CONTENTS}

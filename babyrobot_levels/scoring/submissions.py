@@ -11,7 +11,7 @@ import math
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -79,12 +79,12 @@ class Submission(Table[GradedFunction]):
     @property
     def points(self) -> float:
         """The points of all."""
-        return _total(self)[0]
+        return math.fsum(each.points for each in self)
 
     @property
     def out_of(self) -> float:
         """The points of right answers."""
-        return _total(self)[1]
+        return math.fsum(each.out_of for each in self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold."""
@@ -118,7 +118,7 @@ class Submission(Table[GradedFunction]):
             }
             for each in self
         ]
-        return {"gradable": True, "score": self.points / self.out_of, "tests": tests}
+        return {"gradable": True, "score": self.points / (self.out_of or 1), "tests": tests}
 
     def to_github_classroom(self) -> dict[str, Any]:
         """Return what the reporter of GitHub Classroom reads, as JSON in base64."""
@@ -156,9 +156,12 @@ class Submission(Table[GradedFunction]):
             }
             for each in self
         ]
+        whose = ("classroom", "assignment", "assignment_type", "owner")
         return {
             "schema": "classroom50/result/v1",
-            **{key: told[name] for key, name in _CLASSROOM50.items()},
+            **{each: told[each.upper()] for each in whose},
+            "submission": told["SUBMISSION_TAG"],
+            **{each: told[f"{each.upper()}_URL"] for each in ("commit", "release", "review")},
             "datetime": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
             "score": sum(each["score"] for each in tests),
             "max-score": sum(each["max-score"] for each in tests),
@@ -172,35 +175,16 @@ class Submission(Table[GradedFunction]):
             lines += [name]
             # What is wrong in each level alike is said once.
             for _, same in groupby(rows, lambda each: each.level if each.passed else each.message):
-                found = [*same]
+                found = Submission([*same])
                 levels = found[0].level if len(found) == 1 else f"{len(found)} levels"
-                points, out_of = _total(found)
                 mark = "right" if found[0].passed else "wrong"
-                total = f"{points:.4g}/{out_of:.4g}"
+                total = f"{found.points:.4g}/{found.out_of:.4g}"
                 lines += [f"  {mark}  {levels:{width}}  {total:>9}  {found[0].message}"]
         return "\n".join([*lines, f"{self.points:.4g} of {self.out_of:.4g} points"])
 
 
-_CLASSROOM50 = {
-    "classroom": "CLASSROOM",
-    "assignment": "ASSIGNMENT",
-    "assignment_type": "ASSIGNMENT_TYPE",
-    "owner": "OWNER",
-    "submission": "SUBMISSION_TAG",
-    "commit": "COMMIT_URL",
-    "release": "RELEASE_URL",
-    "review": "REVIEW_URL",
-}
-"""The fields of a result that the runner of Classroom 50 tells, and where."""
-
-
 def _name(graded: GradedFunction) -> str:
     return f"{graded.function} in {graded.level}"
-
-
-def _total(found: Iterable[GradedFunction]) -> tuple[float, float]:
-    points, out_of = zip(*((each.points, each.out_of) for each in found), strict=True)
-    return math.fsum(points), math.fsum(out_of)
 
 
 def grade_functions(

@@ -169,6 +169,15 @@ def test_scores_of_classroom50_are_whole_numbers(small: Path) -> None:
         found.to_classroom50({name: TOLD[name] for name in TOLD if name != "OWNER"})
 
 
+def test_a_course_may_grade_no_function_in_any_level(small: Path) -> None:
+    text = (small / "pack.yaml").read_text("utf-8")
+    text = text.replace("[value_iteration]", "[]").replace("points: 4", "functions: []")
+    (small / "pack.yaml").write_text(text, "utf-8")
+    found = brl.grade_functions(small)
+    assert str(found) == "0 of 0 points"
+    assert found.to_prairielearn() == {"gradable": True, "score": 0, "tests": []}
+
+
 def test_what_is_no_course(small: Path, tmp_path: Path) -> None:
     with pytest.raises(PackError, match=r"there is no pack.yaml in"):
         brl.grade_functions(tmp_path)
