@@ -6,8 +6,8 @@ import { Learner, USUAL } from "./learner.js";
 
 const MOST_STATES = 5000;
 const FRAME = 8; // Milliseconds of a frame in which it learns.
-const SMOOTH = 20; // Milliseconds from frame to frame, but for a picture that takes long to paint.
-const REST = 5; // How many times as long the next picture waits after such a one.
+const SMOOTH = 20; // Milliseconds from frame to frame, unless a picture takes long to paint.
+const REST = 4; // How many times as long the next picture waits after a longer frame.
 const CHARTS = 100; // Milliseconds from one picture of the charts to the next.
 /** @type {[string, number][]} Steps a second; 0 for a sweep or an episode in each frame. */
 const SPEEDS = [
@@ -192,7 +192,7 @@ export class Learning {
     const { number } = learner;
     const end = performance.now() + FRAME;
     const took = now - this.last;
-    if (this.shown === this.last) this.wait = took > SMOOTH ? REST * took : 0;
+    if (took > SMOOTH) this.wait = Math.max(this.wait, REST * took);
     this.due = rate > 0 ? Math.min(this.due + (rate * Math.max(0, took)) / 1000, Math.max(1, rate)) : Infinity;
     this.last = now;
     for (let steps = 1; this.due >= 1; steps++) {
@@ -209,6 +209,7 @@ export class Learning {
     }
     if (this.isStale && now >= this.shown + this.wait) {
       this.shown = now;
+      this.wait /= 4; // It may have been another reason.
       this.isStale = false;
       this.show(this.update, rate === SPEEDS[0][1]);
       this.find("message").textContent = toldUpdate(this.game, learner, this.update);

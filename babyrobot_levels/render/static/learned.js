@@ -34,19 +34,23 @@ export class LearnedLayer {
       const transform = this.at(cell);
       const tile = element("rect", { width: side + 0.5, height: side + 0.5, transform });
       const number = element("text", { x: 32, y: 57, "text-anchor": "middle", "font-weight": "bold", transform });
+      this.ground.append(tile);
+      if (!isLarge) this.own[1].append(number);
+      return { tile, number };
+    });
+    /** The arrows of each row are few elements, which are painted sooner than one for each cell. */
+    this.rows = Array.from({ length: game.data.height }, (_, row) => {
       const arrows = inks.map((ink, index) =>
         element("path", {
-          transform,
+          transform: this.at(row * game.data.width),
           fill: ink,
           stroke: ink,
           "stroke-width": index ? 2.8 : 6.4,
           "stroke-linecap": "round",
         }),
       );
-      this.ground.append(tile);
-      if (!isLarge) this.own[1].append(number);
       this.own[2].append(...arrows.slice(Number(isLarge)));
-      return { tile, number, arrows };
+      return { arrows, paths: [], isStale: false };
     });
   }
 
@@ -102,8 +106,12 @@ export class LearnedLayer {
       const state = this.shown * this.cells.length + index;
       const isSeen = this.seen.has(state);
       if (heat || values) this.showValue(cell, isSeen ? this.learner.values[state] : null);
-      if (policy) this.showActions(cell, isSeen ? this.learner.best(state) : []);
+      if (policy) this.showActions(index, isSeen ? this.learner.best(state) : []);
     });
+    for (const row of this.rows) {
+      if (row.isStale) for (const arrow of row.arrows) arrow.setAttribute("d", row.paths.join(""));
+      row.isStale = false;
+    }
   }
 
   showValue(cell, value) {
@@ -122,12 +130,12 @@ export class LearnedLayer {
     Object.assign(cell, { text, color });
   }
 
-  showActions(cell, best) {
-    const told = best.join();
-    if (told === cell.told) return;
-    cell.told = told;
-    const path = best.map((action) => arrowTo(action + this.learner.problem.first)).join("");
-    for (const arrow of cell.arrows) arrow.setAttribute("d", path);
+  showActions(index, best) {
+    const [x, y] = this.game.place(index);
+    const row = this.rows[y];
+    const path = best.map((action) => arrowTo(action + this.learner.problem.first, x * COMMON.cell)).join("");
+    row.isStale ||= path !== (row.paths[x] ?? "");
+    row.paths[x] = path;
   }
 }
 
@@ -136,11 +144,11 @@ function textOf(value) {
   return formatted(Math.round(100 * value) / 100).replace("Infinity", "∞");
 }
 
-/** Return the path of an action in a cell: an arrow, or a ring for staying. */
-function arrowTo(action) {
-  if (action === 0) return "M28 30.5a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z";
+/** Return the path of an action in a cell, so far from the left: an arrow, or a ring for staying. */
+function arrowTo(action, left) {
+  if (action === 0) return `M${left + 28} 30.5a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z`;
   const [dx, dy] = [Number(action === 2) - Number(action === 4), Number(action === 3) - Number(action === 1)];
-  const at = (along, across) => `${32 + along * dx - across * dy} ${30.5 + along * dy + across * dx}`;
+  const at = (along, across) => `${left + 32 + along * dx - across * dy} ${30.5 + along * dy + across * dx}`;
   return `M${at(0, 0)}L${at(7, 0)}M${at(13.5, 0)}L${at(7, 3.6)}L${at(7, -3.6)}z`;
 }
 
