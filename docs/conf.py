@@ -41,6 +41,7 @@ include_patterns = [
     "*.md",
     "benchmarks/*.md",
     "benchmarks/design/*.md",
+    "benchmarks/design-estimators/*.md",
     "docs/**.md",
     "notebooks/*.ipynb",
 ]
