@@ -19,7 +19,7 @@ from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, contrast
 from babyrobot_levels.render.page import common_data, common_module
 from babyrobot_levels.render.page_format import TooLargeError
-from babyrobot_levels.render.templates import put_together
+from babyrobot_levels.render.templates import put_together, static
 from babyrobot_levels.text.words import listed
 
 
@@ -176,6 +176,7 @@ def _common() -> dict[str, str]:
     kinds = {
         "on_top": [kind.name for kind in KINDS],
         "at_sides": [kind.name for kind in KINDS if kind.where is Where.SIDE],
+        "learn": static("render/static/learn.html"),
         "none_needed": listed([kind.plural for kind in NEEDED], "or"),
     }
     themes = {name: theme.model_dump() for name, theme in BUILTIN_THEMES.items()}

@@ -40,6 +40,7 @@ interface Common {
   on_top: string[];
   at_sides: string[];
   none_needed: string;
+  learn: string;
   themes: Record<string, Theme>;
 }
 

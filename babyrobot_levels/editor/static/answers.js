@@ -5,9 +5,24 @@ import { ShownSets } from "../../render/static/shown.js";
 import { button, html } from "./html.js";
 
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
+/**
+ * What the picture shows: its name and key, and how it is called, of the optimum and of what is learned.
+ *
+ * @type {[string, string, string[], string[]][]}
+ */
 const SHOWN = [
-  ["values", "Values", "V", "The optimal expected returns without a limit"],
-  ["policy", "Optimal actions", "B", "The actions of an optimal policy without a limit"],
+  [
+    "values",
+    "V",
+    ["Values", "The optimal expected returns without a limit"],
+    ["Values", "What is learned of the values so far"],
+  ],
+  [
+    "policy",
+    "B",
+    ["Optimal actions", "The actions of an optimal policy without a limit"],
+    ["Greedy actions", "The best actions by what is learned so far"],
+  ],
 ];
 
 /** The strip with the best return, and the switches of values and optimal actions. */
@@ -20,11 +35,11 @@ export class Answers {
     this.best = html("output", { class: "best-return" });
     this.change = html("span", { class: "change" });
     this.reason = html("p", { class: "reason" });
-    this.switches = SHOWN.map(([name, title, key, hint]) =>
+    this.switches = SHOWN.map(([name, key]) =>
       html(
         "button",
-        { type: "button", "data-shown": name, title: hint, onclick: () => this.toggle(name) },
-        `${title} `,
+        { type: "button", "data-shown": name, onclick: () => this.toggle(name) },
+        html("span", {}),
         html("kbd", {}, key),
       ),
     );
@@ -68,7 +83,10 @@ export class Answers {
     this.change.dataset.way = wayOf(answers);
     this.reason.textContent = answers.reason && `${answers.reason[0].toUpperCase()}${answers.reason.slice(1)}.`;
     this.reason.hidden = answers.reason === "";
-    for (const each of this.switches) {
+    for (const [at, each] of this.switches.entries()) {
+      const [title, hint] = SHOWN[at][this.editor.learning?.isSeen ? 3 : 2];
+      each.firstChild.textContent = `${title} `;
+      each.title = hint;
       each.setAttribute("aria-pressed", this.shown.has(each.dataset.shown));
       each.disabled = answers.status === "none";
     }
@@ -101,7 +119,7 @@ export class Answers {
   }
 }
 
-/** Offer for what is held values and optimal actions are shown while one edits. */
+/** Offer for what is held values and actions are shown while one edits; return the choice. */
 export function offerSets(editor, place) {
   const fieldset = html("fieldset", { class: "sets" });
   const sets = new ShownSets(fieldset, (configuration) => editor.picture.look(configuration));
@@ -122,6 +140,7 @@ export function offerSets(editor, place) {
   };
   editor.on("state", follow);
   editor.on("mode", follow);
+  return sets;
 }
 
 /** Describe what the last change did to the optimum; the empty text for nothing. */

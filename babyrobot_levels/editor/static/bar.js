@@ -9,6 +9,8 @@ const MODES = [
   ["policy", "Policy"],
 ];
 
+const OWN_PANELS = ["algorithm", "file"]; // They stay while one draws, whatever is selected.
+
 export class Bar {
   constructor(editor, { title, modes, history }) {
     this.editor = editor;
@@ -64,7 +66,7 @@ export class Panels {
     tabs.addEventListener("keydown", (event) => this.step(event));
     editor.on("panel", () => this.show());
     editor.on("selection", () => {
-      if (editor.selection !== null && editor.panel !== "file") editor.set("panel", { panel: "inspector" });
+      if (editor.selection !== null && !OWN_PANELS.includes(editor.panel)) editor.set("panel", { panel: "inspector" });
     });
     editor.on("state", () => {
       const count = editor.state.findings.length;

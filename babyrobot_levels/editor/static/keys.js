@@ -157,6 +157,15 @@ export const KEYS = [
     ],
   },
   {
+    title: "Learning",
+    mode: "edit",
+    keys: [
+      ["Q", "run or stop what learns, in its panel", { Q: ({ editor }) => editor.learning.command("run") }],
+      [".", "learn from one step, or one state of a sweep", { ".": ({ editor }) => editor.learning.command("step") }],
+      ["U", "learn to the end of the episode or the sweep", { U: ({ editor }) => editor.learning.command("unit") }],
+    ],
+  },
+  {
     title: "Answers and modes",
     keys: [
       ["V", "show the values, or no longer", { V: ({ editor }) => editor.answers.toggle("values") }],
@@ -314,6 +323,7 @@ export class KeyBindings {
 
   /** Select what is in the cell, and focus the first of its fields. */
   inspect() {
+    this.editor.set("panel", { panel: "inspector" });
     this.pointer.selectAt(spotOf(this.cell));
     this.root.querySelector(".inspector").querySelector(FOCUSABLE)?.focus();
   }
@@ -398,5 +408,7 @@ export class KeyBindings {
   }
 }
 
-const BESIDE_PICTURE = ["bar", "tools", "board", "answers", "tabs", "steps"].map((name) => `.${name} button`).join();
+const BESIDE_PICTURE = ["bar", "tools", "board", "answers", "tabs", "steps", "algorithm"]
+  .map((name) => `.${name} button`)
+  .join();
 const FOCUSABLE = "button:not(:disabled), input:not(:disabled), textarea, select, summary, [tabindex='0']";

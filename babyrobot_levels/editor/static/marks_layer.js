@@ -33,7 +33,7 @@ export class MarksOverlay {
       (finding) => this.sign(finding),
     );
     // Each change is shown once.
-    const isNew = this.flashed !== revision && editor.answers.shown.has("values");
+    const isNew = this.flashed !== revision && editor.answers.shown.has("values") && !editor.learning?.isSeen;
     this.draw("changed", isNew && answers.changed.length > 0 ? [boxes(editor.game, answers.changed)] : [], (d) =>
       element("path", { d }),
     );

@@ -12,6 +12,7 @@ import { Help } from "./help.js";
 import { prose, shadow } from "./html.js";
 import { Inspector } from "./inspector.js";
 import { KeyBindings } from "./keys.js";
+import { LearningPanel } from "./learning.js";
 import { MarksOverlay } from "./marks_layer.js";
 import { MazeOffer } from "./maze.js";
 import { Overlay } from "./overlay.js";
@@ -57,6 +58,7 @@ const LAYOUT = `
 <section class="inspector" data-tab="Selection"></section>
 <section class="world" data-tab="Level"></section>
 <section class="findings" data-tab="Findings"></section>
+<section class="algorithm" data-tab="Learn"></section>
 <section class="file" data-tab="Text"></section>
 </section>
 </div>
@@ -91,7 +93,7 @@ export function mount(place, connection, style = "") {
   new Announcer(editor, find("spoken"));
   new Playing(editor, find("playing"));
   new PolicyDrawing(editor, find("policy"));
-  offerSets(editor, find("answers"));
+  const sets = offerSets(editor, find("answers"));
   new Rail(editor, find("tools"));
   new Options(editor, find("options"));
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
@@ -99,6 +101,7 @@ export function mount(place, connection, style = "") {
   find("zoom").append(
     ...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))),
   );
+  new LearningPanel(editor, root, find("algorithm"), sets);
   new Divider(find("editor"), find("panels"));
   new Inspector(editor, find("inspector"));
   new World(editor, find("world"));

@@ -40,6 +40,7 @@ export class Learning {
     this.layer = null;
     /** @type {any} */
     this.game = this.picture = this.trail = null; // Of the level at hand.
+    this.usual = USUAL;
     this.options = { ...USUAL };
     this.panel = this.find("learn");
     this.python = this.find("learn-python");
@@ -94,20 +95,32 @@ export class Learning {
     return /^\d{1,40}$/.test(run.get("seed")) ? run.get("seed") : this.usual.seed;
   }
 
+  /** Why the level is not learned; empty if it is. */
+  get refusal() {
+    const states = this.game.data.possible.length;
+    if (states <= MOST_STATES) return "";
+    return `Only levels of up to ${MOST_STATES} states are learned here; this one has ${states}.`;
+  }
+
   /** Begin to learn in place of the game, if the level is small enough. */
   enter() {
-    const { game, picture } = this;
-    const states = game.data.possible.length;
-    if (states > MOST_STATES) {
-      this.say(`Only levels of up to ${MOST_STATES} states are learned here; this one has ${states}.`);
+    const { refusal } = this;
+    if (refusal !== "") {
+      this.say(refusal);
       return;
     }
+    this.attach();
+    this.put(true);
+    this.begin(this.find("seed").value);
+    this.picture.showAnswers();
+  }
+
+  /** Have the picture show what is learned in the place of what is exact. */
+  attach() {
+    const { game, picture } = this;
     this.layer = new LearnedLayer(game, picture.svg);
     this.marks = picture.marks;
     picture.marks = this.layer;
-    this.put(true);
-    this.begin(this.find("seed").value);
-    picture.showAnswers();
   }
 
   /** Go back to the game. */
@@ -261,7 +274,7 @@ export class Learning {
     this.find("learn-numbers").textContent =
       `${capital(learner.unit)} ${learner.number} · value at the start ${formatted(value)}, exact ${formatted(exact)}`;
     if (!this.details.open) return;
-    const warning = this.isMixed ? "# Sliders were moved while this ran: Python's numbers differ.\n" : "";
+    const warning = this.isMixed ? "# Something was changed while this ran: Python's numbers differ.\n" : "";
     this.python.textContent = warning + inPython(game.data, learner);
   }
 

@@ -281,6 +281,7 @@ export class Learner {
    * their actions stays as it was until they are tried again.
    *
    * @param {LevelData} data
+   * @returns {number} How many states both have.
    */
   follow(data) {
     const { problem, values, visits, actions, isPrediction } = this;
@@ -300,6 +301,7 @@ export class Learner {
     this.places = new Map(this.memory.map((step, place) => [slotOf(step), place]));
     const here = this.isOver ? undefined : kept.get(this.way.at(-1));
     this.way = here === undefined ? [] : this.way.map((state) => kept.get(state) ?? here);
+    return kept.size;
   }
 
   /** Learn from one more state, step or round, and return what happened; null after the end. */
