@@ -23,8 +23,8 @@ class NoveltyArchive:
 
     Args:
         levels: levels that are known from the beginning.
-        features: the names of the [metrics](mazes.md) by which levels are compared; by default,
-            those for which no level has to be solved and that all levels have.
+        features: the names of the metrics by which levels are compared, as `Metrics` has them; by
+            default, those for which no level has to be solved and that all levels have.
         nearest: the number of known levels with which one is compared.
 
     Raises:
