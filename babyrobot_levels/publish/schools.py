@@ -16,16 +16,22 @@ from babyrobot_levels.render.templates import html, put_together
 from babyrobot_levels.text.errors import DISTRIBUTION
 from babyrobot_levels.text.files import PACK_FILE
 
+_PYTHON = "3.13"
+
 _SETUP = f"""\
 #!/usr/bin/env bash
 set -e
 apt-get update
 apt-get install -y python3 python3-venv
-python3 -m venv /autograder/venv
+# The Python of the system may be too old.
+python3 -m venv /autograder/uv
+/autograder/uv/bin/pip install uv
+export UV_PYTHON_INSTALL_DIR=/autograder/python
+/autograder/uv/bin/uv venv --python {_PYTHON} /autograder/venv
 # A wheel that was put into this archive, else the release.
 wheels=(/autograder/source/*.whl)
 [ -e "${{wheels[0]}}" ] || wheels=({DISTRIBUTION})
-/autograder/venv/bin/pip install "${{wheels[@]}}"
+/autograder/uv/bin/uv pip install --python /autograder/venv/bin/python3 "${{wheels[@]}}"
 """
 
 GITHUB_CLASSROOM = f"""\
@@ -44,7 +50,7 @@ jobs:
       - uses: actions/checkout@v4
       - uses: actions/setup-python@v5
         with:
-          python-version: "3.13"
+          python-version: "{_PYTHON}"
       - run: pip install {DISTRIBUTION}
       - id: course
         shell: python
@@ -95,7 +101,7 @@ def prairielearn(course: Course, title: str) -> Mapping[str, bytes]:
         "singleVariant": True,
         "gradingMethod": "External",
         "externalGradingOptions": {
-            "image": "python:3.13-slim",
+            "image": f"python:{_PYTHON}-slim",
             "entrypoint": "/grade/tests/grade.py",
             "timeout": 600,
             "enableNetworking": True,
