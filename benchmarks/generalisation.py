@@ -1,10 +1,12 @@
 """Generalisation: agents learn in the levels of one split, and are scored in those of another.
 
 python benchmarks/generalisation.py --train    # trains what has no result yet; can be interrupted
-python benchmarks/generalisation.py --table    # the table of docs/benchmark.md
+python benchmarks/generalisation.py --table    # the tables of docs/benchmark.md
+python benchmarks/generalisation.py --curves   # its learning curves, into docs/images
 
 Each run, of a method in a suite with a seed, leaves a file in benchmarks/generalisation/. PPO,
-MaskablePPO and RecurrentPPO need the extra `sb3`.
+MaskablePPO and RecurrentPPO of Stable-Baselines3 need the extra `sb3`; the networks of `jax-…` are
+trained by generalisation_jax.py.
 """
 
 from __future__ import annotations
@@ -14,21 +16,56 @@ import json
 import statistics
 import time
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import asdict
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, astuple
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import babyrobot_levels as brl
+from babyrobot_levels.render.charts import Curve, curves_svg
 from babyrobot_levels.scoring.results import plain
+from babyrobot_levels.scoring.summaries import improvement_of, statistics_of
 from babyrobot_levels.text.files import write_text
 
 RESULTS = Path(__file__).with_name("generalisation")
+IMAGES = Path(__file__).parents[1] / "docs" / "images"
+COLORS = ("#0072b2", "#e69f00", "#d55e00", "#009e73")
 SUITES = ("bench-easy", "bench-hard")
 SEEDS = (0, 1, 2)
+FIVE = range(5)
+"""The seeds of networks that are trained together."""
+
+FAMILIES: dict[str, dict[str, Any]] = {
+    "starts": {"start": "random"},
+    "larger": {"size": {"min": [8, 8], "max": [10, 10]}, "max_steps": 200},
+    "algorithms": {
+        "maze": {
+            "algorithm": ["depth-first", "kruskal", "recursive-division", "sidewinder"],
+            "loops": {"min": 0.25, "max": 1},
+        }
+    },
+    "terrain": {"puddles": {"min": 6, "max": 10}, "wind": {"min": 1, "max": 2}},
+}
+"""Families for tests alone, by what they have in place of the fields of `bench-easy`."""
+
+HELD_OUT = 200
+"""How many levels each of these families has."""
+
+TRAINED = Path(__file__).parents[1] / "build" / "generalisation"
+"""Where generalisation_jax.py keeps tables and networks."""
+
+NETWORKS = ("bench-easy", "bench-keys")
+"""The suites in which it trains networks."""
+
+PROGRAMS = {
+    "feedforward": ("jax-ppo", "jax-plr-estimate", "jax-plr-regret"),
+    "recurrent": ("jax-recurrent-ppo",),
+}
+"""What it trains together."""
+
 
 STEPS = 500_000
 """The steps that an agent may take in the levels of `train`."""
@@ -164,13 +201,86 @@ def learned(
     return scores
 
 
-METHODS = {
+class Network:
+    """A network that generalisation_jax.py has trained.
+
+    Args:
+        weights: its layers, by their names.
+        told: which entries of a view it reads.
+        seed: the seed of the actions that it draws, if it has memory.
+    """
+
+    def __init__(self, weights: Mapping[str, Any], told: Any, seed: int) -> None:
+        self.weights, self.told = weights, told
+        self.random = np.random.default_rng(seed)
+        self.memory: Any = None
+
+    def layer(self, name: str, values: Any) -> Any:
+        return values @ self.weights[name] + self.weights[f"{name}-bias"]
+
+    def entered(self, views: Any) -> Any:
+        inputs = views.reshape(len(views), -1)[:, self.told].astype(np.float32)
+        return self.layer("core", np.maximum(self.layer("inputs", inputs), 0))
+
+    def chances(self, read: Any) -> Any:
+        """Return the probabilities of the actions."""
+        outputs = self.layer("heads", read)[:, :-1].astype(np.float64)
+        raised = np.exp(outputs - outputs.max(axis=1, keepdims=True))
+        return raised / raised.sum(axis=1, keepdims=True)
+
+    def policy(self, views: Any) -> Any:
+        """Return the probabilities of the actions, of a network without memory."""
+        return self.chances(np.maximum(self.entered(views), 0))
+
+    # -- with memory -------------------------------------------------------------------------
+
+    def reset(self) -> None:
+        self.memory = np.zeros((1, len(self.weights["memory"])), np.float32)
+
+    def act(self, view: Any, mask: Any) -> int:
+        """Return an action that is drawn; the memory is a gated recurrent unit."""
+        entered = np.split(self.entered(view[None]), 3, axis=1)
+        kept = np.split(self.layer("memory", self.memory), 3, axis=1)
+        reset, update = (1 / (1 + np.exp(-entered[n] - kept[n])) for n in (0, 1))
+        new = np.tanh(entered[2] + reset * kept[2])
+        self.memory = (1 - update) * new + update * self.memory
+        (chances,) = self.chances(self.memory)
+        return int(self.random.choice(chances.size, p=chances))
+
+
+def trained(method: str, suite: str, seed: int, steps: int) -> Callable[[Levels], brl.Scores]:
+    """Return what scores a network of generalisation_jax.py."""
+    program = next(name for name, methods in PROGRAMS.items() if method in methods)
+    with np.load(TRAINED / f"{suite}-{program}.npz") as kept:
+        (run,) = np.flatnonzero((kept["methods"] == method) & (kept["seeds"] == seed))
+        weights = {
+            name.removeprefix("weights-"): kept[name][run]
+            for name in kept.files
+            if name.startswith("weights-")
+        }
+        told = kept["told"]
+
+    def scores(levels: Levels) -> brl.Scores:
+        network = Network(weights, told, seed)
+        has_memory = "memory" in weights
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "of an agent with memory", UserWarning)
+            return brl.score(
+                network if has_memory else network.policy, levels, observation="view",
+                actions="moves", batched=not has_memory, episodes=PLAYED, seed=seed,
+            )  # fmt: skip
+
+    return scores
+
+
+METHODS: dict[str, Callable[[str, int, int], Callable[[Levels], brl.Scores]]] = {
     "random": random_policy,
     "best": best_policy,
     "q-learning": q_learning,
     "ppo": ppo,
     "maskable-ppo": maskable_ppo,
     "recurrent-ppo": recurrent_ppo,
+    **{method: partial(trained, method) for methods in PROGRAMS.values() for method in methods},
 }
 
 TITLES = {
@@ -180,6 +290,13 @@ TITLES = {
     "ppo": "PPO",
     "maskable-ppo": "MaskablePPO",
     "recurrent-ppo": "RecurrentPPO",
+}
+
+TITLES_OF_NETWORKS = {
+    "jax-ppo": "PPO",
+    "jax-plr-estimate": "PLR by positive value loss",
+    "jax-plr-regret": "PLR by exact regret",
+    "jax-recurrent-ppo": "recurrent PPO",
 }
 
 ONCE = ("random", "best")
@@ -193,6 +310,35 @@ ONCE = ("random", "best")
 def levels_of(suite: str, split: str) -> Levels:
     """Return the levels of a split, generated once."""
     return list(brl.load_suite(suite).split(split))
+
+
+@cache
+def family(name: str) -> Levels:
+    """Return the levels of a family that is held out, of the kind of `bench-easy`."""
+    if name == "mirrored":
+        return [mirrored(level) for level in levels_of("bench-easy", "test")]
+    fields = brl.load_suite("bench-easy").to_dict()
+    changes = {"name": f"bench-easy-{name}", "seed": 2, "count": HELD_OUT, "splits": {}}
+    return list(brl.load_suite({**fields, **changes, **FAMILIES[name]}))
+
+
+def mirrored(level: brl.Level) -> brl.Level:
+    """Return the mirror image of a level of mazes and puddles: what was left is right."""
+    fields = level.resolve().to_dict()
+    last = fields["size"][0] - 1
+
+    def across(at: Sequence[int], width: int = 1) -> list[int]:
+        return [last - at[0] - width + 1, at[1]]
+
+    for end in ("start", "exit"):
+        fields[end] = across(fields[end])
+    for puddle in fields.get("puddles", []):
+        puddle["at"] = across(puddle["at"])
+    for wall in fields["walls"]:
+        # One to the east lies between two columns, one to the south is as long as its cells.
+        is_east = wall["side"] == "E"
+        wall["at"] = across(wall["at"], 2 if is_east else wall.get("length", 1))
+    return brl.load({**fields, "name": f"{fields['name']}-mirrored"})
 
 
 def runs(methods: Sequence[str], suites: Sequence[str], seeds: Sequence[int]) -> list[Any]:
@@ -214,11 +360,17 @@ def result_of(method: str, suite: str, seed: int, steps: int) -> dict[str, Any]:
     seen = scores(levels_of(suite, "train")[:SEEN])
     test = scores(levels_of(suite, "test"))
     mazes = scores([brl.load(name) for name in TEST_MAZES])
+    held_out = {}
+    if method in TITLES_OF_NETWORKS:
+        held_out["test"] = columns(test)
+    if method in TITLES_OF_NETWORKS and suite == "bench-easy":
+        held_out |= {name: columns(scores(family(name))) for name in ("mirrored", *FAMILIES)}
+        held_out["test-mazes"] = columns(mazes)
     return {
         "method": method,
         "suite": suite,
         "seed": seed,
-        "steps": steps if method.endswith("ppo") else 0,
+        "steps": steps if method.endswith("ppo") or method in TITLES_OF_NETWORKS else 0,
         "is_exact": test.is_exact,
         "train_cpu_seconds": round(trained - began, 1),
         "score_cpu_seconds": round(time.process_time() - trained, 1),
@@ -227,6 +379,15 @@ def result_of(method: str, suite: str, seed: int, steps: int) -> dict[str, Any]:
         "test-mazes": plain(asdict(mazes.summary)),
         "test_shares": [round(score.share, 4) for score in test],
         "test_maze_shares": {score.level: round(score.share, 4) for score in mazes},
+        **({"columns": held_out} if held_out else {}),
+    }
+
+
+def columns(scores: brl.Scores) -> dict[str, list[float]]:
+    """Return what intervals over levels are made from."""
+    return {
+        name: [round(getattr(score, name), 4) for score in scores]
+        for name in ("share", "regret", "success")
     }
 
 
@@ -266,6 +427,74 @@ def table(folder: Path = RESULTS) -> str:
     return "\n".join(parts)
 
 
+def networks_table(folder: Path = RESULTS) -> str:
+    """Return the tables of the networks of generalisation_jax.py, in Markdown."""
+    found: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    for path in sorted(folder.glob("*-jax-*.json")):
+        result = json.loads(path.read_text("utf-8"))
+        found.setdefault((result["suite"], result["method"]), []).append(result)
+    parts = []
+    for suite in NETWORKS:
+        lines = [
+            f"| `{suite}` | train | test | IQM | worst tenth | solved | success | "
+            "better than PPO |",
+            "|---|---|---|---|---|---|---|---|",
+        ]
+        for method, title in TITLES_OF_NETWORKS.items():
+            runs = found.get((suite, method))
+            if not runs:
+                continue
+            known, ends = statistics_of(*arrays(runs, "test"), stratified=False)
+            seen = statistics.fmean(each["train"]["mean"] for each in runs)
+            names = ("mean", "iqm", "worst_tenth", "solved", "success")
+            cells = [title, f"{seen:.2f}", *(told(known[name], *ends[name]) for name in names)]
+            better = improvement_of(
+                arrays(runs, "test")[0], arrays(found[suite, "jax-ppo"], "test")[0]
+            )
+            cells.append("" if method == "jax-ppo" else told(*astuple(better)))
+            lines.append(f"| {' | '.join(cells)} |")
+        parts.append("\n".join(lines) + "\n")
+    families = ("test", "mirrored", *FAMILIES, "test-mazes")
+    lines = [f"| mean share | {' | '.join(families)} |", "|---" * (len(families) + 1) + "|"]
+    for method, title in TITLES_OF_NETWORKS.items():
+        runs = found.get(("bench-easy", method), [])
+        cells = [title]
+        for name in families if runs else ():
+            known, ends = statistics_of(*arrays(runs, name), stratified=False)
+            cells.append(told(known["mean"], *ends["mean"]))
+        lines += [f"| {' | '.join(cells)} |"] if runs else []
+    parts.append("\n".join(lines) + "\n")
+    return "\n".join(parts)
+
+
+def arrays(runs: Sequence[dict[str, Any]], part: str) -> tuple[Any, Any]:
+    """Return shares `[runs, levels]`, and regrets and successes `[runs, levels, 2]`."""
+    kept = [each["columns"][part] for each in runs]
+    pairs = [np.transpose([each["regret"], each["success"]]) for each in kept]
+    return np.array([each["share"] for each in kept]), np.array(pairs)
+
+
+def told(value: float, low: float, high: float) -> str:
+    return f"{value + 0.0:.2f} ({low + 0.0:.2f} to {high + 0.0:.2f})"
+
+
+def curves(suite: str) -> str:
+    """Return the learning curves of the networks of a suite, as SVG."""
+    drawn: list[Curve] = []
+    for method, title in TITLES_OF_NETWORKS.items():
+        program = next(name for name, methods in PROGRAMS.items() if method in methods)
+        with np.load(TRAINED / f"{suite}-{program}.npz") as kept:
+            means = kept["curve"][kept["methods"] == method].mean(axis=2)
+            millions = float(kept["steps"]) / 1e6
+        steps = np.linspace(0, millions, means.shape[1] + 1)[1:].tolist()
+        color = COLORS[len(drawn)]
+        drawn.append(Curve(title, [*zip(steps, means.mean(axis=0).tolist(), strict=True)], color))
+    return curves_svg(
+        drawn, goal=("optimum", 1.0), x_title="steps, in millions",
+        y_title=f"mean share in test of {suite}",
+    )  # fmt: skip
+
+
 def row(title: str, found: Sequence[dict[str, Any]]) -> str:
     """Return the row of a method: means over its seeds, and the lowest and highest of `test`."""
 
@@ -296,17 +525,35 @@ def main() -> None:
     )
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--train", action="store_true", help="do the runs that have no result yet")
-    what.add_argument("--table", action="store_true", help="print the table of the results")
+    what.add_argument("--table", action="store_true", help="print the tables of the results")
+    what.add_argument("--curves", action="store_true", help="draw the learning curves of networks")
     parser.add_argument("--method", action="append", choices=METHODS, help="only this method")
-    parser.add_argument("--suite", action="append", choices=SUITES, help="only this suite")
+    parser.add_argument(
+        "--suite", action="append", choices={*SUITES, *NETWORKS}, help="only this suite"
+    )
     parser.add_argument("--seed", action="append", type=int, help="only this seed")
     parser.add_argument("--steps", type=int, default=STEPS, help="steps of training")
     parser.add_argument("--folder", type=Path, default=RESULTS, help="where results are")
     args = parser.parse_args()
     if args.table:
-        print(table(args.folder), end="")
+        print(table(args.folder) + "\n" + networks_table(args.folder), end="")
         return
-    chosen = runs(args.method or list(METHODS), args.suite or SUITES, args.seed or SEEDS)
+    if args.curves:
+        for suite in args.suite or NETWORKS:
+            write_text(IMAGES / f"curves-{suite}.svg", curves(suite))
+        return
+    chosen = [
+        run
+        for methods, suites, seeds in (
+            (TITLES, SUITES, SEEDS),
+            (TITLES_OF_NETWORKS, NETWORKS, FIVE),
+        )
+        for run in runs(
+            [method for method in args.method or methods if method in methods],
+            [suite for suite in args.suite or suites if suite in suites],
+            args.seed or seeds,
+        )
+    ]
     train(chosen, args.folder, args.steps)
 
 

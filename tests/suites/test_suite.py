@@ -16,7 +16,7 @@ from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.suites.suite import Suite, load_suite, named_levels
 from babyrobot_levels.text.emitter import emit
 
-WITH_DOORS = ("bench-hard", "locked-mazes", "text-easy", "text-hard")
+WITH_DOORS = ("bench-hard", "bench-keys", "locked-mazes", "text-easy", "text-hard")
 SHIPPED = ("bench-easy", "classics", "long-ways", "small-mazes", "wet-mazes", *WITH_DOORS)
 
 FIELDS: dict[str, Any] = {
