@@ -393,10 +393,12 @@ class Designs:
                 bumps = jnp.zeros_like(over) if taken is None else ~open_[taken]
                 branches.append((sure, to, self._pay(layout, to, paid, over, bumps=bumps)))
             intended = jnp.where(over, cells, landing[way])
-            rows.append(merged(branches, over, intended, ~open_[way] & ~over))
+            rows.append(merged(branches, over, layout.exit, intended, ~open_[way] & ~over))
         if not self._first_action:
             stays = self._pay(layout, cells, paid, over, stays=True)
-            rows.insert(0, merged([(jnp.ones(cells.size), cells, stays)], over, cells, None))
+            rows.insert(
+                0, merged([(jnp.ones(cells.size), cells, stays)], over, layout.exit, cells, None)
+            )
         mask = [~over & open_[way] for way in range(4)]
         if not self._first_action:
             mask.insert(0, jnp.ones_like(over))

@@ -25,6 +25,7 @@ from babyrobot_levels.jax.observations import (
     tables_of,
 )
 from babyrobot_levels.jax.params import (
+    EXIT,
     NEVER,
     REACHED,
     SKIDDED,
@@ -35,6 +36,7 @@ from babyrobot_levels.jax.params import (
 )
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.states import exit_states
 from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Suite, named_levels
 
@@ -136,7 +138,8 @@ class Loader:
             states = part.state_info.size
             observations = tables_of(level, states, self.observation, self.extent)
             limit = limits_of([level], self.max_episode_steps)[0]
-            arrays.append(arrays_of(part, limit, level.discount, observations))
+            exits = exit_states(level, self.actions.tables(level))
+            arrays.append(arrays_of(part, exits, limit, level.discount, observations))
         return arrays, room
 
     def _part(self, level: Level) -> Part:
@@ -279,12 +282,17 @@ class LevelArrays:
 
 
 def arrays_of(
-    part: Part, limit: int, discount: float, observations: ObservationTables
+    part: Part,
+    exits: NDArray[np.bool_],
+    limit: int,
+    discount: float,
+    observations: ObservationTables,
 ) -> LevelArrays:
     """Return a level as arrays.
 
     Args:
         part: the level, as the other engines have it.
+        exits: bool `[states]`: in which states the robot is at an open exit.
         limit: its time limit, `NO_LIMIT` for none.
         discount: its discount.
         observations: the observations of its states.
@@ -296,7 +304,7 @@ def arrays_of(
     columns: tuple[NDArray[Any], ...] = (
         part.columns["next_state"].astype(np.int32),
         part.columns["reward"],
-        _outcomes(part.columns["outcome_info"], num_actions),
+        _outcomes(part, exits),
     )
     which = np.minimum(np.arange(width), last[:, None])
     next_state, reward, outcome = (column[:, 0].copy() for column in columns)
@@ -318,11 +326,14 @@ def arrays_of(
     )
 
 
-def _outcomes(words: NDArray[np.uint64], num_actions: int) -> NDArray[np.uint8]:
-    """Return info words as sums of `TERMINAL`, `HIT`, `REACHED` and `SKIDDED`."""
-    infos = words.view(info_dtype(num_actions))
+def _outcomes(part: Part, exits: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Return outcomes as sums of `TERMINAL`, `HIT`, `REACHED`, `SKIDDED` and `EXIT`."""
+    num_actions = part.count.size // part.state_info.size
+    infos = part.columns["outcome_info"].view(info_dtype(num_actions))
     told: NDArray[np.uint8] = infos["end"] + REACHED * infos["reached"].view(np.uint8)
-    return told + SKIDDED * infos["skidded"].view(np.uint8)
+    told += SKIDDED * infos["skidded"].view(np.uint8)
+    told += EXIT * (exits[part.columns["next_state"]] & ((told & TERMINAL) > 0)).view(np.uint8)
+    return told
 
 
 def _mask_bits(state_info: NDArray[np.uint64], num_actions: int) -> NDArray[np.uint8]:

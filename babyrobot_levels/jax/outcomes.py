@@ -7,7 +7,7 @@ from functools import reduce
 import jax.numpy as jnp
 from jax import Array
 
-from babyrobot_levels.jax.params import NEVER, REACHED, SKIDDED, TERMINAL
+from babyrobot_levels.jax.params import EXIT, NEVER, REACHED, SKIDDED, TERMINAL
 
 WIDTH = 4
 """The most outcomes of an action: the four cells around."""
@@ -16,6 +16,7 @@ WIDTH = 4
 def merged(
     branches: list[tuple[Array, Array, Array]],
     over: Array,
+    target: Array,
     intended: Array,
     is_refused: Array | None,
 ) -> dict[str, Array]:
@@ -24,6 +25,7 @@ def merged(
     Args:
         branches: the chance, the next state and the reward of each, `[cells]`.
         over: in which states the episode is over.
+        target: int32: the cell of the exit.
         intended: where the action leads without chance.
         is_refused: whether a wall refuses it.
     """
@@ -52,6 +54,7 @@ def merged(
     at_target = to == intended
     refused = jnp.zeros_like(over) if is_refused is None else is_refused
     outcome = TERMINAL * over[to] + REACHED * (at_target & ~refused) + SKIDDED * ~at_target
+    outcome += EXIT * (to == target)
     # In float32, 2**32 - 1 is none of the numbers.
     word = jnp.ceil(jnp.where(cumulated < 1, cumulated, 0) * 2.0**32).astype(jnp.uint32) - 1
     return {

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.jax.observations import ObservationTables
 
-TERMINAL, HIT, REACHED, SKIDDED = 1, 2, 4, 8
-"""The bits of what is told of an outcome."""
+TERMINAL, HIT, REACHED, SKIDDED, EXIT = 1, 2, 4, 8, 16
+"""The bits of what is told of an outcome; `EXIT` is for episodes that end at an exit."""
 
 UNLIMITED = np.iinfo(np.int32).max
 """The time limit of levels without one."""
@@ -40,7 +40,8 @@ class EnvParams:
     Attributes:
         next_state: int32 `[rows + stochastic rows * most outcomes]`.
         reward: float32 (float64 with JAX's x64 mode), as `next_state`.
-        outcome: uint8, as `next_state`: the sum of `TERMINAL`, `HIT`, `REACHED` and `SKIDDED`.
+        outcome: uint8, as `next_state`: the sum of `TERMINAL`, `HIT`, `REACHED`, `SKIDDED` and
+            `EXIT`.
         threshold: uint32 `[stochastic rows, most outcomes - 1]`: a word that is above k of these
             thresholds draws outcome k.
         probability: float, `[stochastic rows, most outcomes]`: the exact probabilities, of which

@@ -19,7 +19,7 @@ from jax.tree_util import register_dataclass
 
 from babyrobot_levels.analysis.solver.results import check_discount, check_within
 from babyrobot_levels.jax import linear
-from babyrobot_levels.jax.params import TERMINAL, UNLIMITED, EnvParams
+from babyrobot_levels.jax.params import EXIT, TERMINAL, UNLIMITED, EnvParams
 
 MAX_SWEEPS = 10_000
 """Without a time limit, what has not converged after so many sweeps is nan."""
@@ -54,10 +54,17 @@ class Worth:
     Attributes:
         values: `[states]`: the expected return from each state; 0 where the episode is over.
         returns: `[levels]`: the expected return of an episode, over the level's starts.
+        success: `[levels]`: the probability of reaching an exit.
     """
 
     values: Array
     returns: Array
+    success: Array
+
+    @property
+    def learnability(self) -> Array:
+        """`success * (1 - success)`, `[levels]`: what `learnability` estimates from episodes."""
+        return self.success * (1 - self.success)
 
 
 def optimum(
@@ -108,9 +115,9 @@ def evaluate(
     Raises:
         ValueError: an argument has another shape or value.
     """
-    policy, factors = _checked(params, policy), _factors(params, discount)
-    worth: Worth = _evaluate(params, policy, factors, _limits(params, within))
-    return worth
+    given = _checked(params, policy), _factors(params, discount), _limits(params, within)
+    values, returns = _evaluate(params, *given)
+    return Worth(values, returns, _success(params, *given))
 
 
 def regret(
@@ -133,10 +140,42 @@ def regret(
     Raises:
         ValueError: an argument has another shape or value.
     """
-    worth = evaluate(params, policy, discount=discount, within=within)
+    given = _checked(params, policy), _factors(params, discount), _limits(params, within)
+    _, returns = _evaluate(params, *given)
     if best is None:
         best = optimum(params, discount=discount, within=within).returns
-    return best - worth.returns
+    difference: Array = best - returns
+    return difference
+
+
+def expected_positive_advantage(
+    params: EnvParams,
+    policy: Any,
+    *,
+    discount: float | None = None,
+    within: int | str | None = None,
+) -> Array:
+    """Return the mean of the advantages of a policy's steps, those below 0 counted as 0.
+
+    The advantage Q(s, a) - V(s) is that of the policy itself, and exact, as in the `advantage` of
+    `babyrobot_levels.score`. The expected sum over an episode is divided by the expected number of
+    steps: it is what `positive_value_loss` estimates.
+
+    Args:
+        params: the levels.
+        policy: as in `evaluate`.
+        discount: above 0 and at most 1; by default, that of each level.
+        within: as in `optimum`.
+
+    Returns:
+        Float `[levels]`; nan where values or episodes are infinite.
+
+    Raises:
+        ValueError: an argument has another shape or value.
+    """
+    given = _checked(params, policy), _factors(params, discount), _limits(params, within)
+    mean: Array = _positive_advantage(params, *given)
+    return mean
 
 
 def random_policy(params: EnvParams) -> Array:
@@ -169,6 +208,7 @@ class _Model:
 
     Attributes:
         reward: `[choices, states]`: the expected reward.
+        success: `[choices, states]`: the probability that the episode ends at an exit at once.
         target: int32 `[choices, states]`: the state that a choice leads to; `states` for the end,
             and from `states + 1` on for stochastic rows.
         weight: `[outcomes, stochastic rows]`: the probabilities of a row.
@@ -178,6 +218,7 @@ class _Model:
     """
 
     reward: Array
+    success: Array
     target: Array
     weight: Array
     outcome: Array
@@ -208,6 +249,7 @@ class _Model:
         return replace(
             self,
             reward=jnp.take_along_axis(self.reward, chosen, axis=0),
+            success=jnp.take_along_axis(self.success, chosen, axis=0),
             target=jnp.take_along_axis(self.target, chosen, axis=0),
         )
 
@@ -234,13 +276,18 @@ def _model_of(params: EnvParams) -> _Model:
     row_next = params.next_state[:rows]
     is_drawn = row_next < 0
     target = jnp.where(is_drawn, states - row_next, following[:rows])
-    reward = params.reward[:rows]
     shape = (params.probability.shape[0], params.most_outcomes)
-    if params.draws_outcomes:
-        drawn = (params.probability * params.reward[rows:].reshape(shape)).sum(axis=1)
-        reward = jnp.where(is_drawn, drawn[jnp.maximum(-1 - row_next, 0)], reward)
+
+    def expected(of_outcome: Array) -> Array:
+        found = of_outcome[:rows]
+        if params.draws_outcomes:
+            drawn = (params.probability * of_outcome[rows:].reshape(shape)).sum(axis=1)
+            found = jnp.where(is_drawn, drawn[jnp.maximum(-1 - row_next, 0)], found)
+        return found.reshape(states, actions).T
+
     return _Model(
-        reward=reward.reshape(states, actions).T,
+        reward=expected(params.reward),
+        success=expected(((params.outcome & EXIT) > 0).astype(params.reward.dtype)),
         target=target.reshape(states, actions).T,
         weight=params.probability.T,
         # Outcomes that do not exist may lead anywhere.
@@ -299,38 +346,108 @@ def _optimum(params: EnvParams, discount: Array, limit: Array | None) -> Optimum
     return Optimum(values, _at_starts(params, values), actions)
 
 
-@jax.jit
-def _evaluate(params: EnvParams, policy: Array, discount: Array, limit: Array | None) -> Worth:
+def _mixed(params: EnvParams, policy: Array, discount: Array) -> tuple[_Model, Array, Array]:
+    """Return a model, the probability of each choice, `[choices, states]`, and the discount."""
     model = _model_of(params)
-    factor = discount[model.level]
     if policy.ndim == 1:
         model = model.under(policy)
-        weights = jnp.ones_like(model.reward)
-    else:
-        weights = policy.astype(factor.dtype).T
-        total = weights.sum(axis=0)
-        weights = jnp.where(total > 0, weights / total, 1 / params.num_actions)
+        return model, jnp.ones_like(model.reward), discount[model.level]
+    weights = policy.astype(discount.dtype).T
+    total = weights.sum(axis=0)
+    weights = jnp.where(total > 0, weights / total, 1 / params.num_actions)
+    return model, weights, discount[model.level]
+
+
+@jax.jit
+def _evaluate(
+    params: EnvParams, policy: Array, discount: Array, limit: Array | None
+) -> tuple[Array, Array]:
+    model, weights, factor = _mixed(params, policy, discount)
     reward = (weights * model.reward).sum(axis=0)
+    largest = model.largest_reward(params)
+    values = _sums(params, model, weights, reward, factor, limit, largest)
+    return values, _at_starts(params, values)
+
+
+@jax.jit
+def _success(params: EnvParams, policy: Array, discount: Array, limit: Array | None) -> Array:
+    model, weights, _ = _mixed(params, policy, discount)
+    gained, one = (weights * model.success).sum(axis=0), jnp.ones_like(model.success[0])
+    reached = _sums(params, model, weights, gained, one, limit, one)
+    return jnp.clip(_at_starts(params, reached), 0, 1)
+
+
+@jax.jit
+def _positive_advantage(
+    params: EnvParams, policy: Array, discount: Array, limit: Array | None
+) -> Array:
+    model, weights, factor = _mixed(params, policy, discount)
+    one, largest = jnp.ones_like(factor), model.largest_reward(params)
+
+    def gained(values: Array) -> tuple[Array, Array]:
+        ahead = zip(model.reward, model.ahead(values), strict=True)
+        found = [reward + factor * each for reward, each in ahead]
+        mean = _mean(weights, found)
+        above = zip(weights, found, strict=True)
+        return mean, sum(weight * jnp.maximum(each - mean, 0) for weight, each in above)
+
     if limit is None:
-        values = _in_the_long_run(model, weights, reward, factor, params.num_levels)
+        reward = (weights * model.reward).sum(axis=0)
+        values = _sums(params, model, weights, reward, factor, None, largest)
+        gains = jnp.where(jnp.isfinite(values), gained(values)[1], 0)
+        total = _sums(params, model, weights, gains, one, None, largest)
+        steps = _sums(params, model, weights, one, one, None, one)
     else:
 
-        def sweep(values: Array, _: None) -> tuple[Array, None]:
-            return reward + factor * _mean(weights, model.ahead(values)), None
+        def sweep(sums: Array, _: None) -> tuple[Array, None]:
+            values, gains = gained(sums[0])
+            total, steps = (_mean(weights, model.ahead(each)) for each in sums[1:])
+            return jnp.stack([values, total + gains, steps + 1]), None
 
-        start = jnp.zeros_like(reward), None
-        values, _ = _swept(sweep, start, limit[model.level], model.largest_reward(params))
-    return Worth(values, _at_starts(params, values))
+        sizes = jnp.stack([largest, largest, one])
+        start = jnp.zeros_like(sizes), None
+        (values, total, steps), _ = _swept(sweep, start, limit[model.level], sizes)
+    returns, total, steps = (_at_starts(params, each) for each in (values, total, steps))
+    return jnp.where(jnp.isfinite(returns) & jnp.isfinite(steps), total / steps, jnp.nan)
+
+
+def _sums(
+    params: EnvParams,
+    model: _Model,
+    weights: Array,
+    gained: Array,
+    factor: Array,
+    limit: Array | None,
+    largest: Array,
+) -> Array:
+    """Return the expected sums of what a policy gains in each step, `[states]`.
+
+    Args:
+        params: the levels.
+        model: the same levels.
+        weights: `[choices, states]`: the probability of each choice.
+        gained: `[states]`: the expected gain of a step.
+        factor: `[states]`: the discount.
+        limit: int32 `[levels]`: the number of steps; None for no limit.
+        largest: `[states]`: the largest gain of a step in the state's level.
+    """
+    if limit is None:
+        return _in_the_long_run(model, weights, gained, factor, params.num_levels)
+
+    def sweep(values: Array, _: None) -> tuple[Array, None]:
+        return gained + factor * _mean(weights, model.ahead(values)), None
+
+    return _swept(sweep, (jnp.zeros_like(gained), None), limit[model.level], largest)[0]
 
 
 def _swept(sweep: Any, start: tuple[Array, Any], limit: Array, largest: Array) -> tuple[Array, Any]:
     """Sweep until each state's limit, or until nothing changes; return values and more.
 
     Args:
-        sweep: from values, `[states]`, and more of each state to the next ones.
+        sweep: from values, `[…, states]`, and more of each state to the next ones.
         start: what they are with no steps left.
         limit: int32 `[states]`: the number of sweeps.
-        largest: `[states]`: the largest reward of the state's level.
+        largest: `[…, states]`: the largest reward of the state's level.
     """
     is_limited = limit < UNLIMITED
     last = jnp.where(is_limited, limit, MAX_SWEEPS)
@@ -353,7 +470,7 @@ def _swept(sweep: Any, start: tuple[Array, Any], limit: Array, largest: Array) -
         changed = (jnp.abs(found[0] - past[0]) > slack) & ~swings
         return count + 1, past[0], found, changed
 
-    begin = jnp.int32(0), start[0], start, jnp.ones(limit.shape, bool)
+    begin = jnp.int32(0), start[0], start, jnp.ones(largest.shape, bool)
     _, before, (values, more), _ = lax.while_loop(going, step, begin)
     return jnp.where(is_limited | is_rounding(values, before), values, jnp.nan), more
 

@@ -112,6 +112,30 @@ def test_values_are_those_of_the_exact_solver(
             assert max(errors(params, worth, best)) < most
 
 
+SCORED = ("final-maze", "frozen-lake", "first-key", "cliff-walking", "ice-rink", "night-watch")
+
+
+@pytest.mark.parametrize(("within", "limit"), [("max_steps", 400), (None, None)])
+def test_success_and_advantage_are_those_of_scores(within: str | None, limit: int | None) -> None:
+    levels = [brl.load(name).replace(max_steps=limit) for name in SCORED]
+    with precision(is_x64=True):
+        _, params = brl_jax.make(levels)
+        # Other actions in other states, and some never: the advantages of steps differ.
+        policy = np.random.default_rng(0).dirichlet(
+            np.full(params.num_actions, 0.5), params.num_states
+        )
+        worth = brl_jax.evaluate(params, policy, within=within)
+        gains = brl_jax.expected_positive_advantage(params, policy, within=within)
+        for number, level in enumerate(levels):
+            own = policy[params.offset[number] : params.offset[number + 1]]
+            score = brl.score(own, level, advantage=True)[0]
+            found = [float(each[number]) for each in (worth.success, worth.learnability, gains)]
+            wanted = [score.success, score.learnability, score.advantage]
+            assert found == pytest.approx(wanted, rel=1e-9, abs=1e-12)
+    success = np.asarray(worth.success)
+    assert success.min() < 0.2 < success.max(), success
+
+
 LARGE = {"version": 1, "size": [4, 4], "start": [[0, 0], [1, 0], [2, 0]], "exit": "none"}
 ROOM = [
     LARGE | {"skid": {"probability": 0.5, "to": "others"}, "wind": {"north": [1, 0, 0, 0]}},
