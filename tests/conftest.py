@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 
 TESTS = Path(__file__).parent
 
-# For matrices as small as those of tests, threads that wait for each other take longer than one
-# that works, most of all where tests run side by side. NumPy reads this when it is loaded.
+# For matrices and networks as small as those of tests, threads that wait for each other take longer
+# than one that works, most of all where tests run side by side. NumPy and PyTorch read these when
+# they are loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # jsonschema would compile 38 grammars with it, for formats that no schema here has: seconds.
 sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]

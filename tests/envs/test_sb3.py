@@ -17,7 +17,7 @@ from support.playing import each_level_and, level_named
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.spaces import ACTION_SETS
 
-pytestmark = [pytest.mark.libraries, pytest.mark.usefixtures("on_one_thread")]
+pytestmark = pytest.mark.libraries
 
 
 @pytest.fixture(autouse=True)

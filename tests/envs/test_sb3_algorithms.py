@@ -11,7 +11,7 @@ import pytest
 
 import babyrobot_levels as brl
 
-pytestmark = [pytest.mark.libraries, pytest.mark.usefixtures("on_one_thread")]
+pytestmark = pytest.mark.libraries
 
 ON_POLICY: dict[str, Any] = {"n_steps": 8, "batch_size": 16}
 ALGORITHMS: dict[str, dict[str, Any]] = {

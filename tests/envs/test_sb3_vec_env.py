@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.envs.sb3 import LevelVecEnv
 
-pytestmark = [pytest.mark.libraries, pytest.mark.usefixtures("on_one_thread")]
+pytestmark = pytest.mark.libraries
 
 
 TRAPS: dict[str, Any] = {
