@@ -259,7 +259,10 @@ def _answers(
         for level in levels:
             answer: Any = {"fault": fault or f"it took longer than {seconds:g} seconds"}
             if not fault and ours.poll(seconds):
-                answer = {"fault": "the process of the function ended, or its answer is too large"}
+                told = (
+                    "the process of the function ended, perhaps for want of memory, or its answer"
+                )
+                answer = {"fault": f"{told} is too large"}
                 with suppress(EOFError, OSError, ValueError, RecursionError):
                     answer = json.loads(ours.recv_bytes(MAX_ANSWER))
             elif not fault:
