@@ -22,6 +22,7 @@ from typing import IO, NamedTuple
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.scoring.plays import MAX_BYTES, SUFFIX, Play, plays_in
 from babyrobot_levels.text.files import is_within, open_regular
+from babyrobot_levels.text.words import listed
 
 ZIP = ".zip"
 
@@ -42,11 +43,12 @@ _ASIDE = re.compile(r"/$|(^|/)(__MACOSX/|\.[^./][^/]*$)")
 """Folders, and what computers put beside files."""
 
 _EXPORTED = re.compile(
-    r"((?:.*-)?participant_\d+|.+?)(?:_\d+)?_assignsubmission_.*"
-    r"|(anon_[^_]+)(?:_late)?_\d+_.*|(.+?)(?:_late)?_\d+_\d+_.*",
+    r"((?:.*-)?participant_\d+|.+?)(?:_(\d+))?_assignsubmission_.*"
+    r"|(anon_[^_]+)(?:_late)?_\d+_.*|(.+?)(?:_late)?_(\d+)_\d+_.*"
+    r"|\d+-\d+ - (.+?) ?- [^-]{1,30} [AP]M",
     re.IGNORECASE,
 )
-"""A student's name, or the number of one without a name, with what Moodle and Canvas put behind."""
+"""What Moodle, Canvas and Brightspace make of a student's name, and of the number, if they do."""
 
 
 class Entry(NamedTuple):
@@ -83,10 +85,11 @@ def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
 
     A folder, and a zip file, may have a folder or a zip file for each player, or files of all. A
     file is of the player that its plays name, if the name of the file has that name, too; else the
-    name of the file stands for the player.
+    name of the file stands for the player. Two students of one name are a fault.
     """
     budget = _Budget()
     found: dict[str, HandIn] = {}
+    students: dict[tuple[Path, str], set[str]] = {}
     for path in map(Path, paths):
         for unit, place, data in _files(path, budget):
             plays, fault = [], data if isinstance(data, str) else None
@@ -97,12 +100,13 @@ def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
                     fault = re.sub(r"^:(?:(\d+):)? ", lambda at: f"line {at[1]}: " if at[1] else "",
                                    str(error))  # fmt: skip
             exported = _EXPORTED.fullmatch(unit)
-            player = next(filter(None, exported.groups())) if exported else unit
+            player, *ids = filter(None, exported.groups()) if exported else [unit]
             claims = {play.player for play in plays}
             claim = claims.pop() if len(claims) == 1 else None
             if place == "" and claim and frozenset() < words_of(claim) <= words_of(player):
                 player = claim
             hand_in = found.setdefault(player, HandIn(player))
+            students.setdefault((path, player), set()).update(ids)
             at = f"{place}, " if place else ""
             for number, play in enumerate(plays, 1):
                 hand_in.steps += play.steps
@@ -114,6 +118,10 @@ def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
                 hand_in.entries.append(Entry(f"{at}line {number}", play))
             if fault is not None:
                 hand_in.faults.append((place, fault))
+    for (_, player), several in students.items():
+        if len(several) > 1:
+            told = f"students {listed(sorted(several))} have the same name: give them two"
+            found[player].faults.append(("", told))
     return list(found.values())
 
 

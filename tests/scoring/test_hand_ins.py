@@ -49,10 +49,13 @@ FILES = [
     "babbagecharles_LATE_77_8_row.brlplay",
     "babbagecharles_77_9_lake.brlplay",
     "Eve_99_assignsubmission_file_/notes.pdf",
+    "38559-61437 - Grace Hopper - Sep 25, 2026 1105 PM/row.brlplay",
+    "38559-61437 - Grace Hopper- Sep 26, 2026 905 AM/lake.brlplay",
 ]
 PLAYERS = {
     "Ada Lovelace": ({"row.brlplay, line 1", "deep/in/lake.BRLPLAY, line 1"}, []),
     "babbagecharles": ({"line 1"}, []),
+    "Grace Hopper": ({"row.brlplay, line 1", "lake.brlplay, line 1"}, []),
     "Eve": (set(), [("", "there is no file of plays (.brlplay)")]),
 }
 
@@ -66,6 +69,17 @@ def test_exports_of_schools_have_folders_or_files_of_players(tmp_path: Path, lin
     for path in (tmp_path / "class", tmp_path / "class.zip"):
         players = {name: (set(places), faults) for name, (places, faults) in found(path).items()}
         assert players == PLAYERS
+
+
+def test_two_students_of_one_name_in_an_export_are_a_fault(tmp_path: Path, line: bytes) -> None:
+    # In another export, the same student may have another number.
+    for export, numbers in {"row": (12, 13), "lake": (57,)}.items():
+        names = [f"Ada Lovelace_{each}_assignsubmission_file_/{export}.brlplay" for each in numbers]
+        (tmp_path / f"{export}.zip").write_bytes(zipped(dict.fromkeys(names, line)))
+    assert found(tmp_path / "lake.zip")["Ada Lovelace"][1] == []
+    places, faults = found(tmp_path / "lake.zip", tmp_path / "row.zip")["Ada Lovelace"]
+    assert len(places) == 3
+    assert faults == [("", "students 12 and 13 have the same name: give them two")]
 
 
 def test_students_without_names_have_their_numbers(tmp_path: Path, line: bytes) -> None:
