@@ -49,6 +49,10 @@ def runs_of(level: Level, *, all_starts: bool) -> Iterator[dict[str, Any]]:
         yield _run(level, "q_learning", **episodes, exploring_starts=True)
     yield _run(level, "sarsa", **episodes, epsilon=0.3)
     yield _run(level, "sarsa", **episodes, n_steps=4, step_size=0.5)
+    yield _run(level, "value_iteration", max_sweeps=4, discount=0.9, actions="turns")
+    yield _run(level, "monte_carlo", policy="random", **episodes, actions="turns")
+    yield _run(level, "q_learning", **episodes, planning_steps=2, actions="turns")
+    yield _run(level, "sarsa", **episodes, actions="turns")
 
 
 def _run(
@@ -70,7 +74,8 @@ def _run(
             if name not in ("episodes", "every", "max_sweeps")
         },
     }
-    goes_on = ~level.compile().is_terminal
+    mdp = level.compile()
+    goes_on = ~(mdp.turning(level.heading) if actions == "turns" else mdp).is_terminal
     values = last.values.ravel()[goes_on]
     return {
         "options": options,
@@ -85,8 +90,9 @@ def recorded() -> str:
     lines = []
     for name in RECORDED:
         level = brl.load(name)
-        data = page_data(level)
+        data = page_data(level, turns=True)
         kept = ("starts", "max_steps", "discount", "rows", "table", "possible", "policy")
+        kept += ("width", "height", "turns")
         runs = list(runs_of(level, all_starts=not level.has_things))
         for run in runs:
             # The last digits differ between platforms.

@@ -1,5 +1,6 @@
 // Learn: an algorithm at work, in the picture of the player and in a panel of its own.
 
+import { COMMON } from "./common.js";
 import { capital, formatted } from "./game.js";
 import { chart, inPython, LearnedLayer, toldUpdate } from "./learned.js";
 import { Learner, USUAL } from "./learner.js";
@@ -75,6 +76,10 @@ export class Learning {
     const { data } = game;
     this.usual = { ...USUAL, discount: data.discount ?? 1 };
     Object.assign(this.options, { discount: this.usual.discount, exploring_starts: false });
+    const actions = this.panel.querySelector("[data-option=actions]");
+    this.canTurn = data.turns !== undefined && 4 * data.possible.length <= MOST_STATES;
+    actions.options[2]?.remove();
+    if (this.canTurn) actions.add(new Option("Turns, and forward", "turns"));
     this.find("learn-on").hidden = data.rows === undefined || !(data.learn ?? data.policy !== null);
   }
 
@@ -91,7 +96,6 @@ export class Learning {
       Object.assign(field, { value: given, checked: given === "true" });
       if (field.selectedIndex !== -1) this.options[field.dataset.option] = chosenIn(field);
     }
-    this.options.exploring_starts &&= !this.game.data.things;
     return /^\d{1,40}$/.test(run.get("seed")) ? run.get("seed") : this.usual.seed;
   }
 
@@ -111,6 +115,10 @@ export class Learning {
     }
     this.attach();
     this.put(true);
+    const { game } = this;
+    if (game.isTurning !== (this.options.actions === "turns")) {
+      this.options.actions = game.isTurning && this.canTurn ? "turns" : "moves";
+    }
     this.begin(this.find("seed").value);
     this.picture.showAnswers();
   }
@@ -150,10 +158,14 @@ export class Learning {
   begin(seed = this.options.seed) {
     this.run(false);
     this.options.seed = this.find("seed").value = seed;
-    this.learner = new Learner(this.game.data, this.options);
+    const { game } = this;
+    game.isTurning = this.options.actions === "turns";
+    this.options.exploring_starts &&= !(game.data.things || game.isTurning);
+    this.learner = new Learner(game.data, this.options);
     this.isMixed = false;
     this.showOptions();
-    [this.game.state] = this.game.data.starts;
+    const { problem } = this.learner;
+    [game.state, game.heading] = problem.split(problem.data.starts[0]);
     this.layer.begin(this.learner);
     this.show(null);
     this.showAll();
@@ -239,20 +251,27 @@ export class Learning {
 
   /** Show an update in the picture: the robot in its episode, and the outline of what is learned otherwise. */
   show(update, isSlow = false) {
-    const { game, learner, layer, picture, trail } = this;
+    const { game, layer, picture, trail } = this;
+    const { way, problem } = this.learner;
     const { state, step } = update ?? {};
-    const before = game.state;
-    game.state = learner.way.at(-1) ?? before;
-    game.past = learner.way.slice(-200, -1).map((each) => ({ state: each }));
+    const before = game.number;
+    if (way.length > 0) [game.state, game.heading] = problem.split(way.at(-1));
+    game.past = way.slice(-200, -1).map((each) => ({ state: problem.split(each)[0] }));
     const here = step === undefined ? state : undefined;
-    if (isSlow && here !== undefined) layer.chosen = game.configurationOf(here);
-    if (update === null || game.state !== before) picture.stand();
+    if (isSlow && here !== undefined) {
+      const [seen, heading] = problem.split(here);
+      layer.chosen = game.configurationOf(seen);
+      game.heading = heading;
+    }
+    if (update === null || game.number !== before) picture.stand();
     else layer.stand();
     trail.stand();
     if (isSlow && step !== undefined) {
-      const { next, code, pose } = step;
-      const move = step.action + learner.problem.first;
-      picture.go({ from: step.state, move, next, event: game.eventOf(code).event, pose, after: pose }, () => {});
+      const [[from, heading], [next, looking]] = [step.state, step.next].map((each) => problem.split(each));
+      const [side, turn] = problem.way(step.action, heading);
+      const { event } = game.eventOf(step.code);
+      const pose = heading === null ? step.pose : COMMON.headings[Number(event === "skid")][looking];
+      picture.go({ from, move: turn === 0 ? side : 0, next, event, pose, after: pose }, () => {});
     }
     layer.point(here);
     this.showSets(layer.shown);
@@ -266,7 +285,7 @@ export class Learning {
   /** Tell how far it is. */
   showNumbers() {
     const { learner, game } = this;
-    const { starts } = game.data;
+    const { starts } = learner.problem.data;
     const [value, exact] = [learner.values, learner.exact].map((values) =>
       starts.reduce((sum, state) => sum + values[state] / starts.length, 0),
     );
@@ -298,7 +317,8 @@ export class Learning {
     for (const label of this.panel.querySelectorAll("[data-for]")) {
       label.hidden = !label.dataset.for.split(" ").includes(this.options.algorithm);
     }
-    if (this.game.data.things) this.panel.querySelector('[data-option="exploring_starts"]').parentElement.hidden = true;
+    if (this.game.data.things || this.game.isTurning)
+      this.panel.querySelector('[data-option="exploring_starts"]').parentElement.hidden = true;
     this.find("learn-unit").textContent = capital(this.learner.unit);
     this.find("learn-step").textContent = this.learner.unit === "sweep" ? "State" : "Step";
     this.showOutput(this.find("learn-speed"));

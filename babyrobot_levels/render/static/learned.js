@@ -93,7 +93,7 @@ export class LearnedLayer {
 
   /** Outline the cell of a state, or none. */
   point(state) {
-    const isSeen = state !== undefined && this.game.configurationOf(state) === this.shown;
+    const isSeen = state !== undefined && Math.floor(state / this.game.cells) === this.page;
     this.here.setAttribute("transform", isSeen ? this.at(state) : "scale(0)");
   }
 
@@ -101,9 +101,11 @@ export class LearnedLayer {
   stand(configuration = this.chosen) {
     this.chosen = configuration;
     this.shown = configuration ?? this.game.configuration;
+    // For each heading of a robot that turns, there are other answers.
+    this.page = this.shown * this.learner.problem.headings + (this.game.heading ?? 0);
     const [heat, values, policy] = this.own.map((layer) => !layer.classList.contains("hidden"));
     this.cells.forEach((cell, index) => {
-      const state = this.shown * this.cells.length + index;
+      const state = this.page * this.cells.length + index;
       const isSeen = this.seen.has(state);
       if (heat || values) this.showValue(cell, isSeen ? this.learner.values[state] : null);
       if (policy) this.showActions(index, isSeen ? this.learner.best(state) : []);
@@ -133,7 +135,9 @@ export class LearnedLayer {
   showActions(index, best) {
     const [x, y] = this.game.place(index);
     const row = this.rows[y];
-    const path = best.map((action) => arrowTo(action + this.learner.problem.first, x * COMMON.cell)).join("");
+    const { problem } = this.learner;
+    const arrows = best.map((action) => arrowTo(x * COMMON.cell, ...problem.way(action, this.game.heading)));
+    const path = arrows.join("");
     row.isStale ||= path !== (row.paths[x] ?? "");
     row.paths[x] = path;
   }
@@ -144,11 +148,15 @@ function textOf(value) {
   return formatted(Math.round(100 * value) / 100).replace("Infinity", "∞");
 }
 
-/** Return the path of an action in a cell, so far from the left: an arrow, or a ring for staying. */
-function arrowTo(action, left) {
-  if (action === 0) return `M${left + 28} 30.5a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z`;
-  const [dx, dy] = [Number(action === 2) - Number(action === 4), Number(action === 3) - Number(action === 1)];
+/** Return the path of an action in a cell, so far from the left: an arrow to a side, or one that turns from it, or a ring. */
+function arrowTo(left, side, turn) {
+  if (side === 0) return `M${left + 28} 30.5a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z`;
+  const [dx, dy] = [Number(side === 2) - Number(side === 4), Number(side === 3) - Number(side === 1)];
   const at = (along, across) => `${left + 32 + along * dx - across * dy} ${30.5 + along * dy + across * dx}`;
+  if (turn !== 0) {
+    const [end, tip] = [7 * turn, 13.5 * turn];
+    return `M${at(-4, 0)}L${at(5, 0)}M${at(5, 0)}L${at(5, end)}M${at(5, tip)}L${at(8.6, end)}L${at(1.4, end)}z`;
+  }
   return `M${at(0, 0)}L${at(7, 0)}M${at(13.5, 0)}L${at(7, 3.6)}L${at(7, -3.6)}z`;
 }
 
@@ -206,14 +214,16 @@ export function chart(title, numbers, unit, goal) {
  * @param {any} update
  */
 export function toldUpdate(game, { problem, options, actions, isPrediction, number }, update) {
-  const names = ["stay", ...SIDES.slice(1)].slice(problem.first);
+  const { names } = problem;
   const { state, action, step, parts, rewards, visits, changed } = update;
   const [was, target, value, ahead] = [update.before, update.target, update.value, update.ahead].map((each) =>
     formatted(each ?? 0),
   );
-  const place = (at) => {
+  const place = (number) => {
+    const [at, heading] = problem.split(number);
+    const looking = heading === null ? "" : ` looking ${SIDES[heading + 1]}`;
     const held = game.data.things ? ` with ${game.things.words(game.configurationOf(at)).toLowerCase()}` : "";
-    return `[${game.place(at).join(", ")}]${held}`;
+    return `[${game.place(at).join(", ")}]${looking}${held}`;
   };
   if (changed !== undefined)
     return `Round ${number}: the policy's exact values, and a better action in ${changed} states.`;

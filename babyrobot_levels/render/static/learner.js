@@ -2,6 +2,7 @@
 
 import { OUTCOME_LENGTH } from "./checks.js";
 import { COMMON } from "./common.js";
+import { SIDES } from "./game.js";
 import { Generator } from "./random.js";
 
 const LONGEST = 10000; // Steps of an episode without another limit, and rounds and sweeps that are not seen.
@@ -38,12 +39,43 @@ function greedy(values) {
   return [...values.keys()].filter((action) => values[action] >= best - TOLERANCE * scale(best));
 }
 
+/** Return the data of a level with the headings of a robot that turns: actions 2 left, 3 right, 4 forward. */
+function turned(data) {
+  const { width, height, starts, rows, table, possible, turns, things = [] } = data;
+  const cells = width * height;
+  const numbered = (state, heading) => state + (3 * Math.floor(state / cells) + heading) * cells;
+  const made = { rows: [], table: [], possible: [], policy: turns.policy?.map((action) => action + 2) };
+  possible.forEach((bits, state) => {
+    for (let heading = 0; heading < 4; heading++) {
+      const number = numbered(state, heading);
+      [0, 0, heading + 1].forEach((move, action) => {
+        const row = rows[table[5 * state + move]];
+        const after = (heading + [3, 1, 0][action]) % 4;
+        const shifted = row?.map((value, at) =>
+          at % OUTCOME_LENGTH === 1 ? numbered(state + value, after) - number : value,
+        );
+        made.table[5 * number + 2 + action] = row ? made.rows.push(shifted) - 1 : -1;
+      });
+      made.possible[number] = ((bits & 1) * 3 + ((bits >> (heading + 1)) & 1) * 4) << 2;
+    }
+  });
+  // Where it looks is one more value of a configuration.
+  const own = things.map((thing) => ({ ...thing, values: thing.values.flatMap((value) => Array(4).fill(value)) }));
+  const heading = { kind: "mover", name: "", values: made.possible.map((_, number) => number % 4) };
+  made.starts = starts.map((state) => numbered(state, turns.heading));
+  return { ...data, ...made, things: [...own, heading] };
+}
+
 /** A level to learn: what each action leads to, for a set of actions. */
 class Problem {
-  constructor(data, { actions, discount }) {
+  constructor(level, { actions, discount }) {
+    this.headings = actions === "turns" ? 4 : 1;
+    const data = this.headings > 1 ? turned(level) : level;
     this.data = data;
+    this.cells = data.width * data.height;
     this.discount = discount;
-    this.first = actions === "all" ? 0 : 1;
+    this.first = { all: 0, moves: 1, turns: 2 }[actions];
+    this.names = this.headings > 1 ? ["left", "right", "forward"] : ["stay", ...SIDES.slice(1)].slice(this.first);
     const rows = data.rows.map((row) =>
       Array.from({ length: row.length / OUTCOME_LENGTH }, (_, at) => {
         const [chance, shift, reward, over, code, pose] = row.slice(OUTCOME_LENGTH * at);
@@ -63,6 +95,19 @@ class Problem {
     }
     /** The states in which an episode starts, or to which another one leads. */
     this.reached = this.states.filter((state) => isReached.has(state));
+  }
+
+  /** Return the state of the level at a state, and the heading; null for a robot that moves. */
+  split(state) {
+    const at = Math.floor(state / this.cells);
+    const configuration = Math.floor(at / this.headings);
+    return [state - (at - configuration) * this.cells, this.headings > 1 ? at % 4 : null];
+  }
+
+  /** Return the side to which an action leads, 0 for none, and the one to which it turns: -1 left, 1 right. */
+  way(action, heading) {
+    if (this.headings === 1) return [action + this.first, 0];
+    return [heading + 1, [-1, 1, 0][action]];
   }
 
   /** Return the values of actions by those of states. */

@@ -66,6 +66,7 @@ export function learnAddressed() {
   const seed = learning.follow(runOf(location.hash));
   if (seed === null) return;
   learning.leave();
+  game.isTurning = learning.options.actions === "turns";
   begin(seed);
   learn();
 }
@@ -308,7 +309,7 @@ function learn() {
   watch(false);
   const wasOn = learning.isOn;
   learning.leave();
-  Object.assign(game, { isTurning: wasOn && (game.data.turns?.on ?? false), view: "optimum" });
+  game.view = "optimum";
   showActions();
   begin(game.seed);
   if (wasOn) keepRun("");

@@ -51,7 +51,7 @@ def test_all_levels_are_learned_as_python_learns_them(ground: Playground) -> Non
         if level.compile().num_states > MOST_STATES:
             continue
         runs = list(runs_of(level, all_starts=not level.has_things))
-        data = page_data(level)
+        data = page_data(level, turns=True)
         found = ground.page.evaluate(LEARNED, [data, runs])
         for run, (number, values, returns) in zip(runs, found, strict=True):
             told = info.name, run["options"]
