@@ -36,6 +36,8 @@ _NAMES = re.compile(r"^(?:const|let|class|(?:async )?function) (?:(\w+)|[\[{]([^
 _LEFT = re.compile(r"^(?:import\b|export (?!default )|@import\b).*", re.M)
 _NEEDLESS = re.compile(r"^((?:(?!//).)*),\n(?=[)\]}])", re.M)
 """A comma and a break after the last of several lines."""
+_BREAKS = re.compile(r"^((?:(?!//).)*)(?:(?<=[{(\[;,])\n|\n(?=\}))", re.M)
+"""Breaks after signs with which a statement ends or goes on, and before the end of a block."""
 _COMMENTS = re.compile(
     r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$|(?<=[;,{([]) // [^\n\"`]*$"
     r"|/\*\* @type (?:(?!\*/).)*\*/ ?",
@@ -44,9 +46,11 @@ _COMMENTS = re.compile(
 """Comments that have lines of their own, or end one, and types of expressions."""
 
 
-_TEXT = r'("(?:[^"\\]|\\.)*")'
+_TEXT = r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|`(?:[^`\\]|\\.)*`)"""
+_KEPT = re.compile(r"/\S|\$\{[^}]*`")
+"""What is in lines with texts of other kinds: regular expressions, comments, nested templates."""
 _SPACES = {
-    ".js": re.compile(_TEXT + r"| ?(=>|[][=<>?:,;{}()&|!*%]+) ?"),
+    ".js": re.compile(_TEXT + r"| ?(=>|[][=<>?:,;{}()&|!*%]+) ?| ([+-]) (?![+-])| (?=[\"`])"),
     ".css": re.compile(_TEXT + r"|([:;{,]) | (?=[{}])"),
 }
 """Texts, which stay as they are, and signs with needless spaces, of scripts and style sheets."""
@@ -114,13 +118,13 @@ def _read(path: str, text: str) -> _Module:
     names = frozenset[str]().union(*map(_words, map(" ".join, _NAMES.findall(code))))
     spaces = _SPACES[posixpath.splitext(path)[1]]
     lines = [
-        # Other kinds of texts may be in these.
         line
-        if set("`'/") & set(line)
-        else spaces.sub(lambda found: found[1] or found[2] or "", line)
+        if _KEPT.search(line)
+        else spaces.sub(lambda found: "".join(filter(None, found.groups())), line)
         for line in filter(None, map(str.strip, code.splitlines()))
     ]
-    return _Module(imports, exports, names, _NEEDLESS.sub(r"\1", "\n".join(lines)))
+    code = _NEEDLESS.sub(r"\1", "\n".join(lines))
+    return _Module(imports, exports, names, _BREAKS.sub(r"\1", code))
 
 
 def _check_names(modules: Mapping[str, _Module]) -> None:

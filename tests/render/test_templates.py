@@ -72,7 +72,7 @@ function act(one) {
   return field.value; // https://example.org
 }
 """
-    expected = "function act(one){\nconst field=(one);\nreturn field.value;\n}"
+    expected = "function act(one){const field=(one);return field.value;}"
     assert together(page=page) == expected
 
 
@@ -84,7 +84,7 @@ const found = text.match(/ = /);
     sheet = '.a > b:has(c d) { content: "a: b"; color: red; }\n'
     assert together(page=page) == (
         'const told = { name: "a = b; // c", more: `c = ${d + 1}` };\n'
-        'const[both]=[one?"x , y":two - -three];\n'
+        'const[both]=[one?"x , y":two - -three];'
         "const found = text.match(/ = /);"
     )
     tight = '.a > b:has(c d){content:"a: b";color:red;}'
@@ -93,7 +93,7 @@ const found = text.match(/ = /);
 
 def test_the_last_of_several_lines_needs_no_comma_and_no_break() -> None:
     page = "act(\n  1,\n  [\n    2, // two,\n  ],\n);\n"
-    assert together(page=page) == "act(\n1,\n[\n2]);"
+    assert together(page=page) == "act(1,[2]);"
 
 
 def test_style_sheets_import_others() -> None:
