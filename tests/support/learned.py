@@ -91,8 +91,8 @@ def recorded() -> str:
     for name in RECORDED:
         level = brl.load(name)
         data = page_data(level, turns=True)
-        kept = ("starts", "max_steps", "discount", "rows", "table", "possible", "policy")
-        kept += ("width", "height", "turns")
+        kept = ["starts", "max_steps", "discount", "rows", "table", "possible", "policy"]
+        kept += ["width", "height", "turns"]
         runs = list(runs_of(level, all_starts=not level.has_things))
         for run in runs:
             # The last digits differ between platforms.

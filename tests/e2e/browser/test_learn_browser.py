@@ -11,6 +11,7 @@ from playwright.sync_api import Page, expect
 from support.learned import LEARNED, runs_of
 from support.playground import FAST, Playground
 
+import babyrobot_levels as brl
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.library.catalogue import levels, load
@@ -177,6 +178,30 @@ def test_without_answers_a_page_learns_if_it_may(
         ground.press("ArrowDown")
         assert texts(ground.page)
         assert ground.page.locator("#signs").is_visible()
+
+
+def test_a_robot_that_turns_learns_where_it_looks(ground: Playground) -> None:
+    page = learn(ground, "frozen-lake", turns=True)
+    page.select_option("[data-option=algorithm]", "value_iteration")
+    page.locator("#stage").focus()
+    ground.press(*6 * ["ArrowDown"], "ArrowRight")
+    assert run_of(page)["actions"] == "turns"
+    *_, sweep = brl.value_iteration("frozen-lake", actions="turns", max_sweeps=6)
+    # The picture has the values for the heading of the state that was updated.
+    goes_on = ~load("frozen-lake").compile().is_terminal
+    shown = sweep.values[0].ravel()[goes_on].tolist()
+    assert list(map(float, texts(page))) == pytest.approx(shown, abs=0.006)
+    assert ground.message.startswith("V([0, 0] looking north) ← max(left 0, right 0.0041")
+    page.select_option("[data-option=algorithm]", "q_learning")
+    assert not page.get_by_label("Exploring starts").is_visible()
+    page.locator("#stage").focus()
+    ground.press("ArrowRight")
+    assert re.match(r"Q\(\[0, 0\] looking east, (left|right|forward)\)", ground.message)
+    ground.press("e", "ArrowLeft")
+    assert ground.message.startswith("Turned left")
+    ground.open(load("frozen-lake"), learn=True)
+    ground.follow("learn=sarsa&actions=turns")
+    assert run_of(ground.page) == {"learn": "sarsa"}
 
 
 def run_of(page: Page) -> dict[str, str]:
