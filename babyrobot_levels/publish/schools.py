@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Mapping, Sequence
-from html import escape
 from pathlib import Path
 from uuid import NAMESPACE_URL, uuid5
 from xml.etree import ElementTree
@@ -32,6 +31,11 @@ export UV_PYTHON_INSTALL_DIR=/autograder/python
 wheels=(/autograder/source/*.whl)
 [ -e "${{wheels[0]}}" ] || wheels=({DISTRIBUTION})
 /autograder/uv/bin/uv pip install --python /autograder/venv/bin/python3 "${{wheels[@]}}"
+"""
+
+_RUN = """\
+#!/usr/bin/env bash
+/autograder/venv/bin/python3 /autograder/source/grade.py
 """
 
 GITHUB_CLASSROOM = f"""\
@@ -75,14 +79,13 @@ jobs:
 
 def gradescope(course: Course) -> Mapping[str, bytes]:
     """Return the files of an autograder for Gradescope."""
-    script = _autograder(
-        "/autograder/submission",
-        "/autograder/results/results.json",
-        "to_gradescope",
-        python="/autograder/venv/bin/python3",
-        here='Path("/autograder/source")',
-    )
-    return {"setup.sh": _SETUP.encode(), "run_autograder": script, **_files_of(course)}
+    results = "/autograder/results/results.json"
+    return {
+        "setup.sh": _SETUP.encode(),
+        "run_autograder": _RUN.encode(),
+        "grade.py": _autograder("/autograder/submission", results, "to_gradescope"),
+        **_files_of(course),
+    }
 
 
 def classroom50(course: Course) -> Mapping[str, bytes]:
@@ -107,17 +110,8 @@ def prairielearn(course: Course, title: str) -> Mapping[str, bytes]:
             "enableNetworking": True,
         },
     }
-    page = f"""\
-<pl-question-panel>
-  <p>Hand in your files of the course “{escape(title)}”.</p>
-  <pl-file-upload file-names="{",".join(f"{name}.py" for name in course.fields.functions)}">
-  </pl-file-upload>
-</pl-question-panel>
-<pl-submission-panel>
-  <pl-external-grader-results></pl-external-grader-results>
-  <pl-file-preview></pl-file-preview>
-</pl-submission-panel>
-"""
+    files = [f"{name}.py" for name in course.fields.functions]
+    page = html("publish/static/prairielearn.html", title=title, files=files)
     script = _autograder("/grade/student", "/grade/results/results.json", "to_prairielearn")
     tests = {"grade.py": script, **_files_of(course)}
     return {
@@ -127,23 +121,17 @@ def prairielearn(course: Course, title: str) -> Mapping[str, bytes]:
     }
 
 
-def _autograder(
-    code: str,
-    results: str,
-    method: str,
-    python: str = "/usr/bin/env python3",
-    here: str = "Path(__file__).parent",
-) -> bytes:
+def _autograder(code: str, results: str, method: str) -> bytes:
     """Return a script that grades the files in the folder `code`."""
     script = f"""\
-#!{python}
+#!/usr/bin/env python3
 import importlib.util
 import json
 import subprocess
 import sys
 from pathlib import Path
 
-HERE = {here}
+HERE = Path(__file__).parent
 
 if __name__ == "__main__":
     if importlib.util.find_spec("babyrobot_levels") is None:
