@@ -64,6 +64,7 @@ export class LearningPanel extends Learning {
   renew() {
     const { editor, learner, isSeen } = this;
     const { game, picture, answers } = editor;
+    this.picture?.stop(); // It moves no longer where it is not shown.
     this.game = game ?? this.game;
     const refusal = isSeen ? this.refusal : "";
     const isFree = isSeen && refusal === "";
