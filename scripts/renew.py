@@ -253,6 +253,7 @@ def _agent() -> bytes:
 def _learning() -> Iterator[File]:
     for name in ("q_learning", "sarsa"):
         yield f"docs/images/learn/{name.replace('_', '-')}.png", partial(_learned, name)
+    yield "docs/images/learn/while-drawing.png", _while_drawing
 
 
 def _learned(algorithm: str) -> bytes:
@@ -281,6 +282,30 @@ def _editor() -> bytes:
         page.get_by_role("button", name="Values").click()
         page.wait_for_timeout(1000)
         return page.screenshot()
+
+
+def _while_drawing() -> bytes:
+    """Return the picture of the editor after the shorter way of a level was closed in a run."""
+    from support.editors import is_shown, served
+
+    from babyrobot_levels.editor.session import Session
+
+    level = brl.load("dyna-maze").replace(expect=None)
+    closing = [*["ArrowDown"] * 4, "ArrowRight", "m", "ArrowDown", "Shift+ArrowRight"]
+    with served(Session(level.to_yaml())) as address, _page(1200, 760) as page:
+        page.goto(address)
+        is_shown(page)
+        page.get_by_role("tab", name="Learn").click()
+        page.locator("[data-option=planning_steps]").fill("20")
+        page.locator(".stage").focus()
+        for key in [*"u" * 60, *closing]:
+            page.keyboard.press(key)
+        page.locator("#learn-numbers", has_text="exact 0.46").wait_for()
+        for key in "u" * 30:
+            page.keyboard.press(key)
+        page.locator("[data-option=algorithm]").scroll_into_view_if_needed()
+        page.wait_for_timeout(1000)
+        return pictures.reduced(page.screenshot(), 256)
 
 
 # -- all of them -------------------------------------------------------------------------------

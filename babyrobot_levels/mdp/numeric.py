@@ -12,7 +12,8 @@ from importlib.machinery import PathFinder
 LIBRARIES = ("numpy", "scipy")
 
 NEEDS_NUMPY = (
-    "values, play, policies and links that play need NumPy and SciPy, which are not loaded here"
+    "values, play, learning, policies and links that play need NumPy and SciPy, "
+    "which are not loaded here"
 )
 
 

@@ -22,7 +22,7 @@ walls:
   - {at: [4, 0], side: E}
 """
 
-TABS = ("Selection", "Level", "Findings")
+TABS = ("Selection", "Level", "Findings", "Learn")
 
 UNNAMED = """({ shadowRoot: root }) =>
   [...root.querySelectorAll("button, input, select, textarea, summary")]
@@ -151,7 +151,7 @@ def test_everything_is_in_reach(editor_page: OpenEditor, width: int, height: int
     for tool in page.locator("[data-tool]").all():
         tool.click()
         expect(tool).to_have_attribute("aria-pressed", "true")
-    for name in ("Level", "Findings", "Text"):
+    for name in (*TABS[1:], "Text"):
         tab = page.get_by_role("tab", name=name)
         if tab.is_visible():
             tab.click()

@@ -5,24 +5,9 @@ import { ShownSets } from "../../render/static/shown.js";
 import { button, html } from "./html.js";
 
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
-/**
- * What the picture shows: its name and key, and how it is called, of the optimum and of what is learned.
- *
- * @type {[string, string, string[], string[]][]}
- */
 const SHOWN = [
-  [
-    "values",
-    "V",
-    ["Values", "The optimal expected returns without a limit"],
-    ["Values", "What is learned of the values so far"],
-  ],
-  [
-    "policy",
-    "B",
-    ["Optimal actions", "The actions of an optimal policy without a limit"],
-    ["Greedy actions", "The best actions by what is learned so far"],
-  ],
+  ["values", "Values", "V", "The optimal expected returns without a limit"],
+  ["policy", "Optimal actions", "B", "The actions of an optimal policy without a limit"],
 ];
 
 /** The strip with the best return, and the switches of values and optimal actions. */
@@ -35,7 +20,7 @@ export class Answers {
     this.best = html("output", { class: "best-return" });
     this.change = html("span", { class: "change" });
     this.reason = html("p", { class: "reason" });
-    this.switches = SHOWN.map(([name, key]) =>
+    this.switches = SHOWN.map(([name, , key]) =>
       html(
         "button",
         { type: "button", "data-shown": name, onclick: () => this.toggle(name) },
@@ -83,10 +68,11 @@ export class Answers {
     this.change.dataset.way = wayOf(answers);
     this.reason.textContent = answers.reason && `${answers.reason[0].toUpperCase()}${answers.reason.slice(1)}.`;
     this.reason.hidden = answers.reason === "";
+    const isLearning = this.editor.learning?.isSeen; // Then the picture shows what is learned.
     for (const [at, each] of this.switches.entries()) {
-      const [title, hint] = SHOWN[at][this.editor.learning?.isSeen ? 3 : 2];
-      each.firstChild.textContent = `${title} `;
-      each.title = hint;
+      const [, title, , hint] = SHOWN[at];
+      each.firstChild.textContent = `${isLearning ? title.replace("Optimal", "Greedy") : title} `;
+      each.title = isLearning ? "" : hint;
       each.setAttribute("aria-pressed", this.shown.has(each.dataset.shown));
       each.disabled = answers.status === "none";
     }

@@ -299,10 +299,10 @@ export class Learning {
 
   showCharts(now = performance.now()) {
     this.charted = now;
-    const { unit, returns, errors } = this.learner;
+    const { unit, returns, errors, changes } = this.learner;
     this.find("learn-charts").replaceChildren(
-      ...(returns.length > 0 ? [chart("Return", returns, unit, this.goal)] : []),
-      chart("Error of the values", errors, unit),
+      ...(returns.length > 0 ? [chart("Return", returns, unit, changes, this.goal)] : []),
+      chart("Error of the values", errors, unit, changes),
     );
   }
 

@@ -168,9 +168,10 @@ const strideOf = (values) => Math.ceil(values.length / MOST_POINTS);
  * @param {string} title
  * @param {number[]} numbers
  * @param {string} unit
+ * @param {Set<number>} changes Where lines tell that the level has changed.
  * @param {number} [goal]
  */
-export function chart(title, numbers, unit, goal) {
+export function chart(title, numbers, unit, changes, goal) {
   const { width, height, left, right, top, bottom } = CHART;
   const isReturn = goal !== undefined;
   const sorted = numbers.filter((number, index) => Number.isFinite(number) && index % strideOf(numbers) === 0);
@@ -199,6 +200,7 @@ export function chart(title, numbers, unit, goal) {
     { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `${title}: ${told}` },
     label(left, 16, title),
     label(right, 16, told, "end"),
+    ...[...changes].map((index) => element("path", { class: "change", d: `M${x(index)} ${top}V${bottom}` })),
     line(numbers, isReturn ? "faint" : "line"),
     ...(isReturn ? [line(means.slice(span - 1), "line")] : []),
     ...(isReturn ? [element("path", { class: "goal", d: `M${left} ${y(goal)}H${right}` })] : []),

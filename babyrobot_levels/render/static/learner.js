@@ -297,6 +297,7 @@ export class Learner {
     this.isPrediction = algorithm === "policy_evaluation" || algorithm === "monte_carlo";
     this.number = 0; // Of sweeps, rounds or episodes.
     this.returns = [];
+    this.changes = new Set(); // The numbers at which the level has changed.
     this.way = []; // The states of the episode at hand.
     this.memory = []; // The last step for each state and action, told by their places here.
     this.places = new Map();
@@ -330,6 +331,7 @@ export class Learner {
    */
   follow(data) {
     const { problem, values, visits, actions, isPrediction } = this;
+    this.changes.add(this.number);
     this.begin(data);
     const kept = commonStates(problem, this.problem);
     if (actions !== null && !isPrediction) this.actions ??= this.problem.firstPolicy();
