@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+import sys
+from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qsl
 
 import pytest
 from playwright.sync_api import Page, expect
 from support.learned import LEARNED, runs_of
+from support.pages import run_page
+from support.places import DOCS, ROOT
 from support.playground import FAST, Playground
 
 import babyrobot_levels as brl
@@ -279,6 +283,28 @@ def test_pages_that_do_not_learn_ignore_what_a_link_tells(ground: Playground) ->
     ground.open(load("first-key"), learn=True)
     ground.follow("learn=q_learning&exploring_starts=true")
     assert run_of(ground.page) == {"learn": "q_learning"}
+
+
+WORKSHEET = DOCS / "watch-it-learn.md"
+
+
+def test_the_answers_of_the_worksheet_are_those_of_python() -> None:
+    assert list(run_page(WORKSHEET, Path(sys.executable).parent, set(), str(ROOT))) == []
+
+
+def test_the_pages_of_the_worksheet_open_as_it_says(ground: Playground) -> None:
+    addresses = re.findall(r"`([\w-]+)\.html#(learn=[^`]+)`", WORKSHEET.read_text("utf-8"))
+    assert len(addresses) == 7
+    for name, fragment in addresses:
+        ground.open(load(name), learn=True)
+        ground.follow(fragment)
+        assert ground.page.evaluate("location.hash") == f"#{fragment}"
+    ground.open(load("dyna-maze"), learn=True)
+    ground.follow("learn=q_learning&planning_steps=50")
+    ground.press(*3 * ["ArrowDown"])
+    assert "value at the start 0," in numbers(ground.page)
+    ground.press("ArrowDown")
+    assert "value at the start 0.000" in numbers(ground.page)
 
 
 def test_larger_levels_say_so(ground: Playground) -> None:
