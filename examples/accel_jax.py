@@ -49,12 +49,11 @@ ROOM = {
 }
 METHODS = ("dr", "plr", "accel")
 SCORES = ("regret", "pvl", "maxmc", "learnability")
-BATCH, BUFFER = 32, 256  # levels of an update, and of the buffer
-COPIES, LENGTH = 4, 64  # environments in each level of a batch, and the steps that each takes
+BATCH, BUFFER = 64, 256  # levels of an update and of a test, and of the buffer
+COPIES, LENGTH = 2, 64  # environments in each level of a batch, and the steps that each takes
 MOST_EDITS = 60  # of new levels
 EDITS = 3  # of mutants
 KINDS = ("wall", "puddle", "start")  # of edits; the exit stays
-TESTED = 64  # mazes, and as many new levels
 
 
 class Buffer(NamedTuple):
@@ -236,14 +235,16 @@ def run(keys: Array, tests: list[Any], *, curriculum: Curriculum, stages: int, e
 def made(method: str, score: str, updates: int) -> tuple[Curriculum, list[Any]]:
     """Return a curriculum, and the levels of two tests: mazes, and new levels."""
     env, designs = brl_jax.designs(ROOM, BATCH, observation="planes")
-    _, many = brl_jax.designs(ROOM, TESTED, observation="planes")
     mazes = [
-        many.layout(ROOM | {"maze": {"algorithm": "wilson", "seed": seed}, "name": f"maze-{seed}"})
-        for seed in range(TESTED)
+        designs.layout(ROOM | {"maze": {"algorithm": "wilson", "seed": seed}})
+        for seed in range(BATCH)
     ]
     first = Curriculum(Learner(env, env.default_params, updates), designs, method, score)
-    fresh = first.new(jax.random.key(0), TESTED)
-    tests = [many.params(jax.tree.map(lambda *each: jnp.stack(each), *mazes)), many.params(fresh)]
+    levels = [
+        jax.tree.map(lambda *each: jnp.stack(each), *mazes),
+        first.new(jax.random.key(0), BATCH),
+    ]
+    tests = [*map(designs.params, levels)]
     return Curriculum(Learner(env, tests[1], updates), designs, method, score), tests
 
 
@@ -271,7 +272,7 @@ def main() -> None:
     ended = time.perf_counter()
 
     by = "" if args.method == "dr" else f" by {args.score}"
-    print(f"{args.method}{by}, tested in {TESTED} mazes and {TESTED} new levels")
+    print(f"{args.method}{by}, tested in {BATCH} mazes and {BATCH} new levels")
     print("      steps  share in mazes  regret  share in new levels  regret")
     for stage in range(stages):
         means = [each[:, stage].mean() for each in (*mazes, *others)]
