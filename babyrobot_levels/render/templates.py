@@ -49,11 +49,14 @@ _COMMENTS = re.compile(
 _TEXT = r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|`(?:[^`\\]|\\.)*`)"""
 _KEPT = re.compile(r"/\S|\$\{[^}]*`")
 """What is in lines with texts of other kinds: regular expressions, comments, nested templates."""
+_ZERO = r"(?<![\w.])0(?=\.\d)"
 _SPACES = {
-    ".js": re.compile(_TEXT + r"| ?(=>|[][=<>?:,;{}()&|!*%]+) ?| ([+-]) (?![+-])| (?=[\"`])"),
-    ".css": re.compile(_TEXT + r"|([:;{,]) | (?=[{}])"),
+    ".js": re.compile(
+        rf'{_TEXT}|{_ZERO}| ?(=>|[][=<>?:,;{{}}()&|!*%]+) ?| ([+-]) (?![+-])| (?=["`])'
+    ),
+    ".css": re.compile(rf"{_TEXT}|{_ZERO}|; ?(?=\}})|([:;{{,]) | (?=[{{}}])"),
 }
-"""Texts, which stay as they are, and signs with needless spaces, of scripts and style sheets."""
+"""Texts, which stay as they are, and what is needless in scripts and style sheets."""
 
 
 class _Module(NamedTuple):

@@ -81,13 +81,13 @@ def test_texts_keep_their_spaces() -> None:
 const [both] = [one ? "x , y" : two - -three];
 const found = text.match(/ = /);
 """
-    sheet = '.a > b:has(c d) { content: "a: b"; color: red; }\n'
+    sheet = '.a > b:has(c d) { content: "a: b 0.5"; opacity: 0.5; }\n'
     assert together(page=page) == (
         'const told = { name: "a = b; // c", more: `c = ${d + 1}` };\n'
         'const[both]=[one?"x , y":two - -three];'
         "const found = text.match(/ = /);"
     )
-    tight = '.a > b:has(c d){content:"a: b";color:red;}'
+    tight = '.a > b:has(c d){content:"a: b 0.5";opacity:.5}'
     assert put_together("page.css", {"page.css": sheet}) == tight
 
 
