@@ -217,6 +217,12 @@ def test_a_level_is_drawn_undone_typed_saved_and_played(browser: Firefox, tmp_pa
         page.press("Control+s")
         page.until("() => !seen('.file-state.unsaved').length")
         assert path.read_text(encoding="utf-8") == session.text == f"title: Drawn\n{drawn}"
+        page.click("[data-panel=algorithm]")
+        page.click("#learn-run")
+        page.until("() => /Episode [1-9]/.test(seen('#learn-numbers')[0].innerText)")
+        page.drag(page.run(SPOT, 1.5, 1.5))
+        page.until("() => seen('#spoken')[0].textContent.startsWith('What was learned of')")
+        page.until("() => seen('#learn-run')[0].innerText.startsWith('Stop')")
         page.click("[data-mode=play]")
         page.press("ArrowRight")
         page.until("() => seen('.episode-told')[0]?.innerText.includes('Moved east')")
