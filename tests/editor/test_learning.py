@@ -150,3 +150,22 @@ def test_another_level_is_learned_anew_and_is_a_program(editor_page: OpenEditor)
     page.get_by_role("dialog").get_by_role("button", name="The first key").click()
     expect(page.locator("#learn-numbers")).to_contain_text("Episode 0")
     expect(page.get_by_role("slider", name="Discount")).to_have_value("1")
+
+
+@pytest.mark.parametrize(
+    ("fields", "exact"),
+    [("size: [2, 1]", "0"), ("size: [3, 1]\nexit: none\nrewards: {step: -1}", "−Infinity")],
+)
+def test_levels_of_one_value_and_of_infinite_ones(
+    editor_page: OpenEditor, fields: str, exact: str
+) -> None:
+    page = editor_page(f"version: 1\n{fields}\n").page
+    page.locator(".stage").focus()
+    page.keyboard.type("qq.u")
+    expect(page.locator("#learn-numbers")).to_contain_text(f"exact {exact}")
+    page.get_by_role("tab", name="Level").click()
+    page.get_by_role("tab", name="Learn").click()
+    expect(page.locator("#values text").first).not_to_be_empty()
+    lines = page.locator(".charts path").evaluate_all("all => all.map((each) => each.outerHTML)")
+    assert len(lines) > 1
+    assert "NaN" not in "".join(lines)

@@ -74,8 +74,8 @@ export class LearnedLayer {
     this.low = known.reduce((least, value) => Math.min(least, value), Infinity);
     this.high = known.reduce((most, value) => Math.max(most, value), -Infinity);
     this.chosen = null;
-    if (!this.game.data.picture.legend) return;
     const [low, high] = this.own[0].querySelectorAll("text");
+    if (!this.game.data.picture.legend || high === undefined) return; // Of a single value, there is no scale.
     [...low.previousElementSibling.children].forEach((part, index, { length }) =>
       part.setAttribute("fill", this.color(this.low + ((index + 0.5) / length) * (this.high - this.low))),
     );
@@ -178,8 +178,9 @@ export function chart(title, numbers, unit, changes, goal) {
   sorted.sort((one, other) => one - other);
   // A few bad episodes would press all others together.
   const least = isReturn ? sorted[Math.floor(sorted.length / 50)] : 0;
-  const low = Math.min(least ?? 0, goal ?? Infinity);
-  const high = Math.max(sorted.at(-1) ?? 0, goal ?? -Infinity);
+  const goals = Number.isFinite(goal) ? [goal] : [];
+  const low = Math.min(least ?? 0, ...goals);
+  const high = Math.max(sorted.at(-1) ?? 0, ...goals);
   const x = (index) => left + (index / Math.max(1, numbers.length - 1)) * (right - left);
   const y = (value) => bottom - ((Math.min(Math.max(value, low), high) - low) / (high - low || 1)) * (bottom - top);
   const line = (values, name) => {
@@ -203,7 +204,7 @@ export function chart(title, numbers, unit, changes, goal) {
     ...[...changes].map((index) => element("path", { class: "change", d: `M${x(index)} ${top}V${bottom}` })),
     line(numbers, isReturn ? "faint" : "line"),
     ...(isReturn ? [line(means.slice(span - 1), "line")] : []),
-    ...(isReturn ? [element("path", { class: "goal", d: `M${left} ${y(goal)}H${right}` })] : []),
+    ...goals.map((each) => element("path", { class: "goal", d: `M${left} ${y(each)}H${right}` })),
     label(right, height - 6, `${unit} ${numbers.length - Number(!isReturn)}`, "end"),
   );
 }
