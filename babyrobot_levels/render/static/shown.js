@@ -27,8 +27,7 @@ export class ShownSets {
     });
     if (names.length > MOST) chips.push(made("span", `and ${names.length - MOST} more, when one comes to them`));
     this.told = made("p", "");
-    const actions = game.data.agent === undefined ? "optimal actions" : "actions";
-    if (chips.length > 0) chips.unshift(made("legend", `Values and ${actions} for`));
+    if (chips.length > 0) chips.unshift(made("legend", "Values and actions for"));
     this.place.replaceChildren(...chips, this.told);
   }
 
