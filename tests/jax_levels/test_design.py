@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,12 @@ MIXED: dict[str, Any] = {
 BYTES: dict[str, Any] = {"planes_dtype": "uint8", "channels_last": True}
 
 
+@cache
+def mazes() -> tuple[brl_jax.LevelEnvironment, brl_jax.Designs]:
+    """Sixteen designs of a maze: what is compiled for one test is there for the next."""
+    return brl_jax.designs("final-maze", 16)
+
+
 def one_of(layouts: brl_jax.Layout, number: int) -> brl_jax.Layout:
     one: brl_jax.Layout = jax.tree.map(lambda array: array[number], layouts)
     return one
@@ -72,7 +78,7 @@ def test_tables_are_those_of_the_saved_files(
     base: Any, actions: str, options: dict[str, Any], tmp_path: Path
 ) -> None:
     with bits_64():
-        env, made = brl_jax.designs(base, 12, actions=actions, **options)
+        env, made = brl_jax.designs(base, 8, actions=actions, **options)
         layouts = mutants(made, 30)
         paths = [tmp_path / f"evolved-{number}.yaml" for number in range(made.count)]
         for number, path in enumerate(paths):
@@ -96,23 +102,23 @@ def test_tables_of_32_bits_are_close_to_those_of_the_files() -> None:
 
 
 def test_mutants_are_solvable_where_asked() -> None:
-    _, made = brl_jax.designs("final-maze", 64)
+    _, made = mazes()
     layouts = mutants(made, 60)
     assert jax.vmap(made.is_solvable)(layouts).all()
-    for number in range(0, 64, 8):
+    for number in range(0, 16, 4):
         level = made.level(one_of(layouts, number))
         assert brl.solve(level).exit_probability == pytest.approx(1)
     free = mutants(made, 60, solvable=False)
     told = jax.vmap(made.is_solvable)(free)
     assert not told.all()
-    for number in range(64):
+    for number in range(16):
         lengths = brl.metrics(made.level(one_of(free, number))).path_length
         assert (lengths is not None) == bool(told[number])
 
 
 @pytest.mark.parametrize("kind", ["wall", "puddle", "start", "exit"])
 def test_only_what_is_asked_for_is_edited(kind: str) -> None:
-    _, made = brl_jax.designs("final-maze", 8)
+    _, made = mazes()
     before, after = made.layout("final-maze"), mutants(made, 5, kinds=(kind,))
     fields = {"wall": "walls", "puddle": "puddles", "start": "start", "exit": "exit"}
     for name in fields.values():
@@ -121,7 +127,7 @@ def test_only_what_is_asked_for_is_edited(kind: str) -> None:
 
 
 def test_an_evolution_is_one_compiled_loop() -> None:
-    env, made = brl_jax.designs("final-maze", 16)
+    env, made = mazes()
 
     def evolve(key: Any) -> Any:
         def generation(layouts: Any, key: Any) -> Any:
@@ -160,10 +166,10 @@ def test_levels_with_more_are_refused(level: Any, message: str) -> None:
 
 
 def test_wrong_arguments_are_named() -> None:
-    _, made = brl_jax.designs("final-maze", 2)
+    _, made = mazes()
     with pytest.raises(ValueError, match="differs from the base in more than walls"):
         made.layout("frozen-lake")
-    with pytest.raises(ValueError, match=r"there must be 2 levels, not \[\]"):
+    with pytest.raises(ValueError, match=r"there must be 16 levels, not \[\]"):
         made.params(made.layout("final-maze"))
     with pytest.raises(ValueError, match="count must be at least 1"):
         brl_jax.designs("final-maze", 0)
