@@ -116,7 +116,7 @@ def test_a_level_is_learned_as_python_learns_it(browser: Firefox, tmp_path: Path
     for name in ("frozen-lake", "first-key"):
         lake = brl.load(name)
         runs = list(runs_of(lake, all_starts=not lake.has_things))
-        found = page.run(LEARNED, [page_data(lake), runs])
+        found = page.run(LEARNED, [page_data(lake, turns=True), runs])
         for run, (number, values, _) in zip(runs, found, strict=True):
             assert (number, values) == (run["number"], pytest.approx(run["values"])), run["options"]
 
