@@ -27,8 +27,22 @@ ESTIMATES = {
     "exact-learnability": "p(1-p), exact p",
     "optimum-less-returns": "optimum less returns",
 }
-CURVES = {"mna": "MNA", "learnability": "p(1-p)", "maxmc": "MaxMC", "pvl": "PVL"}
-COLORS = ("#0b4f8a", "#8f2f2f", "#2f7d3a", "#6a4c9c")
+BARS = {
+    "pvl": "PVL",
+    "maxmc": "MaxMC",
+    "mna": "MNA",
+    "learnability": "p(1-p)",
+    "exact-learnability": "exact p",
+    "failures": "failures",
+}
+COLORS = {"pvl": "#6a4c9c", "maxmc": "#2f7d3a", "mna": "#0b4f8a", "learnability": "#8f2f2f"}
+TIMES = {
+    "network": "asking the network about all states",
+    "regret": "exact regret, given its answers and the optimum",
+    "optimum": "optimum, once",
+    "rollouts": "playing with the network",
+    "estimates": "playing by its answers, and estimates",
+}
 METHODS = {"dr": "domain randomisation", "plr": "PLR", "accel": "ACCEL"}
 SCORES = {"regret": "exact regret", "maxmc": "MaxMC", "learnability": "p(1-p)"}
 
@@ -39,12 +53,12 @@ def main() -> None:
     parser.add_argument("--images", type=Path, help="where charts are written")
     options = parser.parse_args()
     results = {path.stem: json.loads(path.read_text()) for path in options.folder.glob("*.json")}
-    families, curricula = results.get("estimates", {}), results.get("curricula", {})
+    families = results.get("estimates", {})
     print_estimates(families)
     print_times(results.get("times", {}))
-    print_curricula(curricula)
+    print_curricula(results.get("curricula", {}))
     if options.images is not None:
-        write_charts(options.images, families, curricula)
+        write_charts(options.images, families)
 
 
 def interval(values: Sequence[float]) -> tuple[float, float]:
@@ -65,8 +79,9 @@ def row(cells: Iterable[Any]) -> None:
 
 
 def head(cells: Sequence[str]) -> None:
+    print()
     row(cells)
-    row(["---"] * len(cells))
+    print(f"|{'---|' * len(cells)}")
 
 
 def in_training(result: dict[str, Any], measure: str, name: str, number: int) -> list[float]:
@@ -76,71 +91,64 @@ def in_training(result: dict[str, Any], measure: str, name: str, number: int) ->
 
 
 def print_estimates(families: dict[str, Any]) -> None:
+    head(["share, success", *(FAMILIES[family] for family in families)])
+    for stages in zip(*(result["stages"][::2] for result in families.values()), strict=False):
+        cells = [f"{told(stage['share'])}, {told(stage['success'])}" for stage in stages]
+        row([f"{stages[0]['steps']:,} steps", *cells])
     for family, result in families.items():
         stages, counts = result["stages"], result["episodes"]
         middle = len(counts) // 2
-        points = [0, len(stages) // 3, len(stages) - 1]
-        print(f"\n{FAMILIES[family]}: {result['levels']} levels, {result['seeds']} seeds, "
-              f"{result['device']}, JAX {result['jax']}, {result['seconds']:.0f} s\n")  # fmt: skip
-        head(["steps", "share", "regret", "success"])
-        for stage in stages:
-            row([f"{stage['steps']:,}", told(stage["share"]), told(stage["regret"], 3),
-                 told(stage["success"])])  # fmt: skip
-        print()
+        points = [stages[0], stages[len(stages) // 3], stages[-1]]
         head([
-            "estimate", *(f"{stages[point]['steps']:,} steps" for point in points),
-            f"in training, {counts[middle]} episodes",
-            *(f"{count} episodes" for number, count in enumerate(counts) if number != middle),
+            FAMILIES[family], *(f"{stage['steps']:,} steps" for stage in points),
+            *(f"{count} episode{'s' * (count > 1)}" for count in counts),
             "top tenth",
         ])  # fmt: skip
         for name, title in ESTIMATES.items():
-            others = [told(in_training(result, "correlation", name, number))
-                      for number in range(len(counts)) if number != middle]  # fmt: skip
-            row(
-                [
-                    title,
-                    *(told(stages[point]["correlation"][name][middle]) for point in points),
-                    told(in_training(result, "correlation", name, middle)),
-                    *others,
-                    told(in_training(result, "overlap", name, middle)),
-                ]
-            )
+            row([
+                title,
+                *(told(stage["correlation"][name][middle]) for stage in points),
+                *(told(in_training(result, "correlation", name, number))
+                  for number in range(len(counts))),
+                told(in_training(result, "overlap", name, middle)),
+            ])  # fmt: skip
 
 
 def print_times(times: dict[str, Any]) -> None:
-    for family, result in times.items():
-        print(f"\n{FAMILIES[family]}: microseconds a level, {result['levels']} at once, "
-              f"{result['device']}\n")  # fmt: skip
-        head(["of a level", "microseconds"])
-        for name, microseconds in result["microseconds"].items():
-            row([name, f"{microseconds:.2f}"])
+    head(["microseconds a level", *(FAMILIES[family] for family in times)])
+    of_each = [result["microseconds"] for result in times.values()]
+    for name in of_each[0] if of_each else ():
+        kind, _, count = name.partition("-")
+        many = f", {count} episode{'s' * (count != '1')}" if count else ""
+        row([TIMES[kind] + many, *(f"{each[name]:.1f}" for each in of_each)])
 
 
 def print_curricula(curricula: dict[str, Any]) -> None:
-    print()
-    head(["levels by", "steps", "share in mazes", "regret", "share in new levels", "regret",
-          "walls", "seconds"])  # fmt: skip
-    for name, each in curricula.items():
+    """Print what policies are worth at the end; the same seed has the same network at first."""
+    head(["levels by", "mazes: share", "difference", "regret", "new levels: share", "difference",
+          "regret", "walls"])  # fmt: skip
+    last = {name: each["stages"][-1] for name, each in curricula.items()}
+    random = last.get("dr regret")
+    for name, stage in sorted(last.items(), key=lambda each: -fmean(each[1]["new"]["share"])):
         method, score = name.split()
-        last = each["stages"][-1]
-        row([
-            METHODS[method] + (f", {SCORES[score]}" if method != "dr" else ""),
-            f"{last['steps']:,}",
-            *(told(last[test][name], digits) for test in ("mazes", "new")
-              for name, digits in (("share", 3), ("regret", 2))),
-            told(last["walls"], 1), f"{each['seconds']:.0f}",
-        ])  # fmt: skip
+        cells = [METHODS[method] + (f", {SCORES[score]}" if method != "dr" else "")]
+        for test in ("mazes", "new"):
+            share = stage[test]["share"]
+            paired = "-"
+            if random not in (None, stage):
+                others = random[test]["share"]
+                paired = told([one - other for one, other in zip(share, others, strict=True)], 3)
+            cells += [told(share, 3), paired, told(stage[test]["regret"], 1)]
+        row([*cells, told(stage["walls"], 1)])
 
 
-def write_charts(folder: Path, families: dict[str, Any], curricula: dict[str, Any]) -> None:
+def write_charts(folder: Path, families: dict[str, Any]) -> None:
     bars = []
-    for name, title in ESTIMATES.items():
+    for name, title in BARS.items():
         for family, result in families.items():
             middle = len(result["episodes"]) // 2
             mean, width = interval(in_training(result, "correlation", name, middle))
-            bars.append(
-                Bar(f"{CURVES.get(name, title)}, {family}", mean, mean - width, mean + width)
-            )
+            bars.append(Bar(f"{title}, {family}", mean, mean - width, mean + width))
     if bars:
         scene = bars_scene(bars, title="Rank correlation with exact regret, in training",
                            zero="none", one="the same order")  # fmt: skip
@@ -148,26 +156,15 @@ def write_charts(folder: Path, families: dict[str, Any], curricula: dict[str, An
     for family, result in families.items():
         middle = len(result["episodes"]) // 2
         curves = [
-            Curve(title, [(stage["steps"], fmean(stage["correlation"][name][middle]))
-                          for stage in result["stages"]], color)
-            for (name, title), color in zip(CURVES.items(), COLORS, strict=True)
+            Curve(BARS[name], [(stage["steps"] / 1e6, fmean(stage["correlation"][name][middle]))
+                               for stage in result["stages"]], color)
+            for name, color in COLORS.items()
         ]  # fmt: skip
         # The range of the chart is that of the last curve: the one that goes lowest.
         curves.sort(key=lambda curve: -min(y for _, y in curve.points))
-        text = curves_svg(curves, goal=("regret", 1.0), x_title="steps",
+        text = curves_svg(curves, goal=("regret", 1.0), x_title="million steps",
                           y_title="rank correlation")  # fmt: skip
         (folder / f"estimates-{family}.svg").write_text(text, encoding="utf-8")
-    shown = {"dr regret": "random", "plr regret": "PLR", "accel regret": "ACCEL"}
-    curves = [
-        Curve(title, [(stage["steps"], fmean(stage["mazes"]["regret"]))
-                      for stage in curricula[name]["stages"]], color)
-        for (name, title), color in zip(shown.items(), COLORS, strict=False) if name in curricula
-    ]  # fmt: skip
-    curves.sort(key=lambda curve: max(y for _, y in curve.points))
-    text = curves_svg(curves, goal=("optimum", 0.0), x_title="steps learned from",
-                      y_title="regret in mazes")  # fmt: skip
-    if text:
-        (folder / "curricula.svg").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
