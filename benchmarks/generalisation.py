@@ -1,12 +1,12 @@
 """Generalisation: agents learn in the levels of one split, and are scored in those of another.
 
-python benchmarks/generalisation.py --train    # trains what has no result yet; can be interrupted
+python benchmarks/generalisation.py --train    # does runs without a result; can be interrupted
 python benchmarks/generalisation.py --table    # the tables of docs/benchmark.md
 python benchmarks/generalisation.py --curves   # its learning curves, into docs/images
 
 Each run, of a method in a suite with a seed, leaves a file in benchmarks/generalisation/. PPO,
-MaskablePPO and RecurrentPPO of Stable-Baselines3 need the extra `sb3`; the networks of `jax-…` are
-trained by generalisation_jax.py.
+MaskablePPO and RecurrentPPO of Stable-Baselines3 need the extra `sb3`. The networks of `jax-…` are
+trained by generalisation_jax.py first; those that are not there are left out.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from babyrobot_levels.text.files import write_text
 
 RESULTS = Path(__file__).with_name("generalisation")
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
-COLORS = ("#0072b2", "#e69f00", "#d55e00", "#009e73")
-SUITES = ("bench-easy", "bench-hard")
+COLORS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7")
+SUITES = ("bench-easy", "bench-hard", "bench-keys")
 SEEDS = (0, 1, 2)
 FIVE = range(5)
 """The seeds of networks that are trained together."""
@@ -65,7 +65,6 @@ PROGRAMS = {
     "recurrent": ("jax-recurrent-ppo",),
 }
 """What it trains together."""
-
 
 STEPS = 500_000
 """The steps that an agent may take in the levels of `train`."""
@@ -248,20 +247,29 @@ class Network:
         return int(self.random.choice(chances.size, p=chances))
 
 
+@cache
+def networks(suite: str, method: str) -> dict[str, Any]:
+    """Return what generalisation_jax.py has written of a method: nothing, if it has not."""
+    program = next(name for name, methods in PROGRAMS.items() if method in methods)
+    path = TRAINED / f"{suite}-{program}.npz"
+    if not path.exists():
+        return {}
+    with np.load(path) as kept:
+        return dict(kept)
+
+
 def trained(method: str, suite: str, seed: int, steps: int) -> Callable[[Levels], brl.Scores]:
     """Return what scores a network of generalisation_jax.py."""
-    program = next(name for name, methods in PROGRAMS.items() if method in methods)
-    with np.load(TRAINED / f"{suite}-{program}.npz") as kept:
-        (run,) = np.flatnonzero((kept["methods"] == method) & (kept["seeds"] == seed))
-        weights = {
-            name.removeprefix("weights-"): kept[name][run]
-            for name in kept.files
-            if name.startswith("weights-")
-        }
-        told = kept["told"]
+    kept = networks(suite, method)
+    (run,) = np.flatnonzero((kept["methods"] == method) & (kept["seeds"] == seed))
+    weights = {
+        name.removeprefix("weights-"): each[run]
+        for name, each in kept.items()
+        if name.startswith("weights-")
+    }
 
     def scores(levels: Levels) -> brl.Scores:
-        network = Network(weights, told, seed)
+        network = Network(weights, kept["told"], seed)
         has_memory = "memory" in weights
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "of an agent with memory", UserWarning)
@@ -288,8 +296,8 @@ TITLES = {
     "best": "optimal policy",
     "q-learning": "Q-learning in each level",
     "ppo": "PPO",
-    "maskable-ppo": "MaskablePPO",
     "recurrent-ppo": "RecurrentPPO",
+    "maskable-ppo": "MaskablePPO",
 }
 
 TITLES_OF_NETWORKS = {
@@ -298,6 +306,21 @@ TITLES_OF_NETWORKS = {
     "jax-plr-regret": "PLR by exact regret",
     "jax-recurrent-ppo": "recurrent PPO",
 }
+
+IN_LEGENDS = {
+    "jax-ppo": "PPO",
+    "jax-plr-estimate": "PLR by loss",
+    "jax-plr-regret": "PLR by regret",
+    "jax-recurrent-ppo": "recurrent",
+}
+
+TABLES = (
+    ("random", "best", "q-learning"),
+    ("ppo", "recurrent-ppo"),
+    ("maskable-ppo",),
+    tuple(TITLES_OF_NETWORKS),
+)
+"""The methods of each table, which have the same observation and the same steps."""
 
 ONCE = ("random", "best")
 """The methods in which nothing is drawn."""
@@ -360,163 +383,149 @@ def result_of(method: str, suite: str, seed: int, steps: int) -> dict[str, Any]:
     seen = scores(levels_of(suite, "train")[:SEEN])
     test = scores(levels_of(suite, "test"))
     mazes = scores([brl.load(name) for name in TEST_MAZES])
+    spent: dict[str, Any] = {
+        "steps": steps if method.endswith("ppo") else 0,
+        "train_cpu_seconds": round(trained - began, 1),
+    }
     held_out = {}
     if method in TITLES_OF_NETWORKS:
-        held_out["test"] = columns(test)
-    if method in TITLES_OF_NETWORKS and suite == "bench-easy":
-        held_out |= {name: columns(scores(family(name))) for name in ("mirrored", *FAMILIES)}
-        held_out["test-mazes"] = columns(mazes)
+        kept = networks(suite, method)
+        spent = {"steps": int(kept["steps"]), "device": str(kept["device"])}
+        if suite == "bench-easy":
+            held_out = {name: shares_of(scores(family(name))) for name in ("mirrored", *FAMILIES)}
     return {
         "method": method,
         "suite": suite,
         "seed": seed,
-        "steps": steps if method.endswith("ppo") or method in TITLES_OF_NETWORKS else 0,
         "is_exact": test.is_exact,
-        "train_cpu_seconds": round(trained - began, 1),
+        **spent,
         "score_cpu_seconds": round(time.process_time() - trained, 1),
         "train": plain(asdict(seen.summary)),
         "test": plain(asdict(test.summary)),
         "test-mazes": plain(asdict(mazes.summary)),
-        "test_shares": [round(score.share, 4) for score in test],
+        "test_shares": shares_of(test),
         "test_maze_shares": {score.level: round(score.share, 4) for score in mazes},
-        **({"columns": held_out} if held_out else {}),
+        **({"held_out_shares": held_out} if held_out else {}),
     }
 
 
-def columns(scores: brl.Scores) -> dict[str, list[float]]:
-    """Return what intervals over levels are made from."""
-    return {
-        name: [round(getattr(score, name), 4) for score in scores]
-        for name in ("share", "regret", "success")
-    }
+def shares_of(scores: brl.Scores) -> list[float]:
+    return [round(score.share, 4) for score in scores]
 
 
 def train(chosen: Sequence[Any], folder: Path, steps: int) -> None:
     """Do the runs that have no result yet."""
     for method, suite, seed in chosen:
         path = folder / f"{suite}-{method}-{seed}.json"
-        if path.exists():
+        if path.exists() or (method in TITLES_OF_NETWORKS and not networks(suite, method)):
             continue
         result = result_of(method, suite, seed, steps)
         folder.mkdir(parents=True, exist_ok=True)
         write_text(path, json.dumps(result, indent=1) + "\n")
-        mean, seconds = result["test"]["mean"], result["train_cpu_seconds"]
-        print(
-            f"{path.name}: mean share {mean:.3f} in test, {seconds:.0f} s of training", flush=True
-        )
+        print(f"{path.name}: mean share {result['test']['mean']:.3f} in test", flush=True)
 
 
 # -- the table -------------------------------------------------------------------------------
 
 
 def table(folder: Path = RESULTS) -> str:
-    """Return a table of the results for each suite, in Markdown."""
-    results = [json.loads(path.read_text("utf-8")) for path in sorted(folder.glob("*.json"))]
-    parts = []
-    for suite in SUITES:
-        lines = [
-            f"| `{suite}` | seeds | train | test | IQM | worst tenth | solved | regret | success "
-            "| test mazes |",
-            "|---|---|---|---|---|---|---|---|---|---|",
-        ]
-        for method, title in TITLES.items():
-            found = [each for each in results if (each["suite"], each["method"]) == (suite, method)]
-            if found:
-                lines.append(row(title, found))
-        parts.append("\n".join(lines) + "\n")
-    return "\n".join(parts)
-
-
-def networks_table(folder: Path = RESULTS) -> str:
-    """Return the tables of the networks of generalisation_jax.py, in Markdown."""
+    """Return the tables of the results, in Markdown."""
     found: dict[tuple[str, str], list[dict[str, Any]]] = {}
-    for path in sorted(folder.glob("*-jax-*.json")):
+    for path in sorted(folder.glob("*.json")):
         result = json.loads(path.read_text("utf-8"))
-        found.setdefault((result["suite"], result["method"]), []).append(result)
+        found.setdefault((result["method"], result["suite"]), []).append(result)
     parts = []
-    for suite in NETWORKS:
-        lines = [
-            f"| `{suite}` | train | test | IQM | worst tenth | solved | success | "
-            "better than PPO |",
-            "|---|---|---|---|---|---|---|---|",
+    for methods in TABLES:
+        rows = [
+            row(method, found[method, suite])
+            for suite in SUITES
+            for method in methods
+            if (method, suite) in found
         ]
-        for method, title in TITLES_OF_NETWORKS.items():
-            runs = found.get((suite, method))
-            if not runs:
-                continue
-            known, ends = statistics_of(*arrays(runs, "test"), stratified=False)
-            seen = statistics.fmean(each["train"]["mean"] for each in runs)
-            names = ("mean", "iqm", "worst_tenth", "solved", "success")
-            cells = [title, f"{seen:.2f}", *(told(known[name], *ends[name]) for name in names)]
-            better = improvement_of(
-                arrays(runs, "test")[0], arrays(found[suite, "jax-ppo"], "test")[0]
-            )
-            cells.append("" if method == "jax-ppo" else told(*astuple(better)))
-            lines.append(f"| {' | '.join(cells)} |")
-        parts.append("\n".join(lines) + "\n")
-    families = ("test", "mirrored", *FAMILIES, "test-mazes")
-    lines = [f"| mean share | {' | '.join(families)} |", "|---" * (len(families) + 1) + "|"]
-    for method, title in TITLES_OF_NETWORKS.items():
-        runs = found.get(("bench-easy", method), [])
-        cells = [title]
-        for name in families if runs else ():
-            known, ends = statistics_of(*arrays(runs, name), stratified=False)
-            cells.append(told(known["mean"], *ends["mean"]))
-        lines += [f"| {' | '.join(cells)} |"] if runs else []
-    parts.append("\n".join(lines) + "\n")
-    return "\n".join(parts)
+        parts += [HEAD + "".join(rows)] if rows else []
+    compared = {
+        method: found[method, "bench-easy"]
+        for method in TITLES_OF_NETWORKS
+        if (method, "bench-easy") in found
+    }
+    return "\n".join([*parts, *([held_out_table(compared)] if compared else [])])
 
 
-def arrays(runs: Sequence[dict[str, Any]], part: str) -> tuple[Any, Any]:
-    """Return shares `[runs, levels]`, and regrets and successes `[runs, levels, 2]`."""
-    kept = [each["columns"][part] for each in runs]
-    pairs = [np.transpose([each["regret"], each["success"]]) for each in kept]
-    return np.array([each["share"] for each in kept]), np.array(pairs)
+HEAD = (
+    "| suite | agent | seeds | train | test | IQM | worst tenth | solved | regret | success "
+    "| test mazes |\n" + "|---" * 11 + "|\n"
+)
 
 
-def told(value: float, low: float, high: float) -> str:
-    return f"{value + 0.0:.2f} ({low + 0.0:.2f} to {high + 0.0:.2f})"
+def row(method: str, found: Sequence[dict[str, Any]]) -> str:
+    """Return the row of a method in a suite: means over its seeds, an interval of `test`."""
+
+    def mean(part: str, name: str, digits: int = 2) -> str:
+        # Without the sign of a zero.
+        value = round(statistics.fmean(each[part][name] for each in found), 4) + 0.0
+        return f"{value:.{digits}f}"
+
+    in_test = [each["test_shares"] for each in found]
+    cells = [
+        f"`{found[0]['suite']}`",
+        (TITLES | TITLES_OF_NETWORKS)[method],
+        str(len(found)),
+        mean("train", "mean"),
+        mean("test", "mean") if method in ONCE else interval(in_test),
+        *(mean("test", name) for name in ("iqm", "worst_tenth", "solved")),
+        mean("test", "regret", 1),
+        mean("test", "success"),
+        mean("test-mazes", "mean"),
+    ]
+    return f"| {' | '.join(cells)} |\n"
+
+
+def held_out_table(found: Mapping[str, Sequence[dict[str, Any]]]) -> str:
+    """Return how networks of `bench-easy` do in families that are held out, and compare them."""
+    names = ("mirrored", *FAMILIES)
+    lines = [
+        f"| `bench-easy` | {' | '.join(names)} | better than PPO in test |",
+        "|---" * (len(names) + 2) + "|",
+    ]
+    in_test = {
+        method: np.array([each["test_shares"] for each in runs]) for method, runs in found.items()
+    }
+    for method, runs in found.items():
+        cells = [interval([each["held_out_shares"][name] for each in runs]) for name in names]
+        better = improvement_of(in_test[method], in_test["jax-ppo"])
+        compared = "–" if method == "jax-ppo" else between(*astuple(better))
+        lines.append(f"| {' | '.join([TITLES_OF_NETWORKS[method], *cells, compared])} |")
+    return "\n".join(lines) + "\n"
+
+
+def interval(shares: Any) -> str:
+    """Return the mean of shares `[runs, levels]`, with its bootstrap interval."""
+    shares = np.array(shares)
+    known, ends = statistics_of(shares, np.zeros((*shares.shape, 2)), stratified=False)
+    return between(known["mean"], *ends["mean"])
+
+
+def between(value: float, low: float, high: float) -> str:
+    return "{:.2f} ({:.2f} to {:.2f})".format(
+        *(round(each, 4) + 0.0 for each in (value, low, high))
+    )
 
 
 def curves(suite: str) -> str:
-    """Return the learning curves of the networks of a suite, as SVG."""
+    """Return the learning curves of the networks of a suite, as SVG: "" if there are none."""
     drawn: list[Curve] = []
-    for method, title in TITLES_OF_NETWORKS.items():
-        program = next(name for name, methods in PROGRAMS.items() if method in methods)
-        with np.load(TRAINED / f"{suite}-{program}.npz") as kept:
-            means = kept["curve"][kept["methods"] == method].mean(axis=2)
-            millions = float(kept["steps"]) / 1e6
-        steps = np.linspace(0, millions, means.shape[1] + 1)[1:].tolist()
-        color = COLORS[len(drawn)]
-        drawn.append(Curve(title, [*zip(steps, means.mean(axis=0).tolist(), strict=True)], color))
+    for method, title in IN_LEGENDS.items():
+        kept = networks(suite, method)
+        if kept:
+            means = kept["curve"][kept["methods"] == method].mean(axis=(0, 2))
+            millions = np.linspace(0, kept["steps"] / 1e6, len(means) + 1)[1:].tolist()
+            drawn.append(
+                Curve(title, [*zip(millions, means.tolist(), strict=True)], COLORS[len(drawn)])
+            )
     return curves_svg(
         drawn, goal=("optimum", 1.0), x_title="steps, in millions",
         y_title=f"mean share in test of {suite}",
     )  # fmt: skip
-
-
-def row(title: str, found: Sequence[dict[str, Any]]) -> str:
-    """Return the row of a method: means over its seeds, and the lowest and highest of `test`."""
-
-    def mean(part: str, name: str) -> float:
-        # Without the sign of a zero.
-        return round(statistics.fmean(each[part][name] for each in found), 4) + 0.0
-
-    test = f"{mean('test', 'mean'):.2f}"
-    if len(found) > 1:
-        ends = sorted(each["test"]["mean"] for each in found)
-        test += f" ({ends[0]:.2f} to {ends[-1]:.2f})"
-    cells = [
-        title,
-        str(len(found)),
-        f"{mean('train', 'mean'):.2f}",
-        test,
-        *(f"{mean('test', name):.2f}" for name in ("iqm", "worst_tenth", "solved")),
-        f"{mean('test', 'regret'):.1f}",
-        f"{mean('test', 'success'):.2f}",
-        f"{mean('test-mazes', 'mean'):.2f}",
-    ]
-    return f"| {' | '.join(cells)} |"
 
 
 def main() -> None:
@@ -528,19 +537,18 @@ def main() -> None:
     what.add_argument("--table", action="store_true", help="print the tables of the results")
     what.add_argument("--curves", action="store_true", help="draw the learning curves of networks")
     parser.add_argument("--method", action="append", choices=METHODS, help="only this method")
-    parser.add_argument(
-        "--suite", action="append", choices={*SUITES, *NETWORKS}, help="only this suite"
-    )
+    parser.add_argument("--suite", action="append", choices=SUITES, help="only this suite")
     parser.add_argument("--seed", action="append", type=int, help="only this seed")
     parser.add_argument("--steps", type=int, default=STEPS, help="steps of training")
     parser.add_argument("--folder", type=Path, default=RESULTS, help="where results are")
     args = parser.parse_args()
     if args.table:
-        print(table(args.folder) + "\n" + networks_table(args.folder), end="")
+        print(table(args.folder), end="")
         return
     if args.curves:
         for suite in args.suite or NETWORKS:
-            write_text(IMAGES / f"curves-{suite}.svg", curves(suite))
+            if svg := curves(suite):
+                write_text(IMAGES / f"curves-{suite}.svg", svg)
         return
     chosen = [
         run

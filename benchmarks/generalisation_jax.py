@@ -18,9 +18,7 @@ import gzip
 import io
 import pickle
 import time
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -367,19 +365,12 @@ def ends(params: Any) -> tuple[Array, Array]:
     return random.returns, brl_jax.optimum(params, within="max_steps").returns
 
 
-def level_of(suite: str, split: str, number: int) -> brl.Level:
-    return brl.load_suite(suite).split(split)[number]
-
-
 def prepared(suite: str, split: str) -> Any:
     """Return a split as `EnvParams` of NumPy arrays, from a file if it is there."""
     path = TRAINED / f"{suite}-{split}.gz"
     if path.exists():
         return pickle.loads(gzip.decompress(path.read_bytes()))
-    count = len(brl.load_suite(suite).split(split))
-    # Levels with doors take long to generate, and JAX has threads, which do not survive a fork.
-    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-        levels = [*pool.map(partial(level_of, suite, split), range(count), chunksize=20)]
+    levels = [*brl.load_suite(suite).split(split)]
     params = jax.tree.map(np.asarray, brl_jax.make(levels, **VIEW)[1])
     TRAINED.mkdir(parents=True, exist_ok=True)
     write_bytes(path, gzip.compress(pickle.dumps(params)))

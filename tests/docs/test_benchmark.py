@@ -31,10 +31,11 @@ def _scripts(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         pytest.param("bench-easy", 1, marks=pytest.mark.slow),
         pytest.param("bench-hard", 2, marks=pytest.mark.sweep),
+        pytest.param("bench-keys", 3, marks=pytest.mark.sweep),
     ],
 )
 def test_the_splits_are_fixed_and_disjoint(name: str, column: int) -> None:
-    rows = re.findall(r"^\| `(\w+)` \| `(\w{16})` \| `(\w{16})` \|$", PAGE, re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+)`" + r" \| `(\w{16})`" * 3 + r" \|$", PAGE, re.MULTILINE)
     told = {row[0]: row[column] for row in rows}
     suite = brl.load_suite(name)
     digests = {split: [level.digest for level in suite.split(split)] for split in suite.splits}
@@ -56,10 +57,13 @@ def test_the_hard_test_split_is_fixed_in_its_first_levels() -> None:
 # -- the page --------------------------------------------------------------------------------
 
 
-def test_the_table_is_that_of_the_results() -> None:
+def test_the_tables_are_those_of_the_results() -> None:
     import generalisation
 
-    assert generalisation.table() in PAGE
+    tables = generalisation.table().split("\n\n")
+    assert len(tables) == 5
+    for table in tables:
+        assert table.strip() in PAGE
     assert f"{generalisation.STEPS:,} steps" in PAGE
 
 
@@ -110,7 +114,7 @@ def test_runs_that_have_a_result_are_left_out(
     assert capsys.readouterr().out.startswith("bench-easy-best-0.json: mean share 1.000 in test")
     assert few.table(tmp_path) == before
     rows = [[cell.strip() for cell in line.split("|")] for line in before.splitlines()]
-    named = {row[1]: row[2:] for row in rows if len(row) > 2}
+    named = {row[2]: row[3:] for row in rows if len(row) > 2}
     assert named["random policy"][:4] == ["1", "0.00", "0.00", "0.00"]
     assert named["optimal policy"][:4] == ["1", "1.00", "1.00", "1.00"]
     assert named["Q-learning in each level"][0] == "2"
