@@ -71,7 +71,8 @@ def interval(values: Sequence[float]) -> tuple[float, float]:
 
 def told(values: Sequence[float], digits: int = 2) -> str:
     middle, width = interval(values)
-    return f"{middle:.{digits}f} ± {width:.{digits}f}"
+    # Without spaces, at which narrow tables would break.
+    return f"{middle:.{digits}f}±{width:.{digits}f}"
 
 
 def row(cells: Iterable[Any]) -> None:
@@ -162,8 +163,8 @@ def write_charts(folder: Path, families: dict[str, Any]) -> None:
         ]  # fmt: skip
         # The range of the chart is that of the last curve: the one that goes lowest.
         curves.sort(key=lambda curve: -min(y for _, y in curve.points))
-        text = curves_svg(curves, goal=("regret", 1.0), x_title="million steps",
-                          y_title="rank correlation")  # fmt: skip
+        x_title = f"million steps, {FAMILIES[family]}"
+        text = curves_svg(curves, goal=("regret", 1.0), x_title=x_title, y_title="rank correlation")
         (folder / f"estimates-{family}.svg").write_text(text, encoding="utf-8")
 
 
