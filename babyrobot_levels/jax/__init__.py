@@ -36,10 +36,8 @@ from babyrobot_levels.jax.params import EnvParams as EnvParams
 from babyrobot_levels.jax.solver import Optimum as Optimum
 from babyrobot_levels.jax.solver import Worth as Worth
 from babyrobot_levels.jax.solver import evaluate as evaluate
-from babyrobot_levels.jax.solver import (
-    expected_positive_advantage as expected_positive_advantage,
-)
 from babyrobot_levels.jax.solver import optimum as optimum
+from babyrobot_levels.jax.solver import positive_advantage as positive_advantage
 from babyrobot_levels.jax.solver import random_policy as random_policy
 from babyrobot_levels.jax.solver import regret as regret
 
@@ -54,12 +52,12 @@ __all__ = [
     "Worth",
     "designs",
     "evaluate",
-    "expected_positive_advantage",
     "learnability",
     "make",
     "max_monte_carlo",
     "maximised_negative_advantage",
     "optimum",
+    "positive_advantage",
     "positive_value_loss",
     "random_policy",
     "regret",

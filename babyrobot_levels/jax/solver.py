@@ -148,7 +148,7 @@ def regret(
     return difference
 
 
-def expected_positive_advantage(
+def positive_advantage(
     params: EnvParams,
     policy: Any,
     *,
@@ -157,9 +157,9 @@ def expected_positive_advantage(
 ) -> Array:
     """Return the mean of the advantages of a policy's steps, those below 0 counted as 0.
 
-    The advantage Q(s, a) - V(s) is that of the policy itself, and exact, as in the `advantage` of
-    `babyrobot_levels.score`. The expected sum over an episode is divided by the expected number of
-    steps: it is what `positive_value_loss` estimates.
+    The advantage Q(s, a) - V(s) is that of the policy itself, and exact, as in the
+    `positive_advantage` of `babyrobot_levels.score`. The expected sum over an episode is divided
+    by the expected number of steps: it is what `positive_value_loss` estimates.
 
     Args:
         params: the levels.

@@ -62,8 +62,8 @@ class LevelScore:
         high: the upper end.
         invalid: of an agent that reads and writes, how many replies of an episode were invalid, on
             average; else 0.
-        advantage: if asked for, the mean of the advantages Q(s, a) - V(s) of the agent's steps,
-            those below 0 counted as 0, with its own exact action values and values.
+        positive_advantage: if asked for, the mean of the advantages Q(s, a) - V(s) of the agent's
+            steps, those below 0 counted as 0, with its own exact action values and values.
         cvar: if asked for, the mean of its returns in the worst share of episodes.
     """
 
@@ -84,7 +84,7 @@ class LevelScore:
     low: float
     high: float
     invalid: float = 0.0
-    advantage: float | None = None
+    positive_advantage: float | None = None
     cvar: float | None = None
 
     @property

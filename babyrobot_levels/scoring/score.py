@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.guides import BEST
-from babyrobot_levels.analysis.solver.advantage import expected_positive_advantage
+from babyrobot_levels.analysis.solver.advantage import mean_positive_advantage
 from babyrobot_levels.analysis.solver.distribution import distribution_of
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
@@ -64,7 +64,7 @@ def score(
     sight: str | None = None,
     chat: bool = False,
     record: str | os.PathLike[str] | None = None,
-    advantage: bool = False,
+    positive_advantage: bool = False,
     cvar: float | None = None,
     **options: Any,
 ) -> Scores:
@@ -107,7 +107,7 @@ def score(
         sight: what an agent sees that reads and writes: `"map"`, `"view"` or `"words"`.
         chat: whether it gets all messages so far, instead of the rules and what is seen now.
         record: a file to which its episodes are appended as plays, such as `model.brlplay`.
-        advantage: whether to find the mean positive advantage, of an agent without memory.
+        positive_advantage: whether to find the mean positive advantage, of an agent without memory.
         cvar: the share of the worst episodes, such as 0.1, of which to find the mean return, of an
             agent without memory; exact where `brl.return_distribution` is, else that of 10,000
             simulated episodes; this can take a second for each level.
@@ -152,8 +152,10 @@ def score(
         episodes = 10 if episodes is None else episodes
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, not {episodes}")
-    if (advantage or cvar is not None) and (sight is not None or isinstance(taken, Player)):
-        raise ValueError("advantage and cvar are for agents without memory, which are tables")
+    if (positive_advantage or cvar is not None) and (
+        sight is not None or isinstance(taken, Player)
+    ):
+        raise ValueError("positive_advantage and cvar are for agents without memory: tables")
     if cvar is not None and not 0 < cvar <= 1:
         raise ValueError(f"cvar must be above 0 and at most 1, not {cvar!r}")
     best = _best(problems)
@@ -174,7 +176,7 @@ def score(
         for number, problem in enumerate(problems)
     ]
     for number, policy in enumerate(policies):
-        rows[number] = _with_more(rows[number], problems[number], policy, advantage, cvar)
+        rows[number] = _with_more(rows[number], problems[number], policy, positive_advantage, cvar)
     scores = Scores(rows, played)
     if scores.notice is not None and sight is None:
         warnings.warn(scores.notice, stacklevel=3)
@@ -257,8 +259,8 @@ def _with_more(
     space, discount, limit = problem.space, problem.discount, problem.limit
     if advantage:
         own = policy if limit else policy(0)
-        mean = expected_positive_advantage(space, own, discount, limit)
-        row = replace(row, advantage=mean)
+        mean = mean_positive_advantage(space, own, discount, limit)
+        row = replace(row, positive_advantage=mean)
     if cvar is not None:
         returns = distribution_of(space, policy, discount, limit or MAX_STEPS)
         row = replace(row, cvar=returns.cvar(cvar))

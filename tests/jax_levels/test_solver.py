@@ -125,12 +125,12 @@ def test_success_and_advantage_are_those_of_scores(within: str | None, limit: in
             np.full(params.num_actions, 0.5), params.num_states
         )
         worth = brl_jax.evaluate(params, policy, within=within)
-        gains = brl_jax.expected_positive_advantage(params, policy, within=within)
+        gains = brl_jax.positive_advantage(params, policy, within=within)
         for number, level in enumerate(levels):
             own = policy[params.offset[number] : params.offset[number + 1]]
-            score = brl.score(own, level, advantage=True)[0]
+            score = brl.score(own, level, positive_advantage=True)[0]
             found = [float(each[number]) for each in (worth.success, worth.learnability, gains)]
-            wanted = [score.success, score.learnability, score.advantage]
+            wanted = [score.success, score.learnability, score.positive_advantage]
             assert found == pytest.approx(wanted, rel=1e-9, abs=1e-12)
     success = np.asarray(worth.success)
     assert success.min() < 0.2 < success.max(), success

@@ -264,19 +264,19 @@ def test_learnability_is_highest_where_success_is_a_coin_toss() -> None:
 def test_more_is_found_if_it_is_asked_for() -> None:
     policies = {name: brl.solve(name, within="max_steps") for name in NAMES}
     for agent in ("random", policies):
-        for score in brl.score(agent, NAMES, advantage=True, cvar=0.2):
+        for score in brl.score(agent, NAMES, positive_advantage=True, cvar=0.2):
             policy = agent if isinstance(agent, str) else agent[score.level]
             returns = brl.return_distribution(score.level, policy)
             assert score.cvar is not None
-            assert score.advantage is not None
+            assert score.positive_advantage is not None
             assert score.cvar == pytest.approx(returns.cvar(0.2))
             assert score.cvar <= score.expected_return + 1e-9
-            assert (score.advantage > 0) == (agent == "random")
+            assert (score.positive_advantage > 0) == (agent == "random")
     (plain,) = brl.score("random", "frozen-lake")
-    assert plain.advantage is plain.cvar is None
+    assert plain.positive_advantage is plain.cvar is None
     endless = brl.load("frozen-lake").replace(max_steps=None)
-    (found,) = brl.score("random", endless, advantage=True, cvar=0.5)
-    assert found.advantage == pytest.approx(0.0016, abs=1e-4)
+    (found,) = brl.score("random", endless, positive_advantage=True, cvar=0.5)
+    assert found.positive_advantage == pytest.approx(0.0016, abs=1e-4)
     assert found.cvar == 0.0
 
 
@@ -287,7 +287,9 @@ def test_more_needs_an_agent_without_memory_and_a_share() -> None:
         def act(self, observation: Any, mask: Any) -> int:
             return int(np.flatnonzero(mask)[0])
 
-    with pytest.raises(ValueError, match=r"^advantage and cvar are for agents without memory"):
+    with pytest.raises(
+        ValueError, match=r"^positive_advantage and cvar are for agents without memory"
+    ):
         brl.score(Forgetful(), "maze", cvar=0.1)
     with pytest.raises(ValueError, match=r"^cvar must be above 0 and at most 1, not 5$"):
         brl.score("random", "maze", cvar=5)

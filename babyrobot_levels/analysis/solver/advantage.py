@@ -14,7 +14,7 @@ from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.tables import Floats
 
 
-def expected_positive_advantage(
+def mean_positive_advantage(
     space: StateSpace, policy: Any, discount: float, limit: int | None
 ) -> float:
     """Return the mean of the advantages of a policy's steps, those below 0 counted as 0.

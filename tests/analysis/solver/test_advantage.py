@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.advantage import expected_positive_advantage
+from babyrobot_levels.analysis.solver.advantage import mean_positive_advantage
 from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 
 
@@ -43,7 +43,7 @@ def test_it_is_as_defined(name: str, discount: float) -> None:
     level = brl.load(name)
     space = space_of(level, "all")
     even = read_policy("random", space.mdp, "all", level.things())
-    found = expected_positive_advantage(space, "random", discount, 12)
+    found = mean_positive_advantage(space, "random", discount, 12)
     assert found > 0
     assert found == pytest.approx(defined(level, [even] * 12, discount))
 
@@ -55,25 +55,23 @@ def test_a_policy_may_change_with_the_step() -> None:
     best = brl.solve(level).policy
     greedy = read_policy(best, space.mdp, "all", level.things())
     each = [even, even, greedy, even, greedy, greedy]
-    found = expected_positive_advantage(space, np.reshape(each, (6, *space.mdp.shape, 5)), 0.9, 6)
+    found = mean_positive_advantage(space, np.reshape(each, (6, *space.mdp.shape, 5)), 0.9, 6)
     assert found == pytest.approx(defined(level, each, 0.9))
 
 
 def test_a_long_limit_comes_near_to_none() -> None:
     for name in ("frozen-lake", "first-key"):
         space = space_of(brl.load(name), "moves")
-        endless = expected_positive_advantage(space, "random", 0.95, None)
-        assert expected_positive_advantage(space, "random", 0.95, 50_000) == pytest.approx(endless)
+        endless = mean_positive_advantage(space, "random", 0.95, None)
+        assert mean_positive_advantage(space, "random", 0.95, 50_000) == pytest.approx(endless)
 
 
 def test_rounds_that_repeat_are_summed_up() -> None:
     # Nothing ends the episode, and each step has the same advantages as the one before.
     fields = {"version": 1, "size": [3, 1], "exit": "none", "rewards": {"step": -1, "bump": -3}}
     space = space_of(brl.load(fields), "moves")
-    long = expected_positive_advantage(space, "uniform", 1.0, 1_000_000)
-    assert long == pytest.approx(
-        expected_positive_advantage(space, "uniform", 1.0, 20_000), rel=1e-3
-    )
+    long = mean_positive_advantage(space, "uniform", 1.0, 1_000_000)
+    assert long == pytest.approx(mean_positive_advantage(space, "uniform", 1.0, 20_000), rel=1e-3)
     assert 0 < long < 1
 
 
@@ -81,11 +79,11 @@ def test_a_policy_without_a_choice_has_none() -> None:
     level = brl.load("final-maze")
     space = space_of(level, "all")
     policy = brl.solve(level).policy
-    assert expected_positive_advantage(space, policy, 1.0, 200) == 0.0
-    assert expected_positive_advantage(space, policy, 1.0, None) == pytest.approx(0, abs=1e-12)
+    assert mean_positive_advantage(space, policy, 1.0, 200) == 0.0
+    assert mean_positive_advantage(space, policy, 1.0, None) == pytest.approx(0, abs=1e-12)
 
 
 def test_it_is_unknown_where_episodes_never_end() -> None:
     fields = {"version": 1, "size": [2, 1], "exit": "none"}
     space = space_of(brl.load(fields), "all")
-    assert np.isnan(expected_positive_advantage(space, "random", 1.0, None))
+    assert np.isnan(mean_positive_advantage(space, "random", 1.0, None))
