@@ -18,8 +18,8 @@ import babyrobot_levels as brl
 
 FILE = Path(__file__).with_suffix(".json")
 SUITES = (
-    *("bench-easy", "bench-hard", "locked-mazes", "long-ways", "small-mazes", "wet-mazes"),
-    *("text-easy", "text-hard"),
+    *("bench-easy", "bench-hard", "bench-keys", "locked-mazes", "long-ways", "small-mazes"),
+    *("wet-mazes", "text-easy", "text-hard"),
 )
 PLAYED = (
     *("final-maze", "default", "glasshouse", "windy-gridworld", "frozen-lake", "random-maze"),
