@@ -23,7 +23,7 @@ const legend = new Legend(view, byId("rules"), byId("cell"));
 const sets = new ShownSets(byId("sets"), (configuration) => picture.look(configuration));
 
 const views = new Views(showView, (cells) => legend.outline(cells));
-const learning = new Learning((configuration) => sets.stand(true, configuration), document, keepRun);
+const learning = new Learning(showLearned, document, keepRun);
 
 let game = null;
 let picture = null;
@@ -176,6 +176,12 @@ function showTrail() {
 function showSets() {
   if (learning.isOn) sets.stand(true, learning.layer.shown);
   else sets.stand((game.known.policy !== null || game.seen !== game.known) && picture.showsAnswers);
+}
+
+/** Show what is held while it learns, and for what is held the picture shows what is learned. */
+function showLearned(configuration) {
+  sets.stand(true, configuration);
+  showHeld();
 }
 
 /** Show what is held, and what is on. */

@@ -106,7 +106,10 @@ def test_an_episode_is_walked_and_told(ground: Playground) -> None:
     page = learn(ground, "first-key")
     ground.press("ArrowRight")
     assert re.match(r"Q\(\[\d, \d\] with \w+, \w+\) ← 0 \+ 0\.1 · \(", ground.message)
+    held = page.locator("#held dd")
+    assert held.all_inner_texts() == ["nothing"]
     ground.press("ArrowDown")
+    assert held.all_inner_texts() == ["key"]
     assert numbers(page).startswith("Episode 1 · value at the start")
     assert page.locator("#learn-charts svg").count() == 2
     seed = page.locator("#seed")
