@@ -371,7 +371,7 @@ def test_an_interrupted_run_tells_what_was_judged(
         (["--author", "python", "amazing"], "no such briefs"),
         (["--author", "no-such-command -x", "mazes"], "there is no command no-such-command"),
         (["--author", "'python", "mazes"], "No closing quotation"),
-        (["--author", "python", "-o", "/nowhere/answers.jsonl", "mazes"], "/nowhere"),
+        (["--author", sys.executable, "-o", "/nowhere/answers.jsonl", "mazes"], "/nowhere"),
     ],
 )
 def test_wrong_options_are_told(
