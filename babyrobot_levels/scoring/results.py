@@ -205,7 +205,7 @@ class Scores(Table[LevelScore]):
     @cached_property
     def summary(self) -> Summary:
         """The scores of all levels in a few numbers."""
-        return summary([self])
+        return summary(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
@@ -266,7 +266,7 @@ class Scores(Table[LevelScore]):
         )
 
 
-def summary(runs: Sequence[Scores], *, stratified: bool = False) -> Summary:
+def summary(runs: Scores | Sequence[Scores], *, stratified: bool = False) -> Summary:
     """Return the scores of several runs in a few numbers, such as of agents from several seeds.
 
     The intervals are from 2,000 samples. Each draws runs, and levels, both with replacement: they
@@ -276,12 +276,13 @@ def summary(runs: Sequence[Scores], *, stratified: bool = False) -> Summary:
     learned in each of them by itself.
 
     Args:
-        runs: the scores of each run, in the same levels.
+        runs: the scores of a run, or of several in the same levels.
         stratified: whether runs are drawn within each level, and levels are not drawn.
 
     Raises:
         ValueError: there are no runs, or their levels differ, or a single run is stratified.
     """
+    runs = _runs_of(runs)
     if stratified and len(runs) < 2:
         raise ValueError("only several runs can be drawn within each level; give two or more")
     shares = _shares(runs)
@@ -308,9 +309,13 @@ def improvement(ones: Scores | Sequence[Scores], others: Scores | Sequence[Score
     Raises:
         ValueError: there are no runs, or their levels differ.
     """
-    first, second = ([each] if isinstance(each, Scores) else [*each] for each in (ones, others))
+    first, second = _runs_of(ones), _runs_of(others)
     shares = _shares([*first, *second])
     return improvement_of(shares[: len(first)], shares[len(first) :])
+
+
+def _runs_of(runs: Scores | Sequence[Scores]) -> list[Scores]:
+    return [runs] if isinstance(runs, Scores) else [*runs]
 
 
 def _shares(runs: Sequence[Scores]) -> Floats:
