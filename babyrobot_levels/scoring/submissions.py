@@ -212,8 +212,11 @@ def grade_functions(
     Raises:
         PackError: there is no course in the folder.
         LevelError: a file of the course has errors.
-        ValueError: a function is none of the course.
+        ValueError: a function is none of the course, or a limit is not above 0.
     """
+    for name, limit in (("seconds", seconds), ("memory", memory)):
+        if not limit > 0:
+            raise ValueError(f"{name} must be above 0, not {limit!r}")
     found = read_course(course)
     known = found.fields.functions
     for name in functions or ():

@@ -181,6 +181,10 @@ def test_a_course_may_grade_no_function_in_any_level(small: Path) -> None:
 def test_what_is_no_course(small: Path, tmp_path: Path) -> None:
     with pytest.raises(PackError, match=r"there is no pack.yaml in"):
         brl.grade_functions(tmp_path)
+    with pytest.raises(ValueError, match="seconds must be above 0, not 0"):
+        brl.grade_functions(small, seconds=0)
+    with pytest.raises(ValueError, match="memory must be above 0, not -1"):
+        brl.grade_functions(small, memory=-1)
     with pytest.raises(ValueError, match="'sarsa' is no function of the course"):
         brl.grade_functions(small, functions=["sarsa"])
     text = (small / "pack.yaml").read_text("utf-8")
