@@ -42,6 +42,9 @@ EPISODES = 10_000
 _EQUAL = 1e-9
 """Returns that differ by less, as a share of the largest reward, count as equal."""
 
+_MAX_AT_ONCE = 50_000_000
+"""The most probabilities that a step makes at once: 400 MB."""
+
 _GRID = 1e9
 """Rewards without a discount are counted in units of 1 / 10^9: whole numbers add up exactly."""
 
@@ -244,8 +247,9 @@ def _counted(
             column = column * start.size + chain.next_state[state, which]
             column += ends * len(reward) * start.size
             ahead = csr_array((chance, (state, column)), (start.size, 2 * shape[0] * shape[1]))
-        products += len(total) * (ahead.nnz + 2 * shape[0] * shape[1])
-        if products > MAX_PRODUCTS:
+        made = len(total) * ahead.shape[1]
+        products += len(total) * ahead.nnz + made
+        if products > MAX_PRODUCTS or made > _MAX_AT_ONCE:
             return None
         moved, over = np.split((mass @ ahead).reshape(len(total), -1, start.size), 2, axis=1)
         after = total[:, None] + reward
