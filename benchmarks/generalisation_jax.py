@@ -17,10 +17,13 @@ import argparse
 import gzip
 import io
 import pickle
+import sys
 import time
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
+
+sys.path.append(str(Path(__file__).parents[1] / "examples"))
 
 import jax
 import jax.numpy as jnp
@@ -28,6 +31,8 @@ import numpy as np
 import optax
 from generalisation import NETWORKS, PROGRAMS, TRAINED
 from jax import Array
+from level_replay_jax import priorities
+from ppo_jax import advantages_of, of_actions
 
 import babyrobot_levels as brl
 import babyrobot_levels.jax as brl_jax
@@ -197,7 +202,7 @@ class Learner:
         begun = (state.envs, state.inputs, state.fresh, state.memory)
         keys = jax.random.split(steps_key, LENGTH)
         (envs, inputs, fresh, memory), steps = jax.lax.scan(step, begun, keys)
-        advantages = advantages_of(steps)
+        advantages = advantages_of(steps, DISCOUNT, LAMBDA)
         data = steps, advantages
 
         def batch(carry: Any, rows: Array) -> tuple[Any, None]:
@@ -278,26 +283,6 @@ def told_in(rows: Array) -> np.ndarray[Any, Any]:
     return np.flatnonzero(np.concatenate([varies >> place & 1 for place in range(8)]))
 
 
-def of_actions(log_chances: Array, actions: Array) -> Array:
-    return jnp.take_along_axis(log_chances, actions[..., None], axis=-1)[..., 0]
-
-
-def advantages_of(steps: Steps) -> Array:
-    """Return advantages by generalised advantage estimation.
-
-    The value of the state after a step counts also where the time limit is reached, but not where
-    the episode is over.
-    """
-    errors = steps.reward + DISCOUNT * steps.value_ahead * ~steps.terminated - steps.value
-
-    def back(ahead: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
-        advantage = step[0] + DISCOUNT * LAMBDA * ahead * ~step[1]
-        return advantage, advantage
-
-    last = jnp.zeros_like(errors[0])
-    return jax.lax.scan(back, last, (errors, steps.done), reverse=True)[1]
-
-
 def loss_of(weights: Any, memory: Array, steps: Steps, advantages: Array) -> Array:
     log_chances, values = over_time(weights, memory, steps.inputs, steps.fresh)
     ratio = jnp.exp(of_actions(log_chances, steps.action) - steps.log_chance)
@@ -306,14 +291,6 @@ def loss_of(weights: Any, memory: Array, steps: Steps, advantages: Array) -> Arr
     value_loss = jnp.square(values - steps.value - advantages)
     entropy = -(jnp.exp(log_chances) * log_chances).sum(axis=-1)
     return jnp.mean(VALUE_WEIGHT * value_loss - gain - ENTROPY_WEIGHT * entropy)
-
-
-def priorities(scores: Array, ages: Array) -> Array:
-    """Return with which probability levels of these scores are drawn, by rank, `[levels]`."""
-    ranks = 1 + jnp.argsort(jnp.argsort(-scores))
-    by_score = (1 / ranks) ** (1 / TEMPERATURE)
-    by_age = ages / jnp.maximum(ages.sum(), 1)
-    return (1 - STALENESS) * by_score / by_score.sum() + STALENESS * by_age
 
 
 # -- several runs ----------------------------------------------------------------------------
@@ -348,7 +325,8 @@ def stage(
 
         def update(states: State, keys: Array) -> tuple[State, None]:
             scores = jnp.where(by_estimate[:, None], states.estimates, regrets)
-            drawn = jax.vmap(priorities)(scores, states.ages)
+            ranked = partial(priorities, temperature=TEMPERATURE, staleness=STALENESS)
+            drawn = jax.vmap(ranked)(scores, states.ages)
             is_drawn = by_estimate | jnp.asarray(by_regret)
             drawn = jnp.where(is_drawn[:, None], drawn, 1.0)
             return jax.vmap(learner.update, (None, 0, 0, 0))(train, states, drawn, keys), None

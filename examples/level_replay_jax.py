@@ -46,17 +46,21 @@ class Figures(NamedTuple):
     worst_tenth: Array  # the mean of the tenth of the test levels with the least shares
 
 
-def priorities(regrets: Array, ages: Array) -> Array:
+def priorities(
+    scores: Array, ages: Array, temperature: float = TEMPERATURE, staleness: float = STALENESS
+) -> Array:
     """Return with which probability each level is drawn, `[levels]`.
 
     Args:
-        regrets: the higher, the more often a level is drawn.
+        scores: such as regrets: the higher, the more often a level is drawn.
         ages: how many updates ago each level was played last.
+        temperature: the higher, the less the ranks of scores matter.
+        staleness: the share of draws by age.
     """
-    ranks = 1 + jnp.argsort(jnp.argsort(-regrets))
-    by_regret = (1 / ranks) ** (1 / TEMPERATURE)
+    ranks = 1 + jnp.argsort(jnp.argsort(-scores))
+    by_score = (1 / ranks) ** (1 / temperature)
     by_age = ages / jnp.maximum(ages.sum(), 1)
-    return (1 - STALENESS) * by_regret / by_regret.sum() + STALENESS * by_age
+    return (1 - staleness) * by_score / by_score.sum() + staleness * by_age
 
 
 @partial(jax.jit, static_argnames=("learner", "every"))

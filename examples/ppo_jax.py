@@ -203,20 +203,20 @@ def network(weights: Weights, inputs: Array) -> tuple[Array, Array]:
 
 
 def of_actions(log_chances: Array, actions: Array) -> Array:
-    return jnp.take_along_axis(log_chances, actions[:, None], axis=1)[:, 0]
+    return jnp.take_along_axis(log_chances, actions[..., None], axis=-1)[..., 0]
 
 
-def advantages_of(steps: Steps) -> Array:
+def advantages_of(steps: Any, discount: float = DISCOUNT, decay: float = LAMBDA) -> Array:
     """Return advantages by generalised advantage estimation.
 
     The value of the state after a step counts also where the time limit is reached, but not where
     the episode is over.
     """
-    errors = steps.reward + DISCOUNT * steps.value_ahead * ~steps.terminated - steps.value
+    errors = steps.reward + discount * steps.value_ahead * ~steps.terminated - steps.value
 
     def back(ahead: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
         error, done = step
-        advantage = error + DISCOUNT * LAMBDA * ahead * ~done
+        advantage = error + discount * decay * ahead * ~done
         return advantage, advantage
 
     last = jnp.zeros_like(errors[0])
