@@ -42,7 +42,7 @@ EPISODES = 10_000
 _EQUAL = 1e-9
 """Returns that differ by less, as a share of the largest reward, count as equal."""
 
-_MAX_AT_ONCE = 50_000_000
+MAX_AT_ONCE = 50_000_000
 """The most probabilities that a step makes at once: 400 MB."""
 
 _GRID = 1e9
@@ -249,7 +249,7 @@ def _counted(
             ahead = csr_array((chance, (state, column)), (start.size, 2 * shape[0] * shape[1]))
         made = len(total) * ahead.shape[1]
         products += len(total) * ahead.nnz + made
-        if products > MAX_PRODUCTS or made > _MAX_AT_ONCE:
+        if products > MAX_PRODUCTS or made > MAX_AT_ONCE:
             return None
         moved, over = np.split((mass @ ahead).reshape(len(total), -1, start.size), 2, axis=1)
         after = total[:, None] + reward

@@ -90,12 +90,17 @@ def test_counted_returns_are_those_that_are_followed(
     assert counted.probabilities == pytest.approx(followed.probabilities)
 
 
-def test_many_steps_of_chance_are_still_exact() -> None:
+def test_many_steps_of_chance_are_still_exact_as_far_as_memory_allows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     level = brl.load_suite("bench-hard").split("test")[0]
     found = brl.return_distribution(level, "random")
     assert found.episodes == 0
     exact = brl.evaluate(level, "random", within="max_steps")
     assert found.mean == pytest.approx(exact.expected_return)
+    monkeypatch.setattr(distribution, "MAX_AT_ONCE", 10_000)
+    monkeypatch.setattr(distribution, "EPISODES", 100)
+    assert brl.return_distribution(level, "random").episodes == 100
 
 
 @pytest.mark.slow
