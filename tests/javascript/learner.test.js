@@ -157,8 +157,9 @@ test("the model of Dyna is as the level was until it is tried again", () => {
     learner.follow(changed);
     learner.options.planning_steps = 500;
     learner.way = [0];
+    learner.actions[0][EAST] = 0; // Planning brings it back.
     learner.plan(learner.act(0, 0));
-    assert.ok(learner.actions[0][EAST] >= before - 1e-3, `${name} is not known yet`);
+    assert.ok(learner.actions[0][EAST] >= before - 1e-2, `${name} is not known yet`);
     learner.plan(learner.act(0, EAST));
     assert.ok(learner.actions[0][EAST] < before - 0.5, `${name} is known`);
   }
@@ -194,9 +195,9 @@ for (const algorithm of ["monte_carlo", "sarsa"]) {
   test(`${algorithm} goes on in the middle of an episode`, () => {
     const learner = learned(corridor(), 20, { algorithm, n_steps: 3 });
     learner.step();
-    const before = learner.values[0];
+    const [value, visits] = [learner.values[0], learner.visits[0]];
     learner.follow(LONGER);
-    assert.equal(learner.values[0], before);
+    assert.deepEqual([learner.values[0], learner.visits[0]], [value, visits]);
     while (learner.number < 40) learner.finish();
     assert.notEqual(learner.values[2], 0);
   });
