@@ -24,6 +24,9 @@ _TOGETHER = 50
 _MOST_STARTS = 10**6
 """The largest denominator of the probability of a start."""
 
+_MAX_INTEGER = 2**31 - 1
+"""PRISM's largest integer; others are floats."""
+
 Numbers = Callable[[float], Fraction]
 Rows = dict[tuple[str, Any], Ints]
 """For each action and its updates as text, or what it pays on average: the states."""
@@ -144,6 +147,6 @@ def _fractions(denominator: int) -> Numbers:
 
 
 def _text(number: Fraction) -> str:
-    """Return a number as a decimal if it is a short one, else as a fraction."""
-    text = repr(float(number)).removesuffix(".0")
-    return text if Fraction(text) == number and "e" not in text else str(number)
+    """Return a number as a fraction, which readers take as it is: decimals may lose a digit."""
+    parts = [number.numerator, *[number.denominator] * (number.denominator > 1)]
+    return "/".join(f"{part}{'.0' * (abs(part) > _MAX_INTEGER)}" for part in parts)

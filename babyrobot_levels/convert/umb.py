@@ -9,11 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.exact import ROUNDING, denominators
 from babyrobot_levels.convert.conversion import Conversion
 from babyrobot_levels.convert.processes import Process, losses, process_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats, Ints
 from babyrobot_levels.text.errors import DISTRIBUTION, how_to_install
+
+_FORMAT = {"format-version": 1, "format-revision": 0}
+"""Not what umbi says of itself, which changes with its versions: files are always the same."""
 
 
 def write_umb(level: Level) -> Conversion:
@@ -75,9 +79,12 @@ def _explicit(level: Level, process: Process) -> Any:
     own = first[acting][:, None] + np.arange(count)
     action, reward = np.full(first[-1], count), np.zeros(first[-1])
     action[own] = np.arange(count)
+    chance, unit = denominators(level)
     tables = process.mdp.probability[acting], process.mdp.reward[acting]
-    reward[own] = np.einsum("sao,sao->sa", *tables)
+    highest = float(np.abs(tables[1]).max(initial=0.0))
+    reward[own] = _rounded(np.einsum("sao,sao->sa", *tables), chance * unit, highest)
     choice, target, probability = _branches(process, first)
+    probability = _rounded(probability, chance, 1.0)
     annotations: dict[str, dict[str, Any]] = {
         "aps": {name: {"states": has} for name, has in process.labels.items()},
         "rewards": {"reward": {"choices": reward}, "cost": {"choices": -reward}},
@@ -99,8 +106,6 @@ def _index(
     level: Level, process: Process, annotations: Any, choices: int, branches: int
 ) -> dict[str, Any]:
     """Return what is in the archive: the level, its size, labels and rewards."""
-    from umbi.version import __format_revision__, __format_version__
-
     double, flag = {"type": "double", "size": 64}, {"type": "bool", "size": 1}
     about = {
         "name": level.title or level.name,
@@ -109,8 +114,7 @@ def _index(
         "comment": "\n".join(filter(None, (level.license, level.source))),
     }
     return {
-        "format-version": __format_version__,
-        "format-revision": __format_revision__,
+        **_FORMAT,
         "file-data": {"tool": DISTRIBUTION},
         "model-data": {key: value for key, value in about.items() if value},
         "transition-system": {
@@ -151,3 +155,17 @@ def _branches(process: Process, first: Ints) -> tuple[Ints, Ints, Floats]:
     pairs, which = np.unique(choice * process.size + target, return_inverse=True)
     summed: Floats = np.bincount(which, weight).astype(np.float64)
     return *np.divmod(pairs, process.size), summed
+
+
+def _rounded(sums: Floats, denominator: int, highest: float) -> Floats:
+    """Return sums without what adding up has left: the floats of fractions with a denominator.
+
+    Args:
+        sums: the sums.
+        denominator: of the fractions that their terms stand for.
+        highest: the largest of the numbers that were added up.
+    """
+    if highest * denominator * ROUNDING > 0.25:
+        return sums
+    rounded: Floats = np.rint(sums * denominator) / denominator
+    return rounded

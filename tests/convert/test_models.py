@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import pytest
 import umbi
 
 import babyrobot_levels as brl
-from babyrobot_levels.convert.processes import process_of
+from babyrobot_levels.convert.processes import losses, process_of
 
 LEVELS = [
     "final-maze",
@@ -66,6 +67,10 @@ def assert_same(found: Table, level: brl.Level) -> None:
 # -- PRISM -------------------------------------------------------------------------------------
 
 
+def fraction(text: str) -> Fraction:
+    return Fraction(text.replace(".0", ""))
+
+
 class Module:
     """A module of PRISM, as Python reads it."""
 
@@ -93,7 +98,7 @@ class Module:
     def rewards(self, name: str) -> dict[tuple[int, str], Fraction]:
         part = self.text.split(f'rewards "{name}"')[1].split("endrewards")[0]
         rows = re.findall(r"^  \[(\w*)\] (.*) : (.*);$", part, re.M)
-        return {(s, a): Fraction(value) for a, guard, value in rows for s in self.where(guard)}
+        return {(s, a): fraction(value) for a, guard, value in rows for s in self.where(guard)}
 
     def table(self) -> Table:
         rewards, table = self.rewards("reward"), {}
@@ -102,7 +107,7 @@ class Module:
                 chances = {}
                 for update in [] if updates == "true" else updates.split(" + "):
                     chance, target = re.fullmatch(r"(?:(.+):)?\(s'=(.+)\)", update).groups()  # type: ignore[union-attr]
-                    chances[eval(target, {"s": s})] = Fraction(chance or 1)
+                    chances[eval(target, {"s": s})] = fraction(chance or "1")
                 assert (s, action) not in table
                 table[s, action] = (
                     chances or {s: Fraction(1)},
@@ -148,6 +153,28 @@ def test_probabilities_that_no_fraction_fits_add_up_to_one_all_the_same() -> Non
     assert all(sum(chances.values()) == 1 for chances, _ in table.values())
 
 
+ROUNDED = brl.Level.from_fields(
+    {
+        "version": 1,
+        "size": [3, 2],
+        "exit": [2, 0],
+        "skid": {"probability": 0.4, "to": "sides"},
+        "rewards": {"step": -0.4, "exit": 0.8},
+    }
+)
+"""A level whose mean rewards, added up as floats, are not the floats nearest to their sums."""
+
+
+def test_no_number_of_a_module_is_a_decimal() -> None:
+    text = brl.export(ROUNDED, "prism").text
+    assert "[stay] (s>=0 & s<=1) | (s>=3 & s<=5) : -2/5;" in text
+    assert "[west] s=3 -> 1/5:(s'=s-3) + 4/5:(s'=s);" in text
+    assert not re.search(r"\d\.\d", text)
+    long = ROUNDED.replace(rewards={"step": -0.123456789012, "exit": 1e20})
+    # What is no integer of PRISM is a float.
+    assert ": -30864197253.0/250000000000.0;" in brl.export(long, "prism").text
+
+
 def test_formulas_are_the_cell_and_the_configuration() -> None:
     level = brl.load("night-watch")
     text, mdp = brl.export(level, "prism").text, level.compile()
@@ -183,6 +210,34 @@ def test_labels_tell_puddles_areas_and_what_is_held_or_on() -> None:
     assert np.flatnonzero(labels["area_hot_lava"]).tolist() == [1, 4]
 
 
+def test_each_area_keeps_a_label_of_its_own() -> None:
+    labels = ["A b", "a-B", "Ä", "水", "A b", "2"]
+    given = [{"at": [x % 3, x // 3], "label": label} for x, label in enumerate(labels)]
+    level = brl.Level.from_fields({"version": 1, "areas": given})
+    found = process_of(level)
+    areas = {name: has for name, has in found.labels.items() if name.startswith("area")}
+    assert {name: np.flatnonzero(has).tolist() for name, has in areas.items()} == {
+        "area_a_b": [0, 4],
+        "area_a_b_2": [1],
+        "area": [2],
+        "area_2": [3],
+        "area_2_2": [5],
+    }
+    told = [str(lost) for lost in losses(level, found, "a file")]
+    assert told == [
+        "areas.label: 'a-B' is the label area_a_b_2",
+        "areas.label: 'Ä' is the label area",
+        "areas.label: '水' is the label area_2",
+        "areas.label: '2' is the label area_2_2",
+    ]
+
+
+def test_the_label_of_an_area_is_not_that_of_an_item() -> None:
+    items, areas = [{"name": "area", "at": [1, 1]}], [{"at": [2, 1], "label": "held"}]
+    level = brl.Level.from_fields({"version": 1, "items": items, "areas": areas})
+    assert {"area_held", "area_held_2"} <= process_of(level).labels.keys()
+
+
 def test_an_exit_is_labelled_where_it_is_open_and_other_ends_are_not() -> None:
     labels = process_of(brl.load("frozen-lake")).labels
     assert np.flatnonzero(labels["exit"]).tolist() == [15]
@@ -207,23 +262,40 @@ def test_an_archive_says_what_the_tables_say(name: str, tmp_path: Path) -> None:
     level = brl.load(name)
     process, path = process_of(level), tmp_path / f"{name}.umb"
     brl.export(level, path=path)
-    ats, file = umbi.ats.read(path), umbi.umb.read(path, strict=True)
-    assert ats.initial_states == [process.initial]
+    # Its transition systems have other attributes in each version of umbi.
+    assert umbi.ats.read(path).initial_states == [process.initial]
+    file = umbi.umb.read(path, strict=True)
     rewards = file.annotations["rewards"]
     assert rewards["cost"]["choices"] == [-each for each in rewards["reward"]["choices"]]
     table: Table = {}
-    for choice in ats.choices:
-        chances = {branch.target: Fraction(branch.prob) for branch in choice.branches}
-        paid = Fraction(rewards["reward"]["choices"][choice.index])
-        table[choice.state, ats.choice_action_to_name[choice.action]] = chances, paid
+    for state, choices in enumerate(pairwise(file.state_to_choices)):
+        for choice in range(*choices):
+            branches = range(*file.choice_to_branches[choice : choice + 2])
+            targets = [file.branch_to_target[each] for each in branches]
+            chances = [Fraction(file.branch_to_probability[each]) for each in branches]
+            action = file.choice_action_to_string[file.choice_to_choice_action[choice]]
+            paid = Fraction(rewards["reward"]["choices"][choice])
+            table[state, action] = dict(zip(targets, chances, strict=True)), paid
     assert_same(table, level)
     for label, has in process.labels.items():
         assert file.annotations["aps"][label]["states"] == has.tolist()
 
 
+def test_sums_of_an_archive_are_the_floats_that_they_stand_for(tmp_path: Path) -> None:
+    brl.export(ROUNDED, path=tmp_path / "level.umb")
+    file = umbi.umb.read(tmp_path / "level.umb")
+    assert set(file.annotations["rewards"]["reward"]["choices"]) == {-0.4, -0.16, 0.0, 0.32}
+    assert set(file.branch_to_probability) == {0.2, 0.6, 0.8, 1.0}
+    digits = ROUNDED.replace(rewards={"step": -1 / 3 - 1e-9, "exit": 1e300})
+    brl.export(digits, path=tmp_path / "digits.umb")
+    rewards = umbi.umb.read(tmp_path / "digits.umb").annotations["rewards"]["reward"]["choices"]
+    assert max(rewards) == pytest.approx(6e299)
+
+
 def test_an_archive_is_the_same_whenever_it_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
     first = brl.export("final-maze", "umb")
     monkeypatch.setattr("time.time", lambda: 4e9)
+    monkeypatch.setattr("umbi.version.__format_version__", 7)
     assert brl.export("final-maze", "umb").content == first.content
     assert first.text == ""
 

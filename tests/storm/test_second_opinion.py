@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 import umbi
@@ -66,6 +67,21 @@ def test_hits_starts_and_things_are_read_as_they_are(tmp_path: Path) -> None:
         assert [each for each in found if not each.is_agreed] == []
 
 
+@pytest.mark.parametrize("name", [*EXACT, "final-maze", "bat-cave"])
+def test_both_files_of_a_level_hold_the_same_floats(name: str, tmp_path: Path) -> None:
+    text, archive = map(_numbers, map(read, written(brl.load(name), tmp_path)))
+    # Of a module, Storm has only the states that can be reached.
+    assert text <= archive
+    assert {chance for chance, _ in text} == {chance for chance, _ in archive}
+
+
+def _numbers(model: Any) -> set[tuple[float, float]]:
+    """Return each probability of a model, with the reward of its state and action."""
+    matrix, paid = model.transition_matrix, model.reward_models["reward"].state_action_rewards
+    rows = range(matrix.nr_rows)
+    return {(entry.value, paid[row]) for row in rows for entry in matrix.get_row(row)}
+
+
 # -- what differs is noticed -------------------------------------------------------------------
 
 Change = Callable[[Path], None]
@@ -90,7 +106,7 @@ def _replacing(old: str, new: str) -> Change:
 
 
 def test_another_probability_is_noticed(tmp_path: Path) -> None:
-    change = _replacing("0.4:(s'=s-8) + 0.6:(s'=s-1)", "0.400001:(s'=s-8) + 0.599999:(s'=s-1)")
+    change = _replacing("2/5:(s'=s-8) + 3/5:(s'=s-1)", "0.400001:(s'=s-8) + 0.599999:(s'=s-1)")
     found = _disagreed("final-maze", change, "prism", tmp_path)
     assert found == {"return, costs only", "return within a limit", "success within a limit"}
 
