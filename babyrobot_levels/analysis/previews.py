@@ -221,7 +221,9 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
     # Of the pairs of configuration and cell, those that an episode reaches.
     reached = ~space_of(level, "all").without_value
     found["outcomes"] = int((happens[reached] if level.has_things else happens).sum())
-    found["chance"] = bool(happens[~mdp.is_terminal].sum(axis=2).max(initial=0) > 1)
+    # In a step, or at the reset.
+    most = int(happens[~mdp.is_terminal].sum(axis=2).max(initial=0))
+    found["chance"] = max(most, int((mdp.start > 0).sum())) > 1
     found["digest"] = level.digest
     measured = metrics(level)
     found["states"] = measured.states

@@ -1,11 +1,9 @@
-"""The optimal policy of a level: whether it terminates, in time, and what it needs.
-
-It needs a door, or what a door or the exit needs, if the best policies are others without it.
-"""
+"""The optimal policy of a level: whether it terminates, in time, and what makes no difference."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -23,8 +21,8 @@ from babyrobot_levels.language.things import Door
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.variants import changed
 from babyrobot_levels.mdp.graph import Graph
-from babyrobot_levels.mdp.states import Reach, ends_by_hit, exit_states
-from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.mdp.states import Reach, ends_by_hit, exit_states, occurring
+from babyrobot_levels.mdp.tables import Flags, Mdp
 from babyrobot_levels.text.errors import LevelError
 
 MAX_SOLVED = 5_000
@@ -176,48 +174,44 @@ def is_within_limit(level: Level, solution: Solution, share: float) -> bool | No
 Entry = TypeVar("Entry")
 
 MAX_STATES = 20_000
-"""After variants with so many states together, no further one is solved."""
+"""After variants with so many states together, no further one is looked at."""
 
-TOLERANCE = 1e-9
-"""Optimal returns that differ by no more than this share are the same."""
+Facts = list[NDArray[Any]]
+"""All that can happen under some policies: the same if and only if the same can happen."""
 
 
-class Optimum:
-    """The best policies of a level from its starts on, and what they come to.
+def episodes(level: Level) -> Facts:
+    """Return all that can happen in a level, whatever the robot does.
 
-    Attributes:
-        expected_return: the optimal return from the start.
-        facts: arrays that describe all that can happen under best policies, and that are the same
-            for another level if and only if it has the same best policies there.
+    Raises:
+        LevelError: its tables are too large.
     """
+    mdp = level.compile()
+    return _facts(mdp, occurring(mdp).ravel(), np.ones(mdp.reward.shape[:2], bool))
 
-    def __init__(self, level: Level) -> None:
-        """Solve a level.
 
-        Raises:
-            ArithmeticError: it has no optimum, none that is finite, or takes too long to solve.
-            LevelError: its tables are too large.
-        """
-        solution, mdp = solution_of(level), level.compile()
-        if solution is None or not np.isfinite(solution.expected_return):
-            raise ArithmeticError
-        self.expected_return = solution.expected_return
-        best, reached = solution.greedy.reshape(mdp.num_states, -1), optimal_states(solution)
-        taken = best & (reached & ~mdp.is_terminal)[:, None]
-        rows = (mdp.probability > 0) & taken[..., None]
-        self.facts: list[NDArray[Any]] = []
-        # Numbers of configurations may differ, so states are told by the values of things.
-        for numbers in (np.flatnonzero(reached), mdp.next_state[rows]):
-            self.facts += [mdp.configurations[numbers // mdp.cells], numbers % mdp.cells]
-        self.facts += [best[reached], rows.sum(axis=2)[reached]]
-        self.facts += [mdp.probability[rows], mdp.reward[rows], mdp.terminal[rows]]
+def best_episodes(level: Level) -> Facts:
+    """Return all that can happen in a level under optimal policies.
 
-    def equals(self, other: Optimum) -> bool:
-        """Return whether another level has the same optimum and the same best policies."""
-        one, two = self.expected_return, other.expected_return
-        return abs(one - two) <= TOLERANCE * max(1.0, abs(one)) and all(
-            map(np.array_equal, self.facts, other.facts)
-        )
+    Raises:
+        ArithmeticError: it has no optimum, none that is finite, or takes too long to solve.
+        LevelError: its tables are too large.
+    """
+    solution, mdp = solution_of(level), level.compile()
+    if solution is None or not np.isfinite(solution.expected_return):
+        raise ArithmeticError
+    return _facts(mdp, optimal_states(solution), solution.greedy.reshape(mdp.num_states, -1))
+
+
+def _facts(mdp: Mdp, here: Flags, taken: Flags) -> Facts:
+    """Return what happens in some states, `[states]`, with some actions, `[states, actions]`."""
+    rows = (mdp.probability > 0) & (taken & (here & ~mdp.is_terminal)[:, None])[..., None]
+    facts: Facts = []
+    # Numbers of configurations may differ, so states are told by the values of things.
+    for numbers in (np.flatnonzero(here), mdp.next_state[rows]):
+        facts += [mdp.configurations[numbers // mdp.cells], numbers % mdp.cells]
+    facts += [taken[here], rows.sum(axis=2)[here]]
+    return [*facts, mdp.probability[rows], mdp.reward[rows], mdp.terminal[rows]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,18 +241,22 @@ class Need:
 
 
 class Necessity:
-    """The needs and doors without which a level has the same optimum.
+    """The needs and doors of a level that make no difference.
+
+    A need makes none if all episodes stay the same without it, whatever the robot does. Of a door
+    it is enough that the best policies stay the same both without it and with a wall in its place.
 
     They are checked from last to first, needs before doors, and one without effect counts as
     removed from then on: all of them can be removed together.
 
     Attributes:
         idle_needs: the needs without effect.
-        idle_doors: the doors without effect, by index.
+        idle_doors: the doors without effect, by index, and whether they are not passed: others
+            are open whenever the robot comes to them.
     """
 
     def __init__(self, level: Level, doors: Sequence[int], *, check_needs: bool) -> None:
-        """Solve variants of a level, as long as there is time.
+        """Look at variants of a level, as long as there is time.
 
         Args:
             level: the level.
@@ -266,22 +264,32 @@ class Necessity:
             check_needs: whether needs are checked, too.
         """
         self.idle_needs: list[Need] = []
-        self.idle_doors: list[int] = []
+        self.idle_doors: dict[int, bool] = {}
         self._level, self._left = level, MAX_STATES
+        self._wanted: dict[Callable[[Level], Facts], Facts | None] = {}
         self._now: dict[str, Any] = {"doors": level.doors, "exit_needs": level.exit_keys}
-        try:
-            self._optimum = Optimum(level)
-        except ArithmeticError:
-            return
         for need in self._needs(doors) if check_needs else ():
-            if self._is_idle(need.removed(**self._now)):
+            fields = need.removed(**self._now)
+            if self._same(episodes, self._variant(fields)):
                 self.idle_needs.append(need)
+                self._now |= fields
         for number in sorted(doors, reverse=True):
-            # The others keep their numbers: a door that needs nothing is none.
-            gone = level.doors[number].model_copy(update={"needs": (), "unless": ()})
-            others = self._now["doors"]
-            if self._is_idle({"doors": (*others[:number], gone, *others[number + 1 :])}):
-                self.idle_doors.append(number)
+            names = (*level.doors[number].keys, *level.doors[number].locks)
+            gone = self._with_door(number, ())
+            without_lock = self._variant(gone)
+            is_open = self._same(episodes, without_lock)
+            if is_open or self._same(
+                best_episodes, without_lock, self._variant(self._with_door(number, names))
+            ):
+                self.idle_doors[number] = not is_open
+                self._now |= gone
+
+    def _with_door(self, number: int, names: tuple[str, ...]) -> dict[str, Any]:
+        """Return the fields in which a door needs to have some things and not to have them."""
+        # The others keep their numbers: a door that needs nothing is none.
+        doors = self._now["doors"]
+        door = doors[number].model_copy(update={"needs": names, "unless": names})
+        return {"doors": (*doors[:number], door, *doors[number + 1 :])}
 
     def _needs(self, doors: Sequence[int]) -> Iterator[Need]:
         """Yield the needs to check; the last one of a door is none of them."""
@@ -295,22 +303,31 @@ class Necessity:
                     if len(now.keys) + len(now.locks) > 1:
                         yield Need(names[index], number, field, index)
 
-    def _is_idle(self, fields: dict[str, Any]) -> bool:
-        """Return whether the optimum is the same with other values for some fields.
+    def _same(self, facts: Callable[[Level], Facts], *variants: Level | None) -> bool:
+        """Return whether facts are the same in some variants; False where this is not proved."""
+        if facts not in self._wanted:
+            self._wanted[facts] = _known(facts, self._level)
+        wanted = self._wanted[facts]
+        for variant in variants:
+            found = None if variant is None or wanted is None else _known(facts, variant)
+            if wanted is None or found is None or not all(map(np.array_equal, wanted, found)):
+                return False
+        return True
 
-        False where this is not proved. If it is, the fields keep these values.
-        """
-        if self._left < 0:
-            return False
-        try:
-            variant = changed(self._level, **{**self._now, **fields})
-            self._left -= variant.compile().num_states
-            is_idle = self._optimum.equals(Optimum(variant))
-        except (ArithmeticError, LevelError):
-            return False
-        if is_idle:
-            self._now.update(fields)
-        return is_idle
+    def _variant(self, fields: dict[str, Any]) -> Level | None:
+        """Return the level with other values for some fields; None if that takes too long."""
+        variant = changed(self._level, **{**self._now, **fields})
+        with suppress(LevelError):
+            if self._left >= 0:
+                self._left -= variant.compile().num_states
+                return variant
+        return None
+
+
+def _known(facts: Callable[[Level], Facts], level: Level) -> Facts | None:
+    with suppress(ArithmeticError):
+        return facts(level)
+    return None
 
 
 def without(entries: tuple[Entry, ...], number: int) -> tuple[Entry, ...]:

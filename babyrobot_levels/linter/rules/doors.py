@@ -166,21 +166,21 @@ def door_always_open(context: LintContext) -> Iterator[Finding]:
 
 @rule("BR532")
 def door_without_effect(context: LintContext) -> Iterator[Finding]:
-    """Door without which the best policies are the same.
+    """Door that the best policies do not pass, or that is open whenever the robot comes to it.
 
     ## What it does
 
-    Checks for doors that open and close, but that can be removed without any difference to the
-    optimum: the level without the door has the same optimal return, and from the start on the same
-    best policies, which lead to the same states with the same rewards. Both levels are solved
-    exactly, for the five actions. Levels of more than 5,000 states are not solved, nor more doors
-    than 20,000 states of such levels allow.
+    Checks for doors that open and close, but make no difference. Either the level without the door
+    and the level with a wall in its place have the same best policies, which lead from the start
+    on to the same states with the same rewards. Or all that can happen stays the same without the
+    door, whatever the robot does. The levels are solved exactly, for the five actions. Levels of
+    more than 5,000 states are not solved, nor are more doors checked than 20,000 states allow.
 
     ## Why is this bad?
 
-    The robot never needs what the door needs. Usually there is another way around the door, or the
-    door bars a place where it is not worth going. A port of MiniGrid's `Unlock` had its door in the
-    outer wall, with nothing behind it
+    The door locks nothing. Usually there is another way around it, it bars a place where it is not
+    worth going, or the robot cannot come to it without what it needs. A port of MiniGrid's `Unlock`
+    had its door in the outer wall, with nothing behind it
     ([rlevo #1020](https://github.com/anthonytorlucci/rlevo/issues/1020)).
 
     If the door is meant to mislead, suppress the finding:
@@ -213,16 +213,18 @@ def door_without_effect(context: LintContext) -> Iterator[Finding]:
     ## Fix safety
 
     The fix removes the door, also from the drawing. It is unsafe: the best policies stay the same,
-    but other policies can go where the door was.
+    but others may go where the door was.
     """
     level = context.level
     if not level.doors:
         return
-    for number in context.necessity.idle_doors:
+    for number, is_avoided in context.necessity.idle_doors.items():
+        why = "it is open whenever the robot comes to it"
+        if is_avoided:
+            why = "the best policies do not pass it, nor would they without a lock"
         yield Finding(
             context.place_of_entry("doors", number),
-            f"{_door_text(context, number)} makes no difference: without it, the best policies "
-            "are the same",
+            f"{_door_text(context, number)} makes no difference: {why}",
             "close the ways around it, make it worthwhile to pass, or remove it",
             fix=door_removal(context.document, level, number, safe=False),
         )
@@ -235,16 +237,15 @@ def need_without_effect(context: LintContext) -> Iterator[Finding]:
     ## What it does
 
     Checks for names in `needs` and `unless` of doors and in `exit_needs` that can be removed
-    without any difference to the optimum: the level without the name has the same optimal return,
-    and from the start on the same best policies. Both levels are solved exactly, for the five
-    actions. Levels of more than 5,000 states are not solved, nor more names than 20,000 states of
-    such levels allow. The only need of a door is not checked, because the door would always be
-    open; see [`door-without-effect`](door-without-effect.md).
+    without any difference in any episode: whatever the robot does, it never comes to the door or
+    the exit in a state in which the name decides. That the best policies meet a need anyway is no
+    reason: others may not. The check uses the exact transition tables; no more names are checked
+    than 20,000 states allow. The only need of a door is not checked, because the door would always
+    be open; see [`door-without-effect`](door-without-effect.md).
 
     ## Why is this bad?
 
-    The item or switch looks necessary and is not. Usually the robot comes by it anyway, or cannot
-    get there without it.
+    The item or switch looks like a condition and is none: the robot cannot get there without it.
 
     ## Example
 
@@ -274,8 +275,8 @@ def need_without_effect(context: LintContext) -> Iterator[Finding]:
 
     ## Fix safety
 
-    The fix removes the name. It is safe if the tables stay the same, and unsafe if only the best
-    policies do.
+    The fix removes the name. It is safe if the tables stay the same, and unsafe if they differ in
+    states that no episode comes to.
     """
     level = context.level
     if not level.doors and not level.exit_keys:
@@ -286,15 +287,23 @@ def need_without_effect(context: LintContext) -> Iterator[Finding]:
         if need.door is not None:
             route = ("doors", need.door, need.field)
             where = f"`{need.field}` of {_door_text(context, need.door)}"
-        is_list = isinstance(context.document.node(route)[0].data, list)
+        met = "with" if need.field == "unless" else "without"
+        why, otherwise = (
+            f"the robot never comes there {met} it",
+            f"let the robot come there {met} it",
+        )
+        names = context.document.node(route)[0].data
+        is_list = isinstance(names, list)
+        if is_list and need.name in names[: need.index]:
+            why = "it is named twice, and there is one thing of this name"
+            otherwise = "name another one: each of several items has a name of its own"
         safe = context.has_same_digest(**need.removed(level.doors, level.exit_keys))
         if is_list:
             route = (*route, need.index)
         yield Finding(
             route if is_list else Key(route),
-            f"`{need.name}` in {where} makes no difference: without it, the best policies are "
-            "the same",
-            "remove it, or let the robot pass only with it",
+            f"`{need.name}` in {where} makes no difference: {why}",
+            f"remove it, or {otherwise}",
             fix=removal(context.document, f"remove `{need.name}`", route, safe=safe),
         )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.linter.context import LintContext
-from babyrobot_levels.linter.finding import Finding, Needs, cells_text, count_drawn
+from babyrobot_levels.linter.finding import Finding, Needs, cell_mark, cells_text, count_drawn
 from babyrobot_levels.linter.fixes import removal
 from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.words import listed
@@ -346,3 +346,58 @@ def doubled_mover(context: LintContext) -> Iterator[Finding]:
             "let it begin elsewhere on the path, or remove it",
             fix=removal(context.document, f"remove {name}", ("movers", number), safe=False),
         )
+
+
+@rule("BR541", needs=Needs.LEVEL)
+def item_drawn_in_several_cells(context: LintContext) -> Iterator[Finding]:
+    """Item that several cells of the drawing show, of which it lies in one.
+
+    ## What it does
+
+    Checks for characters of the legend that stand for an item and that the drawing shows in more
+    than one cell.
+
+    ## Why is this bad?
+
+    The picture shows several items, and there is one: each reset draws the cell in which it lies.
+    A reward is paid once, and a door that needs it opens with the first one that is taken. Usually
+    several items were meant. Switches of one name in several cells are an error.
+
+    If one item is meant, write it as an entry of `items` with `one_of`.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    map: |
+      +---+---+---+---+
+      | S   c   c   E |
+      +---+---+---+---+
+    legend:
+      c: {item: coin, reward: 5}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    map: |
+      +---+---+---+---+
+      | S   c   d   E |
+      +---+---+---+---+
+    legend:
+      c: {item: coin, reward: 5}
+      d: {item: second-coin, shape: coin, reward: 5}
+    ```
+    """
+    level = context.level
+    for character, entry in level.legend.items() if level.drawing is not None else ():
+        cells = level.drawing.find(character)
+        if entry.item is not None and len(cells) > 1:
+            yield Finding(
+                cell_mark(level, *cells[1]),
+                f"`{entry.item}` is one item: it lies in one of the {len(cells)} cells that show "
+                f"`{character}`, drawn at each reset",
+                "for an item in each cell, give each a character and a name of its own; for one, "
+                "write an entry of `items` with `one_of`",
+            )
