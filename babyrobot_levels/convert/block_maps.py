@@ -29,6 +29,7 @@ from babyrobot_levels.convert.blocks import (
     replaced,
     text_rows,
     translated,
+    without_margin,
     without_ring,
     without_surroundings,
 )
@@ -50,6 +51,7 @@ from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.words import listed
 
 GOAL_REWARDS = Rewards(step=0, exit=1)
 """The rewards of Gymnasium-Robotics' sparse tasks, and of MiniGrid's goals."""
@@ -93,15 +95,26 @@ def _with_ends(rows: Rows, lost: list[Lost]) -> Rows:
     """Return the rows with starts and exits; where none are marked, choose among the free cells."""
     cells = [list(row) for row in rows]
     text = "".join(rows)
-    goals = text.count(d.EXIT)
-    free = _EITHER if _EITHER in text else d.PLAIN
-    either = [(x, y) for y, row in enumerate(rows) for x, c in enumerate(row) if c == free]
-    for name, mark, index in (("r", d.START, 0), ("g", d.EXIT, -1)):
-        if mark not in text and either:
-            x, y = either.pop(index)
-            cells[y][x] = mark
-            lost.append(Lost(name, f"no cell is marked; row {y}, column {x} is used"))
-    if goals > 1:
+    places = {
+        mark: [(x, y) for y, row in enumerate(rows) for x, c in enumerate(row) if c == mark]
+        for mark in (_EITHER, d.PLAIN)
+    }
+    count, chosen = len(places[_EITHER]), []
+    for name, what, mark, index in (("r", "start", d.START, 0), ("g", "goal", d.EXIT, -1)):
+        free = places[_EITHER] or places[d.PLAIN]
+        if mark in text or not free:
+            continue
+        x, y = free.pop(index)
+        cells[y][x] = mark
+        where = f"row {y}, column {x}"
+        if count:
+            chosen.append(f"the {what} is {where}")
+        else:
+            lost.append(Lost(name, f"no cell is marked: any free one may be it; {where} is used"))
+    if count:
+        told = ", ".join([f"{count} of them, each of which may be start or goal there", *chosen])
+        lost.append(Lost("c", f"{told}; the others are free"))
+    if (goals := text.count(d.EXIT)) > 1:
         message = f"each of the {goals} goals ends the episode; there, one is drawn at each reset"
         lost.append(Lost("g", message))
     return tuple("".join(row).replace(_EITHER, d.PLAIN) for row in cells)
@@ -125,13 +138,14 @@ MAZE_MAP = Codec(
 # -- sokoban ---------------------------------------------------------------------------------
 
 _SOKOBAN = "a Sokoban map"
-_BOXES = "$*"
-_ON_GOAL = "+"
-_DOT = "."
-_SOKOBAN_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "-": d.PLAIN, "_": d.PLAIN, "$": d.PLAIN}
+_BOX, _BOX_ON_GOAL, _ON_GOAL, _DOT = "$*+."
+_SOKOBAN_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "-": d.PLAIN, "_": d.PLAIN, _BOX: d.PLAIN}
 _SOKOBAN_CELLS |= {"@": d.START, "S": d.START, _ON_GOAL: d.START}
-_SOKOBAN_CELLS |= {_DOT: d.EXIT, "E": d.EXIT, "X": d.EXIT, "*": d.EXIT}
+_SOKOBAN_CELLS |= {_DOT: d.EXIT, "E": d.EXIT, "X": d.EXIT, _BOX_ON_GOAL: d.EXIT}
 _STARTS = {mark for mark, cell in _SOKOBAN_CELLS.items() if cell == d.START}
+_PATHS = {_DOT: "EX", _BOX_ON_GOAL: "EX", _ON_GOAL: "@SEX"}
+"""What other programs draw ways with, and the marks of start and exit that show it is one."""
+
 _COMMENT = ";"
 _KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):\s*(.*?)\s*$")
 _SOKOBAN_HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit, $ and * boxes"
@@ -140,60 +154,84 @@ _SOKOBAN_HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit,
 def read_sokoban(source: SourceFile) -> World:
     """Return the world of a map: its walls are blocked cells, and so is everything around them.
 
-    Comments and lines like `Title:`, as files of Sokoban levels have them, may surround the
-    map. A `.` is a goal, unless `E` or `X` marks the exits: then it is a free cell.
+    Comments, titles, and lines like `Author:`, as files of Sokoban levels have them, may surround
+    the map. Where `E` or `X` marks the exits, `.`, `*` and `+` are free cells.
     """
     texts: dict[str, Any] = {}
     lost: list[Lost] = []
     map_only = _map_of(source, texts, lost)
-    lines = text_rows(map_only)
+    lines = text_rows(map_only, blanks=True)
     text = "".join(lines)
-    meanings = dict(_SOKOBAN_CELLS)
-    exits = [mark for mark in "EX" if mark in text]
-    if exits and _DOT in text:
-        meanings[_DOT] = d.PLAIN
-        mark = " and ".join(f"`{each}`" for each in exits)
-        message = f"read as free, because {mark} marks the exit; without `E` and `X` it is a goal"
-        lost.append(Lost(f"`{_DOT}`", message))
-    rows = translated(map_only, lines, meanings, _SOKOBAN_HELP)
-    fields = {"version": 1, **texts, **drawn(without_ring(without_surroundings(rows)))}
-    boxes = sum(text.count(mark) for mark in _BOXES)
+    meanings = _meanings(text, lost)
+    rows = translated(map_only, lines, meanings, _SOKOBAN_HELP, blanks=True)
+    world, _ = without_margin(without_surroundings(rows), rows)
+    fields = {"version": 1, **texts, **drawn(without_ring(world))}
+    boxes = text.count(_BOX) + text.count(_BOX_ON_GOAL) * (meanings[_BOX_ON_GOAL] == d.EXIT)
     if boxes:
         lost.append(Lost("boxes", f"{boxes} left out; {_OTHER_TASK}"))
-    if _ON_GOAL in text:
+    if _ON_GOAL in text and meanings[_ON_GOAL] == d.START:
         lost.append(Lost(_ON_GOAL, "a start cannot be an exit; it is only the start"))
+    if (starts := "".join(rows).count(d.START)) > 1:
+        lost.append(Lost("start", f"{starts} are drawn: each reset draws one of them"))
     return World(fields, "A map of `#` and blanks.", {}, tuple(lost))
 
 
+def _meanings(text: str, lost: list[Lost]) -> dict[str, str]:
+    """Return what the marks of a map mean, by those that are there."""
+    meanings = dict(_SOKOBAN_CELLS)
+    for mark, ends in _PATHS.items():
+        others = [end for end in ends if end in text]
+        if others and mark in text:
+            meanings[mark] = d.PLAIN
+            ends = (("the start" if each in _STARTS else "the exit") for each in others)
+            known = listed([f"`{each}` is {end}" for each, end in zip(others, ends, strict=True)])
+            lost.append(Lost(f"`{mark}`", f"read as free, because {known}"))
+    return meanings
+
+
 def _map_of(source: SourceFile, texts: dict[str, Any], lost: list[Lost]) -> SourceFile:
-    """Return the text with blank lines in place of comments and keywords.
+    """Return the text with blank lines in place of all that is no map.
 
     Title and author are put into `texts`.
 
     Raises:
         ConversionError: there are several maps, with blank lines between them.
     """
-    lines = []
-    for line in source.lines:
+    map_only = _without_texts(source, texts, lost)
+    maps = groupby(map_only.lines, lambda line: bool(line.strip()))
+    found = sum(is_map and any(set(line) & _STARTS for line in lines) for is_map, lines in maps)
+    if found > 1:
+        raise ConversionError(f"the text has {found} maps", "keep the one that is to be the level")
+    return map_only
+
+
+def _without_texts(source: SourceFile, texts: dict[str, Any], lost: list[Lost]) -> SourceFile:
+    """Return a text without comments, keywords and titles."""
+    lines, titles, left_out = [*source.lines], [], []
+    walls = [number for number, line in enumerate(lines) if "#" in line and _is_row(line)]
+    for number, line in enumerate(source.lines):
         keyword = _KEYWORD.match(line)
-        if keyword is None and not line.startswith(_COMMENT):
-            lines.append(line)
+        if keyword is not None and keyword[1].lower() in ("title", "author") and keyword[2]:
+            texts[keyword[1].lower()] = keyword[2]
+        elif keyword is not None or line.startswith(_COMMENT):
+            left_out.append(_COMMENT if keyword is None else keyword[1].lower())
+        elif _is_row(line) or "#" in line or not walls or {number - 1, number + 1} <= {*walls}:
+            # What is between walls is a row with an unknown character.
             continue
-        lines.append("")
-        name = keyword[1].lower() if keyword is not None else _COMMENT
-        if keyword is not None and name in ("title", "author") and keyword[2]:
-            texts[name] = keyword[2]
-        elif all(each.field != name for each in lost):
-            lost.append(Lost(name, "its text is left out"))
-    maps = [
-        list(found) for is_map, found in groupby(lines, lambda line: bool(line.strip())) if is_map
-    ]
-    with_start = sum(any(set(line) & _STARTS for line in each) for each in maps)
-    if with_start > 1:
-        raise ConversionError(
-            f"the text has {with_start} maps", "keep the one that is to be the level"
-        )
+        elif number < walls[0] and re.search("[A-Za-z]", line):
+            titles.append(line.strip())
+        else:
+            left_out.append("text")
+        lines[number] = ""
+    if titles and "title" not in texts:
+        texts["title"] = titles.pop()
+    left_out += ["text"] * len(titles)
+    lost += (Lost(name, "its text is left out") for name in dict.fromkeys(left_out))
     return SourceFile(source.name, "\n".join(lines))
+
+
+def _is_row(line: str) -> bool:
+    return _SOKOBAN_CELLS.keys() >= set(line)
 
 
 def write_sokoban(level: Level) -> Conversion:
@@ -205,9 +243,12 @@ def write_sokoban(level: Level) -> Conversion:
 
 
 def _is_sokoban(source: SourceFile, letters: set[str]) -> bool:
-    # Letters of a start alone are a lake, and a path from S to E is in mazes only.
-    is_maze = letters >= {"S", "E", _PATH} and _is_maze(source, letters)
-    return letters - {"S", " "} != set() and letters <= _SOKOBAN_CELLS.keys() and not is_maze
+    map_only = _without_texts(source, {}, [])
+    found = {*"".join(map_only.lines)}
+    # A path from S to E is in mazes only, and letters of a start alone are a lake.
+    is_maze = found >= {"S", "E"} and found & _PATH and _is_maze(map_only, found)
+    is_map = letters - {"\n"} == found or bool(found & _STARTS)
+    return is_map and found <= _SOKOBAN_CELLS.keys() and found - {"S", " "} != set() and not is_maze
 
 
 SOKOBAN = Codec(read_sokoban, write_sokoban, draws=_is_sokoban)
@@ -215,9 +256,12 @@ SOKOBAN = Codec(read_sokoban, write_sokoban, draws=_is_sokoban)
 # -- maze-dataset ----------------------------------------------------------------------------
 
 _DATASET = "a maze of maze-dataset"
-_PATH = "X"
-_DATASET_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "S": d.START, "E": d.EXIT, _PATH: d.PLAIN}
-_DATASET_HELP = "`#` wall, a blank free, S start, E end, X the path of the solution"
+_PATH = {"X", "+"}
+"""How maze-dataset and mazelib draw the path of the solution."""
+
+_DATASET_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "S": d.START, "E": d.EXIT}
+_DATASET_CELLS |= dict.fromkeys(_PATH, d.PLAIN)
+_DATASET_HELP = "`#` wall, a blank free, S start, E end, X or + the path of the solution"
 
 
 def read_maze_dataset(source: SourceFile) -> World:
@@ -231,8 +275,9 @@ def read_maze_dataset(source: SourceFile) -> World:
             "an odd number of rows and columns, a cell in every second one, and `#` between four; "
             "for walls that fill cells, use --from sokoban",
         )
-    if any(_PATH in line for line in lines):
-        lost.append(Lost(_PATH, "the path of the solution is left out; `babyrobot solve` finds it"))
+    paths = sorted(_PATH.intersection("".join(lines)))
+    message = "the path of the solution is left out; `babyrobot solve` finds it"
+    lost += (Lost(mark, message) for mark in paths)
     cells, east, south = from_lattice(rows)
     cells, has_start = _with_corners(cells, lost)
     fields = {"version": 1, **drawn(cells, east, south)}
@@ -294,8 +339,7 @@ def write_maze_dataset(level: Level) -> Conversion:
 def _is_maze(source: SourceFile, letters: set[str]) -> bool:
     if not letters <= _DATASET_CELLS.keys():
         return False
-    lines = (line.replace("S", "E").replace(_PATH, " ") for line in text_rows(source))
-    return is_lattice(tuple(lines))
+    return is_lattice(translated(source, text_rows(source), _DATASET_CELLS, _DATASET_HELP))
 
 
 MAZE_DATASET = Codec(read_maze_dataset, write_maze_dataset, draws=_is_maze)
@@ -321,7 +365,7 @@ def read_minigrid(source: SourceFile) -> World:
     objects: list[Object] = []
     agents: dict[Cell, str] = {}
     floor = False
-    for y, line in enumerate(text_rows(source)):
+    for y, line in enumerate(text_rows(source, blanks=True)):
         pairs = [line[x : x + 2].ljust(2) for x in range(0, len(line), 2)]
         marks = [d.PLAIN] * len(pairs)
         for x, pair in enumerate(pairs):
@@ -339,16 +383,17 @@ def read_minigrid(source: SourceFile) -> World:
                 floor |= kind == "F"
             elif pair != "  ":
                 message = f"unknown cell `{pair}`"
-                raise ConversionError.at(
-                    source, place_of(source, 2 * x, y), message, _MINIGRID_HELP
-                )
+                place = place_of(source, 2 * x, y, blanks=True)
+                raise ConversionError.at(source, place, message, _MINIGRID_HELP)
         rows.append("".join(marks))
-    whole = without_surroundings(replaced(tuple(rows), agents, d.START))
+    drawn_rows = replaced(tuple(rows), agents, d.START)
+    whole, above = without_margin(without_surroundings(drawn_rows), drawn_rows)
     inner = without_ring(whole)
     ring = int(len(inner) < len(whole))
     heading = next(iter(agents.values()), "E")
-    found = Snapshot(whole, tuple(objects), tuple(agents), heading, floor=floor)
-    return world_of(moved(found, inner, ring, ring), "A text of MiniGrid's pprint_grid.")
+    found = Snapshot(drawn_rows, tuple(objects), tuple(agents), heading, floor=floor)
+    found = moved(found, inner, ring, above + ring)
+    return world_of(found, "A text of MiniGrid's pprint_grid.")
 
 
 def write_minigrid(level: Level) -> Conversion:

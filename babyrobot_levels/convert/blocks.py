@@ -37,28 +37,43 @@ UNLIKE = frozenset({"areas", "rewards"})
 """Fields of which a part may be kept; they are checked one by one."""
 
 
-def text_rows(source: SourceFile) -> list[str]:
+def text_rows(source: SourceFile, *, blanks: bool = False) -> list[str]:
     """Return the lines of a drawn map, padded to the longest, without blank lines around them.
+
+    Args:
+        source: the text.
+        blanks: whether a blank is a cell: then lines that are all of one length, as programs write
+            them, are the map as they are, blank ones included.
 
     Raises:
         ConversionError: the text is blank.
     """
-    lines = [line.rstrip() for line in source.lines]
-    while lines and not lines[-1]:
-        lines.pop()
-    first = next((number for number, line in enumerate(lines) if line), 0)
-    lines = lines[first:]
-    if not lines:
-        raise ConversionError("the text has no map")
+    _, lines = _lines_of_map(source, blanks)
     # Editors drop blanks at the ends of lines.
     width = max(map(len, lines))
     return [line.ljust(width) for line in lines]
 
 
+def _lines_of_map(source: SourceFile, blanks: bool) -> tuple[int, list[str]]:
+    """Return the number of the first line of a drawn map, from 0, and its lines."""
+    lines = [line.rstrip() for line in source.lines]
+    if not any(lines):
+        raise ConversionError("the text has no map")
+    if blanks and len({len(line) for line in source.lines if line}) == 1:
+        lines = [*source.lines]
+    used = [number for number, line in enumerate(lines) if line]
+    return used[0], lines[used[0] : used[-1] + 1]
+
+
 def translated(
-    source: SourceFile, rows: Sequence[str], meanings: dict[str, str], known: str
+    source: SourceFile,
+    rows: Sequence[str],
+    meanings: dict[str, str],
+    known: str,
+    *,
+    blanks: bool = False,
 ) -> Rows:
-    """Return rows with each character replaced by what it means.
+    """Return the rows of `text_rows` with each character replaced by what it means.
 
     Raises:
         ConversionError: a character has no meaning; `known` lists those that have one.
@@ -67,13 +82,14 @@ def translated(
         for x, character in enumerate(row):
             if character not in meanings:
                 message = f"unknown character `{character}`"
-                raise ConversionError.at(source, place_of(source, x, y), message, known)
+                place = place_of(source, x, y, blanks=blanks)
+                raise ConversionError.at(source, place, message, known)
     return tuple("".join(map(meanings.__getitem__, row)) for row in rows)
 
 
-def place_of(source: SourceFile, x: int, y: int) -> Position:
+def place_of(source: SourceFile, x: int, y: int, *, blanks: bool = False) -> Position:
     """Return the position of a character of the rows that `text_rows` has returned for a text."""
-    above = next(number for number, line in enumerate(source.lines) if line.strip())
+    above, _ = _lines_of_map(source, blanks)
     return Position(above + y + 1, x + 1)
 
 
@@ -110,6 +126,26 @@ def without_surroundings(rows: Rows) -> Rows:
             for cell in room:
                 cells[cell] = d.BLOCKED
     return tuple("".join(cells[y * width : (y + 1) * width]) for y in range(height))
+
+
+def without_margin(rows: Rows, drawn: Rows) -> tuple[Rows, int]:
+    """Return rows without those above, below and to the right that are blocked and drawn blank.
+
+    The number is that of the rows above.
+    """
+
+    def inside(lines: Rows, shown: Rows) -> list[int]:
+        pairs = enumerate(zip(lines, shown, strict=True))
+        return [n for n, pair in pairs if [*map(set, pair)] != [{d.BLOCKED}, {d.PLAIN}]]
+
+    kept = inside(rows, drawn)
+    if not kept:
+        return rows, 0
+    part = slice(kept[0], kept[-1] + 1)
+    columns = inside(
+        *(tuple(map("".join, zip(*each[part], strict=True))) for each in (rows, drawn))
+    )
+    return tuple(row[: columns[-1] + 1] for row in rows[part]), kept[0]
 
 
 def replaced(rows: Rows, places: Iterable[tuple[int, int]], mark: str) -> Rows:

@@ -24,6 +24,7 @@ from babyrobot_levels.convert.conversion import (
     Lost,
     World,
     fields_lost,
+    integer,
     letters_in,
     looks_like_data,
     number,
@@ -37,6 +38,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.words import did_you_mean
 
 LETTERS = {"S": d.START, "F": d.PLAIN, "H": "H", "G": d.EXIT}
 PLACE = "FrozenLake"
@@ -46,6 +48,10 @@ USUAL_REWARDS = (1, 0, 0)
 
 KEYWORDS = frozenset({"desc", "map_name", "is_slippery", "success_rate", "reward_schedule"})
 """The keywords of FrozenLake-v1 that define the MDP."""
+
+LIMIT = "max_episode_steps"
+_OF_PLAY = frozenset({"id", "render_mode", "disable_env_checker"})
+"""Further keywords of `gymnasium.make`: the time limit, and what concerns no level."""
 
 MAPS = {
     "4x4": ["SFFF", "FHFH", "FFFH", "HFFG"],
@@ -130,8 +136,25 @@ def _world(source: SourceFile, rows: list[str], keywords: dict[str, Any]) -> Wor
         fields["skid"] = {"probability": 1 - rate, "to": "sides"}
         comments["skid"] = "Moves that slip go to one of the two sides."
     fields["rewards"] = {"step": step, "exit": goal}
-    lost = tuple(Lost(name, "it does not change the MDP") for name in keywords)
+    if (limit := keywords.pop(LIMIT, None)) not in (None, -1):
+        fields["max_steps"] = integer(limit, LIMIT)
+    lost = tuple(map(_unused, keywords))
     return World(fields, "A map of Gymnasium's FrozenLake-v1.", comments, lost)
+
+
+def _unused(name: Any) -> Lost:
+    """Return the loss of a keyword that is not read.
+
+    Raises:
+        ConversionError: it is one of FrozenLake's, misspelt, which Gymnasium refuses as well.
+    """
+    if name in _OF_PLAY:
+        return Lost(name, "it does not change the MDP")
+    if guess := did_you_mean(str(name), (*KEYWORDS, LIMIT, *_OF_PLAY)):
+        raise ConversionError(
+            f"FrozenLake has no keyword {shown(name)}{guess}", "correct or remove it"
+        )
+    return Lost(shown(name).strip("'"), "FrozenLake has no such keyword, and does not use it")
 
 
 def _three(schedule: Any) -> list[Any]:
@@ -144,7 +167,7 @@ def _three(schedule: Any) -> list[Any]:
 
 def write_frozen_lake(level: Level) -> Conversion:
     """Return a level as keywords of FrozenLake-v1, in JSON."""
-    carried = SPATIAL | UNLIKE | {"skid"}
+    carried = SPATIAL | UNLIKE | {"skid", "max_steps"}
     lost = list(fields_lost(level, carried, PLACE))
     hole = _hole_reward(level)
     lost += lost_areas(level, None, hole=hole)
@@ -153,7 +176,10 @@ def write_frozen_lake(level: Level) -> Conversion:
     if level.blocked:
         lost.append(Lost("blocked", f"{PLACE} has no blocked cells; they become frozen"))
     letters = {d.START: "S", d.EXIT: "G", ENDS: "H", d.PLAIN: "F", d.BLOCKED: "F"}
-    desc = ["".join(map(letters.__getitem__, row)) for row in marked(level)]
+    desc: list[Any] = ["".join(map(letters.__getitem__, row)) for row in marked(level)]
+    if level.size[0] == 1:
+        # Of texts of one letter, Gymnasium makes an array without columns.
+        desc = [[row] for row in desc]
     skid = as_skid(level.skid) if level.skid is not None else None
     keywords: dict[str, Any] = {"is_slippery": bool(skid and skid.probability)}
     if skid is not None and skid.probability:
@@ -166,6 +192,8 @@ def write_frozen_lake(level: Level) -> Conversion:
         keywords["reward_schedule"] = [
             truncated(each) if each.is_integer() else each for each in schedule
         ]
+    if level.max_steps is not None:
+        keywords[LIMIT] = level.max_steps
     for name, reward in level.rewards:
         # It has no glass off which to bounce.
         if name not in ("exit", "step", "bounce") and reward is not None:

@@ -9,7 +9,8 @@ from support.conversions import level_of_world, lost_fields, sample, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError, level_of
-from babyrobot_levels.convert.formats import export
+from babyrobot_levels.convert.formats import export, guess
+from babyrobot_levels.text.source import SourceFile
 
 MAZE_MAPS = sample("gymnasium-robotics")
 DATASET = sample("maze-dataset")
@@ -39,7 +40,7 @@ def test_a_maze_map_comes_back(name: str) -> None:
     conversion = export(level_of_world(world), "maze-map")
     assert conversion.warnings == ()
     rows = json.loads(conversion.text)
-    if "r" not in lost_fields(world):
+    if not {"r", "c"}.intersection(lost_fields(world)):
         assert rows == MAZE_MAPS[name]
     assert [[cell == 1 for cell in row] for row in rows] == [
         [cell == 1 for cell in row] for row in MAZE_MAPS[name]
@@ -50,7 +51,30 @@ def test_where_any_cell_may_be_start_or_goal_the_choice_is_reported() -> None:
     world = world_of(json.dumps(MAZE_MAPS["MEDIUM_MAZE_DIVERSE_GR"]), "maze-map")
     level = level_of_world(world)
     assert (level.starts, level.exits) == (((0, 0),), ((4, 5),))
-    assert lost_fields(world) == ["r", "g"]
+    assert [*map(str, world.lost)] == [
+        "c: 4 of them, each of which may be start or goal there, the start is row 1, column 1, "
+        "the goal is row 6, column 5; the others are free"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("rows", "starts", "exits", "lost"),
+    [
+        ([["c", 0, "c", "c"]], [(0, 0)], [(3, 0)], ["c"]),
+        ([["r", "c", "c"]], [(0, 0)], [(2, 0)], ["c"]),
+        ([["c", "g", "c"]], [(0, 0)], [(1, 0)], ["c"]),
+        ([["c", 0, 0]], [(0, 0)], [(2, 0)], ["c"]),
+        ([[0, 0, 0]], [(0, 0)], [(2, 0)], ["r", "g"]),
+        ([["r", "c", "g"]], [(0, 0)], [(2, 0)], ["c"]),
+    ],
+    ids=str,
+)
+def test_each_cell_that_may_be_start_or_goal_is_told(
+    rows: list[list[object]], starts: object, exits: object, lost: list[str]
+) -> None:
+    world = world_of(json.dumps(rows), "maze-map")
+    level = level_of_world(world)
+    assert ([*level.starts], [*level.exits], lost_fields(world)) == (starts, exits, lost)
 
 
 def test_several_goals_are_reported() -> None:
@@ -125,6 +149,17 @@ def test_a_maze_of_maze_dataset_comes_back(name: str) -> None:
     )
     if "S" in kept:
         assert text == kept + "\n"
+
+
+@pytest.mark.parametrize("name", MAZELIB)
+def test_the_path_of_a_solved_maze_of_mazelib_is_left_out(name: str) -> None:
+    """`tostring(True, True)` of mazelib draws the way from S to E by `+`."""
+    plain = MAZELIB[name]
+    text = plain.replace(" ", "+", 4)
+    assert guess(SourceFile("world", text)) == ["maze-dataset"]
+    world = world_of(text, "maze-dataset")
+    assert world.fields == world_of(plain, "maze-dataset").fields
+    assert "+" in lost_fields(world)
 
 
 def test_start_and_end_are_where_they_are_drawn() -> None:
@@ -206,7 +241,22 @@ def test_dots_are_free_cells_where_other_marks_are_exits(exit_mark: str) -> None
     assert level_of_world(world).exits == ((3, 1),)
     (lost,) = world.lost
     assert lost.field == "`.`"
-    assert lost.message.startswith(f"read as free, because `{exit_mark}` marks the exit")
+    assert lost.message == f"read as free, because `{exit_mark}` is the exit"
+
+
+@pytest.mark.parametrize("way", "*+")
+def test_ways_of_other_programs_are_free_cells_where_letters_are_start_and_exit(way: str) -> None:
+    world = world_of(f"######\n#S{way}{way}##\n# #{way}{way}E\n######", "sokoban")
+    level = level_of_world(world)
+    assert (level.starts, level.exits) == (((1, 1),), ((5, 2),))
+    ends = {"*": "`E` is the exit", "+": "`S` is the start and `E` is the exit"}
+    assert [*map(str, world.lost)] == [f"`{way}`: read as free, because {ends[way]}"]
+
+
+def test_two_starts_of_a_sokoban_map_are_told() -> None:
+    world = world_of("#####\n#@@.#\n#####", "sokoban")
+    assert level_of_world(world).starts == ((0, 0), (1, 0))
+    assert [*map(str, world.lost)] == ["start: 2 are drawn: each reset draws one of them"]
 
 
 def test_dots_alone_are_goals() -> None:
@@ -233,6 +283,42 @@ def test_texts_around_a_sokoban_map_are_kept_or_reported(end: str) -> None:
     level = level_of_world(world)
     assert (level.title, level.author, level.size) == ("Go east", "Nobody", (3, 1))
     assert lost_fields(world) == [";", "date"]
+
+
+TITLED = """Copyright (c) 2020 Somebody = me
+17
+Simple Steps
+#####
+#@ .#
+#####
+"""
+
+
+def test_titles_and_numbers_around_a_map_are_no_rows_of_it() -> None:
+    source = SourceFile("world.txt", TITLED)
+    assert guess(source) == ["sokoban"]
+    world = world_of(TITLED, "sokoban")
+    level = level_of_world(world)
+    assert (level.size, level.starts, level.title) == ((3, 1), ((0, 0),), "Simple Steps")
+    assert lost_fields(world) == ["text"]
+
+
+def test_a_row_between_walls_is_no_title() -> None:
+    with pytest.raises(ConversionError, match=r"world\.txt:5:3: error: unknown character `\?`"):
+        world_of(TITLED.replace("#@ .#", " @? ."), "sokoban")
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [("@  .\n    \n", (4, 2)), ("   \n@ .\n   \n", (3, 3)), ("@.  \n#   \n", (4, 2))],
+)
+def test_blank_cells_at_the_edge_of_a_map_are_cells(text: str, size: tuple[int, int]) -> None:
+    assert level_of_world(world_of(text, "sokoban")).size == size
+
+
+def test_blank_cells_around_walls_are_no_cells() -> None:
+    world = world_of("      \n##### \n#@ .# \n##### \n      \n", "sokoban")
+    assert level_of_world(world).size == (3, 1)
 
 
 def test_several_sokoban_maps_are_refused() -> None:
@@ -336,6 +422,13 @@ def test_making_a_level_of_a_world_warns_of_what_is_lost() -> None:
         assert level_of(world).exits
     assert [str(each.message).partition(":")[0] for each in caught] == ["pickup", "toggle"]
     assert caught[0].filename == __file__
+
+
+def test_blank_rows_and_columns_of_a_minigrid_are_cells() -> None:
+    world = world_of(">>  GG  \n        \n        \n", "minigrid")
+    assert level_of_world(world).size == (4, 3)
+    # Where an editor dropped blanks, they cannot be told from nothing.
+    assert level_of_world(world_of(">>  GG  \n\n", "minigrid")).size == (4, 1)
 
 
 def test_an_open_door_is_a_free_cell() -> None:

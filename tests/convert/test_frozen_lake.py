@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 import pytest
 from gymnasium.envs.toy_text.frozen_lake import MAPS, generate_random_map
-from support.conversions import level_of_world, lost_fields, world_of
+from support.conversions import level_of_world, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError
@@ -121,7 +121,7 @@ def test_the_gallerys_lakes_are_gymnasiums(name: str) -> None:
     keywords = json.loads(conversion.text)
     assert brl.compare(name, environment(**keywords)).equal
     game = [lost.field for lost in conversion.warnings]
-    ours = {"title", "description", "source", "tags", "max_steps", "theme", "expect"}
+    ours = {"title", "description", "source", "tags", "theme", "expect"}
     assert set(game) <= ours
 
 
@@ -144,8 +144,45 @@ def test_a_map_wins_over_a_name() -> None:
 
 
 def test_keywords_that_do_not_change_the_mdp_are_reported() -> None:
-    text = json.dumps({"desc": ["SG"], "render_mode": "human"})
-    assert lost_fields(world_of(text, "frozen-lake")) == ["render_mode"]
+    text = json.dumps({"desc": ["SG"], "render_mode": "human", "seed": 3})
+    assert [*map(str, world_of(text, "frozen-lake").lost)] == [
+        "render_mode: it does not change the MDP",
+        "seed: FrozenLake has no such keyword, and does not use it",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("is_slipery", "is_slippery"),
+        ("isSlippery", "is_slippery"),
+        ("succes_rate", "success_rate"),
+        ("reward_shedule", "reward_schedule"),
+        ("max_steps", "max_episode_steps"),
+    ],
+)
+def test_misspelt_keywords_are_refused_as_gymnasium_refuses_them(given: str, meant: str) -> None:
+    keywords = {"desc": ["SG"], given: False}
+    with pytest.raises(ConversionError, match=f"no keyword '{given}'; did you mean `{meant}`?"):
+        world_of(json.dumps(keywords), "frozen-lake")
+    with pytest.raises(TypeError, match=given):
+        environment(**keywords)
+
+
+@pytest.mark.parametrize(("limit", "steps"), [(30, 30), (-1, None), (None, None)])
+def test_the_limit_of_steps_is_kept(limit: int | None, steps: int | None) -> None:
+    world = world_of(json.dumps({"desc": ["SFG"], "max_episode_steps": limit}), "frozen-lake")
+    level = level_of_world(world)
+    assert (level.max_steps, world.lost) == (steps, ())
+    written = json.loads(export(level, "frozen-lake").text)
+    assert written.get("max_episode_steps") == steps
+    assert environment(**written).spec.max_episode_steps == (steps or 100)
+
+
+def test_a_lake_of_one_column_can_be_made() -> None:
+    level = brl.load({"version": 1, "size": [1, 3], "skid": {"probability": 2 / 3, "to": "sides"}})
+    keywords = json.loads(export(level, "frozen-lake").text)
+    assert brl.compare(level, environment(**keywords)).equal
 
 
 @pytest.mark.parametrize(

@@ -390,9 +390,10 @@ def item_drawn_in_several_cells(context: LintContext) -> Iterator[Finding]:
       d: {item: second-coin, shape: coin, reward: 5}
     ```
     """
-    level = context.level
-    for character, entry in level.legend.items() if level.drawing is not None else ():
-        cells = level.drawing.find(character)
+    level, drawing = context.level, context.level.drawing
+    for character, entry in level.legend.items() if drawing is not None else ():
+        assert drawing is not None
+        cells = drawing.find(character)
         if entry.item is not None and len(cells) > 1:
             yield Finding(
                 cell_mark(level, *cells[1]),
