@@ -34,7 +34,13 @@ from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.convert import formats
-from babyrobot_levels.convert.formats import FORMATS, guess
+from babyrobot_levels.convert.formats import (
+    FORMATS,
+    UnknownFormatError,
+    format_of,
+    is_environment,
+    world_of_id,
+)
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import schema_for
 from babyrobot_levels.text.source import SourceFile
@@ -84,7 +90,7 @@ def import_level(
         typer.Argument(
             metavar="FILE",
             help="File to convert, `-` for standard input, or the id of an environment of "
-            "MiniGrid.",
+            "MiniGrid or of a FrozenLake.",
         ),
     ],
     world_format: Annotated[
@@ -103,7 +109,7 @@ def import_level(
     ] = None,
     seed: ResetSeedOption = None,
     kwargs: Annotated[
-        str | None, value_option("JSON", "Keyword arguments of an environment of MiniGrid.")
+        str | None, value_option("JSON", "Keyword arguments of an environment.")
     ] = None,
     slippery: Annotated[
         bool | None,
@@ -133,6 +139,8 @@ def import_level(
       babyrobot export four-rooms --to minigrid | babyrobot import -
 
       babyrobot import --from minigrid MiniGrid-DoorKey-8x8-v0 --seed 3 -o door-key.yaml
+
+      babyrobot import FrozenLake-v1 --kwargs '{"map_name": "8x8"}'
     """
     from babyrobot_levels.convert.conversion import ConversionError, file_text
     from babyrobot_levels.language.names import slug
@@ -167,28 +175,19 @@ import_level.__doc__ = (import_level.__doc__ or "").replace(
     "FORMATS", f"{', '.join(_FIRST)}, and {_LAST}"
 )
 
-_ENVIRONMENT = re.compile(r"([\w.]+:)?[\w./-]+-v\d+")
-
 
 def _is_environment(file: Path, chosen: WorldFormat | None) -> bool:
     """Return whether the argument is the id of an environment, and not a file."""
-    if not _ENVIRONMENT.fullmatch(str(file)) or file.exists():
-        return False
-    known = str(file).rpartition(":")[2].startswith(("MiniGrid-", "BabyAI-"))
-    return chosen == "minigrid" or (chosen is None and known)
+    name = str(file)
+    if chosen == "minigrid":
+        return re.fullmatch(r"([\w.]+:)?[\w./-]+-v\d+", name) is not None and not file.exists()
+    return chosen in (None, "frozen-lake") and is_environment(name)
 
 
 def _environment(env_id: str, seed: int, kwargs: str | None, slippery: bool | None) -> World:
-    """Return the world of an environment of MiniGrid."""
-    from babyrobot_levels.analysis.environments import made_minigrid
-    from babyrobot_levels.convert.minigrid import world_of_environment
-
+    """Return the world of an environment."""
     _check_slippery(slippery, (), env_id)
-    env = made_minigrid(env_id, seed, None if kwargs is None else json_mapping(kwargs))
-    try:
-        return world_of_environment(env, env_id, seed)
-    finally:
-        env.close()
+    return world_of_id(env_id, seed, None if kwargs is None else json_mapping(kwargs))
 
 
 def _converted(
@@ -201,7 +200,7 @@ def _converted(
     """Return the world of a file."""
     if seed is not None or kwargs is not None:
         fail(
-            "--seed and --kwargs are for environments of MiniGrid",
+            "--seed and --kwargs are for environments",
             "for example `babyrobot import MiniGrid-DoorKey-8x8-v0 --seed 3`",
         )
     source = _source(file)
@@ -234,24 +233,13 @@ def _source(file: Path) -> SourceFile:
 
 
 def _guessed(source: SourceFile) -> str:
-    from babyrobot_levels.text.files import SUFFIXES
-
-    if source.name.lower().endswith(SUFFIXES):
-        fail(
-            f"{source.name} is already a level file",
-            "use `babyrobot export` to convert it for other programs",
-        )
-    found = guess(source)
-    if not found:
-        known = ", ".join(FORMATS)
-        fail(f"the format of {source.name} is unknown", f"add --from with one of {known}")
-    if len(found) > 1:
-        titles = " or a ".join(FORMATS[each].title for each in found)
-        fail(
-            f"{source.name} may be a {titles}",
-            "add " + " or ".join(f"--from {each}" for each in found),
-        )
-    return found[0]
+    try:
+        return format_of(source)
+    except UnknownFormatError as error:
+        message, _, help_text = str(error).partition("\n  help: ")
+        if error.found:
+            help_text = "add " + " or ".join(f"--from {each}" for each in error.found)
+        fail(message, help_text.replace("give its format,", "add --from with"))
 
 
 def export_level(

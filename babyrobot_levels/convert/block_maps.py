@@ -183,8 +183,8 @@ def _meanings(text: str, lost: list[Lost]) -> dict[str, str]:
         others = [end for end in ends if end in text]
         if others and mark in text:
             meanings[mark] = d.PLAIN
-            ends = (("the start" if each in _STARTS else "the exit") for each in others)
-            known = listed([f"`{each}` is {end}" for each, end in zip(others, ends, strict=True)])
+            names = {each: "the start" if each in _STARTS else "the exit" for each in others}
+            known = listed([f"`{each}` is {name}" for each, name in names.items()])
             lost.append(Lost(f"`{mark}`", f"read as free, because {known}"))
     return meanings
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import ast
 import json
 import math
+import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
@@ -251,13 +253,18 @@ _DATA = (
 )
 
 
+_DATA_BEGINS = re.compile(r"""\s*([\[{("']|\w+\s*=)""")
+
+
 def looks_like_data(text: str) -> bool:
     """Return whether a text may be JSON or a Python literal, rather than a drawn map."""
-    return text.lstrip().startswith(("{", "[", "(", "'", '"')) or "=" in text
+    return _DATA_BEGINS.match(text) is not None
 
 
 def read_data(source: SourceFile) -> Any:
     """Return the data of a text: JSON, or a Python literal, also one that a name is given to.
+
+    Keyword arguments, as in a call, are a mapping.
 
     Raises:
         ConversionError: it is neither, or nested too deep.
@@ -289,7 +296,14 @@ def _literal(text: str) -> Any:
     with warnings.catch_warnings():
         # Python warns of invalid escapes in string literals.
         warnings.simplefilter("ignore")
-        body = ast.parse(text).body
+        try:
+            body = ast.parse(text).body
+        except SyntaxError as error:
+            with suppress(SyntaxError):
+                call = ast.parse(f"f({text}\n)", mode="eval").body
+                if isinstance(call, ast.Call) and call.keywords and not call.args:
+                    return {each.arg: ast.literal_eval(each.value) for each in call.keywords}
+            raise error
         statement = body[0] if len(body) == 1 else None
         if isinstance(statement, ast.Assign | ast.Expr):
             return ast.literal_eval(statement.value)

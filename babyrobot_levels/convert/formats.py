@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any
 
-from babyrobot_levels.convert import block_maps, frozen_lake, setups, tiled
+from babyrobot_levels.convert import block_maps, drawings, frozen_lake, setups, tiled
 from babyrobot_levels.convert.conversion import (
     Codec,
     Conversion,
@@ -23,10 +24,14 @@ from babyrobot_levels.convert.conversion import (
 )
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.names import slug
+from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import SUFFIXES as SUFFIXES_OF_LEVELS
 from babyrobot_levels.text.files import read_source, schema_for, write_new
+from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -76,6 +81,7 @@ FORMATS = {
     "babyrobot": Format(
         "keyword setup of PyPI babyrobot", "setups of PyPI babyrobot", setups.CODEC
     ),
+    "drawing": Format("drawing of a level", "drawings of levels", drawings.CODEC),
     "frozen-lake": Format(
         "FrozenLake map", "FrozenLake maps", frozen_lake.CODEC, keywords=("slippery",)
     ),
@@ -144,16 +150,114 @@ def guess(source: SourceFile) -> list[str]:
     drawn = [name for name, each in FORMATS.items() if each.codec.draws(source, letters)]
     if drawn or not looks_like_data(source.text):
         return drawn
-    data = read_data(source)
+    try:
+        data = read_data(source)
+    except ConversionError:
+        # Sentences may begin with brackets or quotes as well.
+        if source.text.lstrip()[0] in "('\"":
+            return []
+        raise
     return [name for name, each in FORMATS.items() if each.codec.holds(data)][-1:]
 
 
-ENVIRONMENT = re.compile(r"([\w.]+:)?(MiniGrid|BabyAI)-[\w./-]+-v\d+")
-"""The ids of MiniGrid's environments."""
+class UnknownFormatError(ConversionError):
+    """A text that is in none of the formats, or may be in several of them (`found`)."""
+
+    def __init__(self, source: SourceFile, found: Sequence[str]):
+        self.found = tuple(found)
+        super().__init__(*_why_unknown(source, self.found))
+
+
+def _why_unknown(source: SourceFile, found: tuple[str, ...]) -> tuple[str, str]:
+    """Return why the format of a text is unknown, and what to do about it."""
+    name = one_line(source.name)
+    if found:
+        titles = " or a ".join(FORMATS[each].title for each in found)
+        return f"{name} may be a {titles}", f"give its format: {' or '.join(found)}"
+    if source.name.lower().endswith(SUFFIXES_OF_LEVELS):
+        with suppress(LevelError):
+            data = read(source).data
+            if isinstance(data, dict) and data.get("version") == 1:
+                return (
+                    f"{name} is already a level file",
+                    "use `babyrobot export` to convert it for other programs",
+                )
+        return f"{name} is YAML, but no level", f"formats that are read: {', '.join(FORMATS)}"
+    if source.text.lstrip().startswith("<"):
+        help_text = "write a level of it as a text"
+        if "<map" in source.text:
+            help_text = "in Tiled, save the map as JSON (.tmj)"
+        return f"{name} is XML, which is not read", help_text
+    return f"the format of {name} is unknown", f"give its format, one of {', '.join(FORMATS)}"
+
+
+def format_of(source: SourceFile) -> str:
+    """Return the name of the format of a text, by its suffix or its content.
+
+    Raises:
+        UnknownFormatError: it is in none, or may be in several.
+        ConversionError: it is blank, or looks like JSON or Python but is malformed.
+    """
+    found = guess(source)
+    if len(found) != 1:
+        raise UnknownFormatError(source, found)
+    return found[0]
+
+
+_ENVIRONMENT = re.compile(r"([\w.]+:)?(MiniGrid-|BabyAI-|FrozenLake)[\w./-]*-v\d+")
+
+
+def is_environment(name: str) -> bool:
+    """Return whether a name is the id of an environment that is imported, and no file's."""
+    return _ENVIRONMENT.fullmatch(name) is not None and not Path(name).exists()
+
+
+def world_of_id(env_id: str, seed: int, kwargs: Mapping[str, Any] | None) -> World:
+    """Return the world of an environment: of MiniGrid, or a FrozenLake of Gymnasium.
+
+    Raises:
+        ComparisonError: it cannot be made.
+        ConversionError: it cannot be a level.
+    """
+    from babyrobot_levels.analysis.environments import made, made_minigrid
+
+    if "FrozenLake" in env_id:
+        return frozen_lake.world_of_environment(made(env_id.rpartition(":")[2], kwargs))
+    # Imported here as it needs NumPy.
+    from babyrobot_levels.convert.minigrid import world_of_environment
+
+    env = made_minigrid(env_id, seed, kwargs)
+    try:
+        return world_of_environment(env, env_id, seed)
+    finally:
+        env.close()
+
+
+def _world_of_made(env: Any, seed: int) -> World:
+    from babyrobot_levels.analysis.environments import is_minigrid
+
+    inner = env.unwrapped
+    if is_minigrid(inner):
+        from babyrobot_levels.convert.minigrid import world_of_environment
+
+        inner.reset(seed=seed)
+        return world_of_environment(inner, env.spec.id, seed)
+    if type(inner).__name__ == "FrozenLakeEnv":
+        return frozen_lake.world_of_environment(env)
+    name = type(inner).__name__
+    raise ConversionError(f"{name} is neither an environment of MiniGrid nor a FrozenLake")
+
+
+def _literal_of(data: Any) -> SourceFile:
+    """Return data as a text: as a literal, as JSON has no bytes, which maps of lakes consist of."""
+    data = data.tolist() if hasattr(data, "tolist") else data
+    with suppress(LevelError):
+        data = plain(data)
+    return SourceFile("the data", repr(data))
 
 
 def import_(
-    source: str | os.PathLike[str],
+    source: Any,
     path: str | os.PathLike[str] | None = None,
     *,
     format: str | None = None,  # noqa: A002
@@ -163,12 +267,13 @@ def import_(
     slippery: bool | None = None,
     force: bool = False,
 ) -> Level:
-    """Return the level of a file of another program, as `babyrobot import` converts it.
+    """Return the level of a file or of data of another program, as `babyrobot import` converts it.
 
     What a level cannot express is told in `ConversionWarning`s.
 
     Args:
-        source: the path of the file, or the id of an environment of MiniGrid.
+        source: the path of the file; or what it would hold, as lists and mappings; or the id of an
+            environment of MiniGrid or of a FrozenLake, or the environment itself.
         path: a level file to write.
         format: the format of the file, such as `"frozen-lake"`; by default it is detected.
         name: the name of the level; by default that of the file.
@@ -183,8 +288,9 @@ def import_(
         ValueError: there is no such format.
         FileExistsError: there is a file, and `force` is not given.
     """
+    is_data = not isinstance(source, str | os.PathLike)
     world = _world(source, format, seed, kwargs, slippery)
-    own = name or slug(Path(source).stem)
+    own = name or (None if is_data else slug(Path(source).stem))
     if path is not None:
         title = (own or "imported").replace("-", " ").capitalize()
         text = file_text(world, schema=schema_for(Path(path)), name=name, title=title)
@@ -193,32 +299,29 @@ def import_(
 
 
 def _world(
-    source: str | os.PathLike[str],
+    source: Any,
     chosen: str | None,
     seed: int,
     kwargs: Mapping[str, Any] | None,
     slippery: bool | None,
 ) -> World:
-    if isinstance(source, str) and ENVIRONMENT.fullmatch(source) and not Path(source).exists():
-        from babyrobot_levels.analysis.environments import ComparisonError, made_minigrid
-        from babyrobot_levels.convert.minigrid import world_of_environment
+    folder: Path | None = None
+    if isinstance(source, str) and is_environment(source):
+        from babyrobot_levels.analysis.environments import ComparisonError
 
         try:
-            env = made_minigrid(source, seed, kwargs)
+            return world_of_id(source, seed, kwargs)
         except ComparisonError as error:
             raise ConversionError(str(error)) from error
-        try:
-            return world_of_environment(env, source, seed)
-        finally:
-            env.close()
-    text = read_source(Path(source))
-    known = [chosen] if chosen is not None else guess(text)
+    if isinstance(source, str | os.PathLike):
+        text, folder = read_source(Path(source)), Path(source).parent
+    elif hasattr(source, "unwrapped"):
+        return _world_of_made(source, seed)
+    else:
+        text = _literal_of(source)
     if chosen is not None and chosen not in FORMATS:
         raise ValueError(f"there is no format {chosen!r}; use one of {', '.join(FORMATS)}")
-    if len(known) != 1:
-        why = f"may be {' or '.join(known)}" if known else f"is none of {', '.join(FORMATS)}"
-        raise ConversionError(f"{text.name} {why}: give its format")
-    return FORMATS[known[0]].read(text, slippery=slippery, folder=Path(source).parent)
+    return FORMATS[chosen or format_of(text)].read(text, slippery=slippery, folder=folder)
 
 
 # -- export ----------------------------------------------------------------------------------------

@@ -89,6 +89,13 @@ def read_frozen_lake(source: SourceFile, *, slippery: bool | None = None) -> Wor
     return _world(SourceFile(source.name, "\n".join(rows)), rows, keywords)
 
 
+def world_of_environment(env: Any) -> World:
+    """Return the world of an environment `FrozenLake-v1`."""
+    given = {name: each for name, each in env.spec.kwargs.items() if name in KEYWORDS}
+    given |= {"desc": env.unwrapped.desc.tolist(), LIMIT: env.spec.max_episode_steps}
+    return read_frozen_lake(SourceFile(env.spec.id, repr(given)))
+
+
 def _desc(keywords: dict[str, Any]) -> Any:
     """Remove the map from the keywords and return it: `desc`, else the one called `map_name`."""
     desc, name = keywords.pop("desc", None), keywords.pop("map_name", "4x4")
@@ -216,7 +223,7 @@ def _hole_reward(level: Level) -> float:
 def _is_map(data: Any) -> bool:
     if isinstance(data, dict):
         return bool(data.keys() & KEYWORDS)
-    return isinstance(data, list | tuple) and bool(data) and letters_in(data) <= LETTERS.keys()
+    return isinstance(data, list | tuple) and set() < letters_in(data) <= LETTERS.keys()
 
 
 CODEC = Codec(

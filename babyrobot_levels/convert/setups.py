@@ -225,7 +225,9 @@ class _Reader:
             where = f"puddle_props {keyword}"
             name, _, what = keyword.partition("_")
             if name not in SIZES.values() or what not in ("reward", "prob"):
-                self._lose(where, "the package has no such property")
+                known = [f"{size}_{each}" for size in SIZES.values() for each in ("reward", "prob")]
+                guess = did_you_mean(str(keyword), known)
+                self._lose(where, f"the package has no such property{guess}")
             elif what == "reward":
                 types.setdefault(name, {})["reward"] = self._reward(value, where)
             else:
@@ -348,8 +350,13 @@ def _panel(keyword: str, panel: Any, lost: list[Lost]) -> Any:
     if other in panel:
         lost.append(Lost(f"{keyword} {other}", "a panel always spans its side of the grid"))
     unknown = [name for name in panel if name not in (size, other, "color", "text_fg")]
-    lost += [Lost(f"{keyword} {name}", "unknown to the package as well") for name in unknown]
+    lost += (_unknown(keyword, name, (size, "color", "text_fg")) for name in unknown)
     return found if len(found) > 1 else found["width"]
+
+
+def _unknown(where: str, name: Any, known: Iterable[str]) -> Lost:
+    guess = did_you_mean(str(name), known)
+    return Lost(f"{where} {name}", f"unknown to the package as well{guess}")
 
 
 def _pixels(value: Any, where: str) -> float:
@@ -382,7 +389,8 @@ def _read_theme(grid: dict[str, Any], lost: list[Lost]) -> Any:
         if key in COLORS:
             colors |= _color(value, key, f"grid colors {key}", lost)
         else:
-            lost.append(Lost(f"grid colors {key}", "a theme has no such colour"))
+            guess = did_you_mean(str(key), COLORS)
+            lost.append(Lost(f"grid colors {key}", f"a theme has no such colour{guess}"))
     widths: dict[str, Any] = {}
     for key, value in mapping(grid.get("widths") or {}, "grid widths").items():
         if key in WIDTHS and 0 <= number(value, f"grid widths {key}") <= 100:
@@ -390,7 +398,7 @@ def _read_theme(grid: dict[str, Any], lost: list[Lost]) -> Any:
         else:
             lost.append(Lost(f"grid widths {key}", f"a theme cannot have {shown(value)} for it"))
     unknown = [key for key in grid if key not in ("theme", "colors", "widths")]
-    lost += [Lost(f"grid {key}", "unknown to the package as well") for key in unknown]
+    lost += (_unknown("grid", key, ("theme", "colors", "widths")) for key in unknown)
     theme = {"colors": colors} if colors else {}
     return theme | ({"widths": widths} if widths else {}) or None
 

@@ -7,7 +7,9 @@ level file.
 
 from __future__ import annotations
 
+import cmath
 import json
+import math
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -47,6 +49,7 @@ from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
+from babyrobot_levels.text.words import did_you_mean
 
 TEXTS = ("title", "description", "author", "license", "source")
 SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN)) - {"exit_one_of"}
@@ -128,12 +131,22 @@ class _Reader:
     def _layers(self, layers: Any, where: str) -> Iterator[dict[str, Any]]:
         for index, entry in enumerate(sequence(layers, where)):
             layer = mapping(entry, f"{where}[{index}]")
+            if self._is_unseen(layer, f"layer {shown(layer.get('name'))}"):
+                continue
             if layer.get("type") == "group":
                 yield from self._layers(layer.get("layers"), f"{where}[{index}].layers")
             else:
                 yield layer
             if layer.get("offsetx") or layer.get("offsety"):
                 self.lost.append(Lost(f"layer {shown(layer.get('name'))}", "its offset is ignored"))
+
+    def _is_unseen(self, part: dict[str, Any], where: str) -> bool:
+        """Return whether Tiled does not show a layer or an object, which is then left out."""
+        why = "hidden" if part.get("visible") is False else "transparent"
+        is_unseen = part.get("visible") is False or part.get("opacity") == 0
+        if is_unseen:
+            self.lost.append(Lost(where, f"left out, because it is {why}"))
+        return is_unseen
 
     def _layer(self, layer: dict[str, Any]) -> None:
         name = shown(layer.get("name"))
@@ -157,6 +170,8 @@ class _Reader:
 
     def _object(self, thing: dict[str, Any], where: str) -> None:
         label = f"{where}, object {shown(thing.get('id'))}"
+        if self._is_unseen(thing, label):
+            return
         corners = list(self._corners(thing))
         if len(corners) < 2:
             self.lost.append(Lost(label, "only polylines along edges of cells become walls"))
@@ -176,14 +191,18 @@ class _Reader:
         line = thing.get("polyline")
         places = []
         for point in line if isinstance(line, list) else []:
-            for axis, size, origin in zip("xy", self.tile, (self.left, self.top), strict=True):
-                parts = [each.get(axis, 0) for each in (thing, point) if isinstance(each, dict)]
-                if not all(isinstance(part, int | float) and abs(part) < 1e6 for part in parts):
+            given = [thing.get(name, 0) for name in ("x", "y", "rotation")]
+            given += [point.get(axis, 0) if isinstance(point, dict) else None for axis in "xy"]
+            if not all(isinstance(each, int | float) and abs(each) < 1e6 for each in given):
+                return
+            left, top, degrees, across, down = given
+            turn = cmath.rect(1, math.radians(degrees)) * complex(across, down)
+            for place, size, origin in zip(
+                (left + turn.real, top + turn.imag), self.tile, (self.left, self.top), strict=True
+            ):
+                if abs(place / size - round(place / size)) > 0.25:
                     return
-                place = sum(parts) / size
-                if abs(place - round(place)) > 0.25:
-                    return
-                places.append(round(place) - origin)
+                places.append(round(place / size) - origin)
         yield from zip(places[::2], places[1::2], strict=True)
 
     def _edges(self, start: tuple[int, int], end: tuple[int, int]) -> Iterator[Edge]:
@@ -203,7 +222,9 @@ class _Reader:
             if found.get("name") in _WALL_PROPERTIES:
                 given[str(found["name"])] = found.get("value")
             else:
-                self.lost.append(Lost(where, f"a wall has no property {shown(found.get('name'))}"))
+                name = found.get("name")
+                guess = did_you_mean(str(name), _WALL_PROPERTIES)
+                self.lost.append(Lost(where, f"a wall has no property {shown(name)}{guess}"))
         return given
 
     def _properties(self) -> dict[str, Any]:
@@ -214,7 +235,10 @@ class _Reader:
             found = mapping(entry, "properties")
             name, value = found.get("name"), found.get("value")
             if not isinstance(name, str) or name not in known:
-                self.lost.append(Lost(f"property {shown(name)}", "a level has no such field"))
+                guess = did_you_mean(str(name), known)
+                self.lost.append(
+                    Lost(f"property {shown(name)}", f"a level has no such field{guess}")
+                )
             elif isinstance(value, str) and name not in TEXTS:
                 try:
                     fields[name] = read(SourceFile(f"property {name}", value)).data

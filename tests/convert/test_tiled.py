@@ -163,6 +163,15 @@ def line(x: float, y: float, *points: tuple[float, float], **more: Any) -> dict[
             line(0, 0, (0, 0), (16, 0), properties=[{"name": "color", "value": "red"}]),
             [{"at": [0, 0], "side": "N", "color": "red"}],
         ),
+        # A turn is clockwise, around the first point.
+        (line(32, 8, (0, 0), (8, 0), rotation=90), [{"at": [1, 1], "side": "E"}]),
+        (line(32, 8, (0, 0), (8, 0), rotation=-90), [{"at": [1, 0], "side": "E"}]),
+        (line(32, 8, (0, 0), (16, 0), rotation=180.0), [{"at": [1, 0], "side": "S"}]),
+        (line(32, 8, (0, 8), (8, 8), rotation=90), None),
+        (line(32, 8, (0, 0), (16, 0), rotation=45), None),
+        (line(0, 8, (0, 0), (16, 0), rotation="90"), None),
+        (line(16, 0, (0, 0), (0, 16), visible=False), None),
+        (line(16, 0, (0, 0), (0, 16), opacity=0), None),
         (line(0, 0, (0, 0), (16, 8)), None),
         (line(5, 0, (0, 0), (0, 8)), None),
         (line(0, 0, (0, 0), (0, 800)), None),
@@ -493,6 +502,32 @@ def test_files_of_tilesets_are_bounded(tmp_path: Path) -> None:
     told = [str(lost) for lost in world.lost if lost.field.startswith("tilesets")]
     assert len(told) == 4
     assert all("more than 16 files" in each for each in told)
+
+
+@pytest.mark.parametrize(
+    ("look", "why"), [({"visible": False}, "hidden"), ({"opacity": 0.0}, "transparent")]
+)
+@pytest.mark.parametrize("kind", ["layer", "group"])
+def test_what_is_not_shown_is_left_out_and_told(look: Any, why: str, kind: str) -> None:
+    layer = {"type": "tilelayer", "name": "a", "data": [0, 8, 0, 0, 0, 0]}
+    if kind == "layer":
+        layers = [{**layer, **look}]
+    else:
+        layers = [{"type": "group", "name": "a", "layers": [layer], **look}]
+    world = world_of(foreign(layers=layers), "tiled")
+    assert "blocked" not in world.fields
+    assert f"layer 'a': left out, because it is {why}" in map(str, world.lost)
+
+
+def test_misspelt_properties_are_told_with_what_is_meant() -> None:
+    wall = line(16, 0, (0, 0), (0, 16), properties=[{"name": "colour", "value": "red"}])
+    layer = {"type": "objectgroup", "name": "w", "objects": [wall]}
+    given = [{"name": "reward", "value": "{step: -2}"}, {"name": 3, "value": 1}]
+    world = world_of(foreign(layers=[layer], properties=given), "tiled")
+    told = " ".join(map(str, world.lost))
+    assert "a wall has no property 'colour'; did you mean `color`?" in told
+    assert "property 'reward': a level has no such field; did you mean `rewards`?" in told
+    assert "property 3: a level has no such field" in told
 
 
 def test_an_offset_of_a_layer_is_reported() -> None:
