@@ -11,6 +11,7 @@ from typing import Any
 
 from babyrobot_levels.assistants.results import Result
 from babyrobot_levels.assistants.tools import RefusedError, Tools
+from babyrobot_levels.parallel.processes import begin, starting
 from babyrobot_levels.text.errors import BabyRobotError
 
 
@@ -60,7 +61,8 @@ class Worker:
         context = multiprocessing.get_context("spawn")
         self._ours, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs, self._folder), daemon=True)
-        self._process.start()
+        with starting():
+            self._process.start()
         theirs.close()
         # To start it takes seconds on a busy machine, which are not counted.
         self._ours.recv()
@@ -72,6 +74,7 @@ class Worker:
 
 
 def _serve(calls: Connection, folder: Path | None) -> None:
+    begin()
     tools = Tools(folder)
     # Ctrl-C, and the end of the server, end this process too.
     with suppress(EOFError, OSError, KeyboardInterrupt):

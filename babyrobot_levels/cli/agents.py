@@ -55,8 +55,8 @@ def _code(path: Path, name: str) -> Any:
     """Return what a Python file calls by a name."""
     if not path.is_file():
         fail(f"there is no file {path}")
-    # As when Python runs it: it can import what stands beside it.
-    sys.path.insert(0, str(path.parent.resolve()))
+    # It can import what stands beside it, but nothing is imported from there in place of a library.
+    sys.path.append(str(path.parent.resolve()))
     found = run_path(str(path))
     if name not in found:
         fail(f"{path} has nothing called {name!r}")

@@ -11,6 +11,7 @@ from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
+from pathlib import Path
 from time import monotonic
 from typing import Any
 
@@ -167,12 +168,17 @@ def connect(address: str | None = None, cpus: int | None = None) -> None:
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     os.environ.setdefault("RAY_NUM_REDIS_GET_RETRIES", "4")
     import ray
+    from ray.job_config import JobConfig
 
     if is_connected():
         return
+    # Unless a client of Ray comes from elsewhere, workers look for modules in its working folder
+    # first, even if it does not itself.
+    is_elsewhere = str(Path.cwd()) not in map(os.path.abspath, sys.path)
     try:
         ray.init(
             address,
+            job_config=JobConfig(_client_job=is_elsewhere),
             num_cpus=cpus,
             include_dashboard=False,
             log_to_driver=False,

@@ -6,9 +6,10 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.synchronize import Event
 from typing import Any
@@ -27,6 +28,34 @@ from babyrobot_levels.text.files import uninterrupted
 
 MAX_JOBS = 61
 """The largest number of processes that Windows can wait for."""
+
+_SAFE_PATH, _OURS = "PYTHONSAFEPATH", "babyrobot"
+_starting = threading.RLock()
+
+
+@contextmanager
+def starting() -> Iterator[None]:
+    """Have processes that are started in the block import nothing from the working folder.
+
+    Python looks there first, before it is told where the process that starts it does, and so do
+    the processes that serve others. A process undoes it for its own ones by `begin`.
+    """
+    # Python drops what is raised while a process is forked.
+    with _starting, uninterrupted():
+        before = os.environ.get(_SAFE_PATH)
+        os.environ[_SAFE_PATH] = before or _OURS
+        try:
+            yield
+        finally:
+            if not before:
+                os.environ.pop(_SAFE_PATH, None)
+
+
+def begin() -> None:
+    """Begin a process that was started: it ends with the one that started it."""
+    if os.environ.get(_SAFE_PATH) == _OURS:
+        del os.environ[_SAFE_PATH]
+    threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
 @dataclass(frozen=True)
@@ -58,11 +87,13 @@ class _Pool:
 
     def __init__(self, count: int):
         self.count = count
-        self._stop = multiprocessing.Event()
+        with starting():
+            self._stop = multiprocessing.Event()
         self._pool = self._make(count)
 
     def _make(self, count: int) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(count, initializer=_begin, initargs=(self._stop,))
+        with starting():
+            return ProcessPoolExecutor(count, initializer=_begin, initargs=(self._stop,))
 
     def send(self, function: Callable[[Any], Any], chunk: Chunk[Any]) -> _Ticket:
         try:
@@ -96,8 +127,7 @@ class _Pool:
 def _submit(
     pool: ProcessPoolExecutor, function: Callable[[Any], Any], chunk: Chunk[Any]
 ) -> Future[Done[Any]]:
-    # It starts the processes, and Python drops what is raised while a process is forked.
-    with uninterrupted():
+    with starting():
         return pool.submit(_work, function, chunk)
 
 
@@ -110,7 +140,7 @@ def _begin(stop: Event) -> None:
     # Ctrl-C is for the process that takes the results; it stops the others by the event.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _stop = stop
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    begin()
 
 
 def _end_with_parent() -> None:

@@ -137,7 +137,9 @@ if __name__ == "__main__":
     if importlib.util.find_spec("babyrobot_levels") is None:
         # A wheel that was put beside this file, else the release.
         wheels = [*map(str, HERE.glob("*.whl"))] or ["{DISTRIBUTION}"]
-        subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", *wheels], check=True)
+        # Not the `pip` of a student, whose folder this may run in.
+        pip = [sys.executable, "-P", "-m", "pip", "install", "--quiet"]
+        subprocess.run([*pip, *wheels], check=True)
         importlib.invalidate_caches()
     import babyrobot_levels as brl
 

@@ -139,6 +139,21 @@ def test_the_autograder_runs_as_gradescope_runs_it(built: Path, tmp_path: Path) 
     assert results["score"] == pytest.approx(32)
 
 
+def test_an_autograder_installs_by_no_module_of_the_student(built: Path, tmp_path: Path) -> None:
+    """A Python without the package is to install a wheel, which is none."""
+    unpacked(built, "classroom50.zip", tmp_path)
+    (tmp_path / "none.whl").touch()
+    student = tmp_path / "student"
+    student.mkdir()
+    (student / "pip.py").write_text("open('mark', 'w')\n", "utf-8")
+    python = str(Path(sys.base_prefix, "bin", "python3"))
+    done = subprocess.run(
+        [python, tmp_path / "autograder.py"], cwd=student, capture_output=True, check=False
+    )
+    assert b"wheel" in done.stderr
+    assert [each.name for each in student.iterdir()] == ["pip.py"]
+
+
 def test_the_autograder_runs_as_classroom50_runs_it(built: Path, tmp_path: Path) -> None:
     """From the folder of the student, with what the runner tells."""
     unpacked(built, "classroom50.zip", tmp_path / "bundle")
