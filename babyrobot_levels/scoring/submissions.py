@@ -1,31 +1,22 @@
 """Submissions: the functions that students write, run in each level of a course, and graded.
 
-Their code runs in a process of its own, with limits of time and memory. Only plain data comes back,
-which is graded here. No code is kept from files and networks: that is what containers are for.
+Their code runs in a process of its own, with limits of time and memory. Only arrays come back,
+which are graded here. No code is kept from files and networks: that is what containers are for.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import os
-import sys
-import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
-from importlib import import_module
 from itertools import groupby
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.packs.build import Course, read_course
+from babyrobot_levels.render.words.phrases import name_of
 from babyrobot_levels.scoring.answers import (
     GradedAnswer,
     grade_agent,
@@ -33,6 +24,9 @@ from babyrobot_levels.scoring.answers import (
     grade_values,
 )
 from babyrobot_levels.scoring.results import Table, plain
+from babyrobot_levels.scoring.student import Answer, answers
+from babyrobot_levels.text.files import is_file
+from babyrobot_levels.text.words import listed
 
 GRADERS: Mapping[str, Callable[..., GradedAnswer]] = {
     "values": grade_values,
@@ -41,8 +35,8 @@ GRADERS: Mapping[str, Callable[..., GradedAnswer]] = {
 }
 """What grades a function, by what it returns."""
 
-MAX_ANSWER = 64 << 20
-"""The most bytes of an answer."""
+MAX_MESSAGE = 500
+"""The most characters of a sentence for a student, which may repeat a text of the student's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,15 +197,18 @@ def grade_functions(
 
     Args:
         course: the folder of the course.
-        code: the folder of the student's files; by default that of the course.
+        code: the folder of the student's files, or one around it; by default that of the course.
         functions: those that are run; all by default.
         seconds: how long each may take in a level. After one that takes longer, the function
             is not run in the other levels.
-        memory: how many GiB each may take. Only Linux limits them.
+        memory: how many GiB each may take, with all processes that it starts. Only Linux limits
+            them.
 
     Raises:
+        NotADirectoryError: there is no folder of a student.
         PackError: there is no course in the folder.
         LevelError: a file of the course has errors.
+        RuntimeError: the process for the code does not start.
         ValueError: a function is none of the course, or a limit is not above 0.
     """
     for name, limit in (("seconds", seconds), ("memory", memory)):
@@ -222,11 +219,34 @@ def grade_functions(
     for name in functions or ():
         if name not in known:
             raise ValueError(f"{name!r} is no function of the course: {', '.join(known)}")
-    folder = Path(found.folder if code is None else code).resolve()
+    folder = _folder_of(Path(found.folder if code is None else code), functions or [*known])
+    folder = folder.resolve()
     limits = seconds, memory
     return Submission(
         [each for name in functions or known for each in _graded(found, folder, name, limits)]
     )
+
+
+def _folder_of(code: Path, names: Sequence[str]) -> Path:
+    """Return the folder with the files of functions: a folder around a single one has none.
+
+    Raises:
+        NotADirectoryError: there is no such folder, or none of a student.
+    """
+    if not code.is_dir():
+        told = (
+            f"{code} is no folder: unpack it first"
+            if code.exists()
+            else f"there is no folder {code}"
+        )
+        raise NotADirectoryError(told)
+    inside = [each for each in code.iterdir() if not each.name.startswith((".", "__"))]
+    if any(map(is_file, inside)):
+        return code
+    if len(inside) == 1:
+        return _folder_of(inside[0], names)
+    files = listed([f"{name}.py" for name in names], "or")
+    raise NotADirectoryError(f"{code} has no {files}: name the folder of one student")
 
 
 def _graded(
@@ -235,77 +255,21 @@ def _graded(
     fields = course.fields
     entries = [each for each in fields.levels if name in fields.graded_in(each)]
     paths = [course.files[each.level].resolve() for each in entries]
-    answers = _answers(code, name, paths, *limits)
-    for entry, answer in zip(entries, answers, strict=True):
+    found: Iterable[Answer]
+    if is_file(code / f"{name}.py"):
+        found = answers(code, name, paths, *limits)
+    else:
+        others = sorted(name_of(each.name) for each in code.glob("*.py"))[:5]
+        told = f"there is no {name}.py" + f", but {listed(others)}" * bool(others)
+        found = [told] * len(entries)
+    for entry, answer in zip(entries, found, strict=True):
         out_of = entry.points / len(fields.graded_in(entry))
-        if "fault" in answer:
-            graded = GradedAnswer(False, 0.0, out_of, answer["fault"])
+        if isinstance(answer, str):
+            graded = GradedAnswer(False, 0.0, out_of, answer)
         else:
             grader = GRADERS[fields.functions[name]]
-            graded = grader(course.files[entry.level], answer.get("answer"), points=out_of)
+            graded = grader(course.files[entry.level], answer, points=out_of)
+        message = name_of(graded.message, MAX_MESSAGE)
         yield GradedFunction(
-            name, entry.level, entry.hidden, graded.passed, graded.points, out_of, graded.message
+            name, entry.level, entry.hidden, graded.passed, graded.points, out_of, message
         )
-
-
-def _answers(
-    code: Path, name: str, levels: Sequence[Path], seconds: float, memory: float
-) -> Iterator[dict[str, Any]]:
-    """Yield the answer of a function in each level, or its fault."""
-    context = get_context("spawn")
-    ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_run, args=(code, name, levels, memory, theirs), daemon=True)
-    process.start()
-    theirs.close()
-    fault = ""
-    try:
-        for level in levels:
-            answer: Any = {"fault": fault or f"it took longer than {seconds:g} seconds"}
-            if not fault and ours.poll(seconds):
-                told = (
-                    "the process of the function ended, perhaps for want of memory, or its answer"
-                )
-                answer = {"fault": f"{told} is too large"}
-                with suppress(EOFError, OSError, ValueError, RecursionError):
-                    answer = json.loads(ours.recv_bytes(MAX_ANSWER))
-            elif not fault:
-                fault = f"it was not run, as it took too long in {level.stem}"
-            yield answer
-    finally:
-        process.kill()
-        process.join()
-        ours.close()
-
-
-def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: Connection) -> None:
-    """Run a function in each level, in a process of its own."""
-    with suppress(ImportError, ValueError, OSError):
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_DATA, (int(memory * 2**30),) * 2)
-    sys.path.insert(0, str(code))
-    os.chdir(code)
-    for level in levels:
-        try:
-            function = getattr(import_module(name), name)
-            answer = {"answer": np.asarray(function(load(level))).tolist()}
-            line = json.dumps(answer)
-        except NotImplementedError:
-            line = json.dumps({"fault": "it is not written yet"})
-        except MemoryError as error:
-            told = f"it took more than {memory:g} GiB of memory{_place(error, code)}"
-            line = json.dumps({"fault": told})
-        except BaseException as error:
-            line = json.dumps({"fault": _told(error, code)})
-        to.send_bytes(line.encode())
-
-
-def _told(error: BaseException, code: Path) -> str:
-    """Return an error in one line, with the place in the student's code."""
-    return " ".join(f"{type(error).__name__}{_place(error, code)}: {error}".split())[:500]
-
-
-def _place(error: BaseException, code: Path) -> str:
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if code in Path(frame.filename).parents]
-    return f" in {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""

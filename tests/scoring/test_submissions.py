@@ -65,7 +65,7 @@ def test_the_skeleton_has_none_and_says_why(small: Path) -> None:
     report = str(found).splitlines()
     assert report[0] == "value_iteration"
     assert report[1].split(None, 4) == ["wrong", "2", "levels", "0/8", "it is not written yet"]
-    assert "ModuleNotFoundError: No module named 'policy_iteration'" in report[3]
+    assert report[3].endswith("there is no policy_iteration.py, but value_iteration.py")
     assert report[-1] == "0 of 10 points"
 
 
@@ -84,7 +84,7 @@ def helper():
     row, lake, policy = found
     assert row.message == "IndexError in value_iteration.py, line 8: list index out of range"
     assert lake.message == "SystemExit in value_iteration.py, line 4: 3"
-    assert "ModuleNotFoundError" in policy.message
+    assert policy.message == "there is no policy_iteration.py, but value_iteration.py"
 
 
 def test_a_function_that_never_returns_is_ended(small: Path, tmp_path: Path) -> None:
@@ -112,15 +112,6 @@ def value_iteration(level):
         "it took more than 1.5 GiB of memory in value_iteration.py, line 4",
         "it took more than 1.5 GiB of memory in value_iteration.py, line 5",
     ]
-
-
-def test_a_process_that_ends_and_answers_that_are_none(small: Path, tmp_path: Path) -> None:
-    ends = "import os\ndef value_iteration(level):\n    os._exit(0)\n"
-    none = "def policy_iteration(level):\n    return {1, 2}\n"
-    ada = code(tmp_path / "ada", value_iteration=ends, policy_iteration=none)
-    messages = [each.message for each in brl.grade_functions(small, ada)]
-    assert messages[0].startswith("the process of the function ended")
-    assert "TypeError: Object of type set is not JSON serializable" in messages[2]
 
 
 def test_results_for_other_systems(small: Path) -> None:
@@ -176,6 +167,32 @@ def test_a_course_may_grade_no_function_in_any_level(small: Path) -> None:
     found = brl.grade_functions(small)
     assert str(found) == "0 of 0 points"
     assert found.to_prairielearn() == {"gradable": True, "score": 0, "tests": []}
+
+
+def test_what_is_no_folder_of_a_student_is_an_error_and_no_mark(
+    small: Path, tmp_path: Path
+) -> None:
+    hand = tmp_path / "hand"
+    for folder in (hand, hand / "ada", hand / ".git", hand / "__MACOSX"):
+        folder.mkdir()
+    (tmp_path / "ada.zip").write_bytes(b"PK")
+    for path, told in {
+        tmp_path / "nosuch": "there is no folder .*nosuch",
+        tmp_path / "ada.zip": "ada.zip is no folder: unpack it first",
+        hand: "hand/ada has no value_iteration.py or policy_iteration.py",
+    }.items():
+        with pytest.raises(NotADirectoryError, match=told):
+            brl.grade_functions(small, path)
+    # What a zip file puts around the files does not matter.
+    code(hand / "ada", notes="")
+    found = brl.grade_functions(small, hand)
+    assert {each.message[:22] for each in found} == {
+        "there is no value_iter",
+        "there is no policy_ite",
+    }
+    code(hand / "ben")
+    with pytest.raises(NotADirectoryError, match=r"hand has no value_iteration.py"):
+        brl.grade_functions(small, hand)
 
 
 def test_what_is_no_course(small: Path, tmp_path: Path) -> None:

@@ -34,10 +34,10 @@ _HUES = (
 """The names of colours, each with the hue in degrees at which it ends."""
 
 
-def name_of(text: str | None) -> str:
-    """Return a name or label as one short printable line; it may be empty."""
+def name_of(text: str | None, longest: int = LONGEST_NAME) -> str:
+    """Return a name, a label or a message as one short printable line; it may be empty."""
     line = one_line(" ".join((text or "").split()))
-    return line if len(line) <= LONGEST_NAME else line[: LONGEST_NAME - 1].rstrip() + "…"
+    return line if len(line) <= longest else line[: longest - 1].rstrip() + "…"
 
 
 def worded(label: str) -> str:
