@@ -29,4 +29,6 @@ def approximate_q(level):
         [weights @ features(level, state, action) for action in range(mdp.num_actions)]
         for state in range(mdp.num_states)
     ]
-    return np.argmax(values, axis=1).reshape(mdp.shape)
+    # Actions that are not possible were not learned: their values may be more than others have.
+    possible = np.where(mdp.action_mask, values, -np.inf)
+    return np.argmax(possible, axis=1).reshape(mdp.shape)

@@ -208,7 +208,21 @@ def grade_agent(
         told += f", where {_percent(at_least)} are needed"
         told += f"; it reaches an exit in {_percent(found.success)} of the episodes" * has_exits
         told += "; some of its episodes never end" * math.isinf(found.steps)
+        told += _impossible(agent, level, conditions.get("actions", "all"))
     return GradedAnswer(passed, 1.0 if passed else min(max(way, 0.0), 1.0), points, told)
+
+
+def _impossible(policy: Any, level: Any, actions: str) -> str:
+    """Return in how many states an array of actions has impossible ones, as what else is said."""
+    if not isinstance(policy, np.ndarray | list) or actions not in ("all", "moves"):
+        return ""
+    task = _Policies(read_problem(level, None, actions, "sweep"))
+    weights = task.weights(policy)
+    states, count = task.problem.model.states, weights.shape[1]
+    refused = (weights > 0) & (task.problem.space.mdp.action_mask[states, -count:] == 0)
+    number = int((refused.any(axis=1) & task.counts).sum())
+    told = f"; it takes impossible actions in {number} state{'s' * (number != 1)}"
+    return f"{told}: leave them out of the maximum" if number else ""
 
 
 def _wrong(message: str, points: float) -> GradedAnswer:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.places import ROOT
 
 import babyrobot_levels as brl
 
@@ -222,6 +223,36 @@ def test_an_agent_passes_from_the_bound_on_and_its_share_counts_below() -> None:
     short = brl.grade_agent(LAKE, mixed, at_least=found.share + 0.01, points=4)
     assert not short
     assert short.points == pytest.approx(4 * found.share)
+
+
+def test_impossible_actions_of_an_agent_are_counted() -> None:
+    level = brl.load({"version": 1, "size": [3, 1]})
+    told = "; it takes impossible actions in {}: leave them out of the maximum"
+    one, two = told.format("1 state"), told.format("2 states")
+    assert brl.grade_agent(level, [(1, 2, 0)]).message.endswith(one)
+    assert brl.grade_agent(level, [(1, 3, 1)]).message.endswith(two)
+    assert brl.grade_agent(level, np.array([(0, 1, 0)]), actions="moves").message.endswith(one)
+    assert "impossible" not in brl.grade_agent(level, [(0, 2, 0)]).message
+    assert "impossible" not in brl.grade_agent(level, lambda _: 1).message
+
+
+@pytest.mark.parametrize(
+    ("name", "learned"),
+    [
+        ("q_learning", "values[mdp.action_mask == 1] = -5"),
+        ("approximate_q", "weights[mdp.action_mask.ravel() == 1] = -5"),
+    ],
+)
+def test_what_students_begin_with_takes_no_action_that_was_never_possible(
+    name: str, learned: str
+) -> None:
+    text = (ROOT / "course" / f"{name}.py").read_text("utf-8")
+    names: dict[str, Any] = {}
+    exec(text.replace("raise NotImplementedError", learned), names)
+    level = brl.load(ROOT / "course" / "levels" / "two-ways.yaml")
+    message = brl.grade_agent(level, names[name](level)).message
+    assert "needed" in message
+    assert "impossible" not in message
 
 
 def test_no_message_tells_the_solution() -> None:
