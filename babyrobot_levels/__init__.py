@@ -8,6 +8,10 @@ Gymnasium is loaded, else as soon as it is) and costs next to nothing: every pub
 
 from __future__ import annotations
 
+import sys
+from types import FunctionType
+from typing import Any
+
 import lazy_loader
 
 from babyrobot_levels import mdp
@@ -17,28 +21,21 @@ __version__ = "0.1.0"
 
 _public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
-_OTHER_NAMES = {
-    "load": ("level", "read", "open", "parse"),
-    "load_suite": ("suite", "read_suite"),
-    "make": ("BabyRobotEnv", "BabyRobot", "env", "Env", "environment"),
-    "solve": ("train", "learn", "optimal_policy"),
-    "preview": ("render", "draw", "plot"),
-    "score": ("benchmark",),
-    "validate": ("check",),
-    "levels": ("list", "list_levels", "names"),
-}
-"""Public names, and what others expect them to be called."""
-
 
 def __getattr__(name: str) -> object:
-    """Import a public name when it is first used."""
-    ours = next((each for each, others in _OTHER_NAMES.items() if name in others), None)
-    if ours is not None:
-        message = f"module {__name__!r} has no attribute {name!r}; did you mean {ours!r}?"
-        # With a name, Python would add a guess of its own.
-        raise AttributeError(message, name="", obj=None)
-    return _public(name)
+    """Import a public name when it is first used; a function then tells what is misspelt."""
+    from babyrobot_levels.text.words import no_attribute, telling
+
+    if name not in __all__:
+        raise no_attribute(sys.modules[__name__], name)
+    found: Any = _public(name)
+    if isinstance(found, FunctionType):
+        found = telling(found)
+        # As such it is found again where it is unpickled.
+        found.__module__ = __name__
+    globals()[name] = found
+    return found  # type: ignore[no-any-return]
 
 
-mdp.load = lambda level: _public("load")(level)
+mdp.public = lambda name: globals().get(name) or __getattr__(name)
 registration.install()

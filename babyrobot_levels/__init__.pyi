@@ -13,6 +13,7 @@ from .analysis.learning.algorithms import policy_iteration as policy_iteration
 from .analysis.learning.algorithms import q_learning as q_learning
 from .analysis.learning.algorithms import sarsa as sarsa
 from .analysis.learning.algorithms import value_iteration as value_iteration
+from .analysis.learning.results import Learning as Learning
 from .analysis.learning.results import Sweep as Sweep
 from .analysis.learning.results import Trials as Trials
 from .analysis.metrics import Metrics as Metrics

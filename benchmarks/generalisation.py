@@ -92,7 +92,7 @@ Levels = Sequence[brl.Level]
 
 def random_policy(suite: str, seed: int, steps: int) -> Callable[[Levels], brl.Scores]:
     """Return what scores the random policy."""
-    return lambda levels: brl.score("random", levels, actions="moves")
+    return lambda levels: brl.score(levels, "random", actions="moves")
 
 
 def best_policy(suite: str, seed: int, steps: int) -> Callable[[Levels], brl.Scores]:
@@ -100,7 +100,7 @@ def best_policy(suite: str, seed: int, steps: int) -> Callable[[Levels], brl.Sco
 
     def scores(levels: Levels) -> brl.Scores:
         best = {level.digest: brl.solve(level, actions="moves") for level in levels}
-        return brl.score(best, levels, actions="moves")
+        return brl.score(levels, best, actions="moves")
 
     return scores
 
@@ -113,7 +113,7 @@ def q_learning(suite: str, seed: int, steps: int) -> Callable[[Levels], brl.Scor
         for level in levels:
             *_, last = brl.q_learning(level, EPISODES, step_size=0.5, every=EPISODES, seed=seed)
             learned[level.digest] = last.policy
-        return brl.score(learned, levels, actions="moves")
+        return brl.score(levels, learned, actions="moves")
 
     return scores
 
@@ -193,7 +193,7 @@ def learned(
             warnings.filterwarnings("ignore", "of an agent with memory", UserWarning)
             # In partial views, a policy that draws its actions does not stay in a loop.
             return brl.score(
-                model, levels, observation="view", actions="moves", deterministic=False,
+                levels, model, observation="view", actions="moves", deterministic=False,
                 episodes=PLAYED, seed=seed,
             )  # fmt: skip
 
@@ -274,7 +274,7 @@ def trained(method: str, suite: str, seed: int, steps: int) -> Callable[[Levels]
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "of an agent with memory", UserWarning)
             return brl.score(
-                network if has_memory else network.policy, levels, observation="view",
+                levels, network if has_memory else network.policy, observation="view",
                 actions="moves", batched=not has_memory, episodes=PLAYED, seed=seed,
             )  # fmt: skip
 

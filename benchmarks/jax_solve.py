@@ -85,7 +85,7 @@ def solved(levels: Sequence[brl.Level]) -> list[float]:
 
 def scored(levels: Sequence[brl.Level]) -> list[float]:
     """Return the regret of the random policy in each level."""
-    return [score.regret for score in brl.score("random", levels, within=WITHIN)]
+    return [score.regret for score in brl.score(levels, "random", within=WITHIN)]
 
 
 def compare(count: int, levels: int = LEVELS) -> Iterator[Comparison]:

@@ -79,11 +79,11 @@ def scored(levels: Sequence[brl.Level]) -> dict[str, brl.Scores]:
     """Return the scores of all baselines; those that are played read and write."""
     calm = {level.digest: deaf_to_skids(level) for level in levels}
     return {
-        "random": brl.score("random", levels),
-        "greedy": brl.score(greedy, levels, sight="map", episodes=EPISODES),
-        "wall follower": brl.score(wall_follower(), levels, sight="words", episodes=EPISODES),
-        "perfect, but deaf to skids": brl.score(calm, levels),
-        "optimal": brl.score("best", levels),
+        "random": brl.score(levels, "random"),
+        "greedy": brl.score(levels, greedy, sight="map", episodes=EPISODES),
+        "wall follower": brl.score(levels, wall_follower(), sight="words", episodes=EPISODES),
+        "perfect, but deaf to skids": brl.score(levels, calm),
+        "optimal": brl.score(levels, "best"),
     }
 
 
@@ -178,7 +178,7 @@ def figure(count: int = PLAYED) -> str:
         across = _across(10**power, count)
         shapes.append(_text(across, bottom + 18, f"{10**power:,}", f'{MUTED} text-anchor="middle"'))
     for (name, policy), color in zip(policies(level).items(), COLORS, strict=True):
-        (score,) = brl.score(policy.reshape(*level.compile().shape, 5), level)
+        (score,) = brl.score(level, policy.reshape(*level.compile().shape, 5))
         for each, style in zip(lost(level, policy, count), (2.4, 0.8), strict=True):
             means = np.cumsum(each) / numbers
             points = " ".join(

@@ -93,7 +93,7 @@ def main() -> None:
         )
 
     explores, greedy = (
-        brl.score(learner.get_module(), args.suite, split="test", deterministic=each, **SHOWN)
+        brl.score(args.suite, learner.get_module(), split="test", deterministic=each, **SHOWN)
         for each in (False, True)
     )
     print(f"\n{'level':18}    random   learned    greedy   optimum    share")

@@ -51,7 +51,7 @@ METHODS = {"uniform": "all levels equally often", **ESTIMATES, "regret": "exact 
 
 def regrets(model: PPO, levels: Sequence[brl.Level]) -> Floats:
     """Return the exact regret of the model's policy in each level."""
-    scores = brl.score(model, levels, deterministic=False, **VIEW)
+    scores = brl.score(levels, model, deterministic=False, **VIEW)
     return np.array([score.regret for score in scores])
 
 
@@ -147,7 +147,7 @@ def learn(
     )
     replay = LevelReplay(train, method, sampler)
     model.learn(steps, callback=replay)
-    return replay, brl.score(model, test, deterministic=False, **VIEW)
+    return replay, brl.score(test, model, deterministic=False, **VIEW)
 
 
 def picture(replays: Sequence[LevelReplay]) -> str:

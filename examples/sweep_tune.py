@@ -30,7 +30,7 @@ def name_of(text: str) -> str:
 def learn(settings: dict[str, Any]) -> None:
     """Learn a level, and report the exact share of the optimum of the greedy policy so far."""
     for trials in brl.q_learning(every=50, **settings):
-        (score,) = brl.score(trials.policy, settings["level"], actions="moves")
+        (score,) = brl.score(settings["level"], trials.policy, actions="moves")
         tune.report({"share": score.share, "episodes": trials.number})
 
 

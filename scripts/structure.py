@@ -169,7 +169,7 @@ def follow(frame, event, _):
     if caller and caller.f_code.co_filename != frame.f_code.co_filename:
         stops[caller.f_code.co_filename, frame.f_code.co_filename] = None
 
-load = {package}.load
+load = {package}.load.__wrapped__  # Without what tells misspelt keywords.
 sys.setprofile(follow)
 load({level!r})
 sys.setprofile(None)

@@ -53,7 +53,7 @@ def weights_of_moves(level: GridWorld, policy: Any) -> Floats:
         raise ValueError("this policy has no action in some states, and cannot be followed there")
     mdp, shape = level.compile(), np.shape(table)
     is_of_moves = len(shape) > 1 and shape[-1] == NUM_MOVES and shape != mdp.shape
-    weights = read_policy(policy, mdp, "moves" if is_of_moves else "all", level.things())
+    weights = read_policy(policy, space_of(level, "moves" if is_of_moves else "all"))
     return np.pad(weights, ((0, 0), (NUM_ACTIONS - weights.shape[1], 0)))
 
 

@@ -16,6 +16,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld, LevelLike, world_of
 from babyrobot_levels.mdp.states import told
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
     import gymnasium
@@ -47,7 +48,7 @@ class ComparisonError(BabyRobotError, ValueError):
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(Telling):
     """The result of comparing a level with another MDP.
 
     Attributes:

@@ -6,16 +6,17 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from os import PathLike
 from typing import TYPE_CHECKING, Any
+
+from babyrobot_levels import mdp
+from babyrobot_levels.text.words import BEST, RANDOM, is_agent
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.page import Guide
     from babyrobot_levels.render.scene.layout import Overlay
-
-BEST, RANDOM = "best", "random"
-"""The policies that have names."""
 
 
 def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
@@ -24,8 +25,8 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
     Args:
         level: the level.
         info: as for `show_info`; True, and "best" for a policy, stand for the level's solution,
-            and what is None or False is not shown. Visits are those of the optimal policy then, or
-            of "random" actions.
+            and what is None or False is not shown. A policy may be any agent without memory, and
+            visits that are True or a text are those of the optimal policy, or of an agent.
 
     Raises:
         UndefinedReturnError: a solution is asked for, and the level has none.
@@ -36,9 +37,14 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
     given = {key: value for key, value in info.items() if value is not None and value is not False}
     if not given:
         return None
-    if (given.get("visits") is True) or isinstance(given.get("visits"), str):
+    if given.get("visits") is True or isinstance(given.get("visits"), str):
         given["visits"] = _visits_of(level, given["visits"])
-    asked = [key for key, value in given.items() if _asks(key, value)]
+    policy = given.get("policy")
+    if isinstance(policy, str) and policy == BEST:
+        given["policy"] = True
+    elif isinstance(policy, str | PathLike) or is_agent(policy):
+        given["policy"] = mdp.public("policy_table")(level, policy)
+    asked = [key for key, value in given.items() if value is True]
     if asked:
         from babyrobot_levels.analysis.solver.optimum import solve
 
@@ -53,21 +59,11 @@ class EndlessVisitsError(ValueError):
 def _visits_of(level: GridWorld, policy: str | bool) -> Any:
     """Return how often a policy that is given by name visits the cells."""
     from babyrobot_levels.analysis.solver.occupancy import occupancy
-    from babyrobot_levels.analysis.solver.optimum import solve
 
-    if policy not in (True, BEST, RANDOM):
-        raise ValueError(f"visits given by name are those of 'best' or 'random', not {policy!r}")
-    found = occupancy(level, policy if policy == RANDOM else solve(level))
+    found = occupancy(level, BEST if policy is True else policy)
     if not math.isfinite(found.visits.max()):
         raise EndlessVisitsError("an episode may go on for ever, so that visits have no picture")
     return found
-
-
-def _asks(key: str, value: Any) -> bool:
-    """Return whether the level is to be solved for something that is shown."""
-    if key == "policy" and isinstance(value, str) and value != BEST:
-        raise ValueError(f"a policy given by name is {BEST!r}, not {value!r}")
-    return value is True or (key == "policy" and isinstance(value, str))
 
 
 def policy_of(solution: Solution) -> list[int]:
@@ -150,13 +146,12 @@ def best_average(level: GridWorld, solution: Solution) -> float:
 
 def _random_within(level: GridWorld, actions: str) -> float:
     """Return the expected return of random actions within the time limit that the level has."""
-    from babyrobot_levels.analysis.solver.evaluation import weights_of
     from babyrobot_levels.analysis.solver.horizon import worth_within
-    from babyrobot_levels.analysis.solver.policies import space_of
+    from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 
     assert level.max_steps is not None
     space = space_of(level, actions)
-    weights = weights_of(RANDOM, space)
+    weights = read_policy(RANDOM, space)
     found = worth_within([space], [level.max_steps], [level.discount], [weights], quick=True)
     return float(found.returns[0])
 

@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import chain_values, weights_of
+from babyrobot_levels.analysis.solver.evaluation import chain_values
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE, solve
-from babyrobot_levels.analysis.solver.policies import space_of
+from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.mdp.compiler.things import compile_things
 from babyrobot_levels.mdp.graph import Graph
@@ -162,7 +162,8 @@ def loss_by_mistakes(solution: Solution) -> float:
     """
     assert solution.level is not None
     space = space_of(solution.level, "all")
-    weights = (1 - MISTAKES) * weights_of(solution, space) + MISTAKES * weights_of("random", space)
+    best, random = (read_policy(each, space) for each in (solution, "random"))
+    weights = (1 - MISTAKES) * best + MISTAKES * random
     model = space.model()
     erring = chain_values(model.mixed(weights[model.states]), solution.discount, space)
     return solution.expected_return - space.at_start(model, erring)

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, Unpack
 
-from babyrobot_levels.analysis.guides import BEST, RANDOM, guide_of, overlay_of, policy_of
+from babyrobot_levels.analysis.guides import guide_of, overlay_of
 from babyrobot_levels.analysis.picture_options import (
     FilmOptions,
     PageOptions,
@@ -21,6 +20,8 @@ from babyrobot_levels.analysis.picture_options import (
     TextOptions,
     takes,
 )
+from babyrobot_levels.text.errors import warn
+from babyrobot_levels.text.words import BEST, RANDOM
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -41,11 +42,6 @@ MAX_SCALE = 100.0
 
 NOTHING = "nothing"
 """What is held when nothing is, as a word."""
-
-
-def _warn(text: str) -> None:
-    # The caller is the user of a method of `Level`.
-    warnings.warn(text, stacklevel=4)
 
 
 # -- pictures ------------------------------------------------------------------------------
@@ -208,7 +204,7 @@ def to_gif(
     path: str | os.PathLike[str] | None = None,
     *,
     progress: Progress | None = None,
-    tell: Callable[[str], None] = _warn,
+    tell: Callable[[str], None] = warn,
     **shown: Unpack[FilmOptions],
 ) -> bytes:
     """Return an episode as an animated GIF, as `babyrobot preview` makes it.
@@ -271,15 +267,12 @@ def _chooser(level: GridWorld, policy: Any, seed: int) -> Callable[[int], int] |
     """Return the function that chooses an action in a state; None to draw one at random."""
     if isinstance(policy, str) and policy == RANDOM:
         return None
-    if policy is None or policy is True or (isinstance(policy, str) and policy == BEST):
-        from babyrobot_levels.analysis.solver.optimum import solve
-
-        return policy_of(solve(level)).__getitem__
     import numpy as np
 
     from babyrobot_levels.analysis.agent_guides import weights_of_moves
 
-    weights, random = weights_of_moves(level, policy), np.random.default_rng(seed)
+    followed = BEST if policy is None or policy is True else policy
+    weights, random = weights_of_moves(level, followed), np.random.default_rng(seed)
     return lambda state: int(random.choice(weights.shape[1], p=weights[state]))
 
 
@@ -291,7 +284,7 @@ def to_html(
     level: GridWorld,
     path: str | os.PathLike[str] | None = None,
     *,
-    tell: Callable[[str], None] = _warn,
+    tell: Callable[[str], None] = warn,
     **shown: Unpack[PageOptions],
 ) -> str:
     """Return a page on which the level can be played, as `babyrobot preview` makes it.
@@ -332,9 +325,8 @@ def to_html(
     from babyrobot_levels.render.page import without_panels
 
     policy, values = shown.get("policy"), shown["values"]
-    is_named = policy is None or isinstance(policy, bool | str)
-    if isinstance(policy, str) and policy not in (BEST, RANDOM):
-        raise ValueError(f"the policy of a page is {BEST!r} or {RANDOM!r}, not {policy!r}")
+    is_named = policy is None or isinstance(policy, bool)
+    is_named = is_named or (isinstance(policy, str) and policy in (BEST, RANDOM))
     level = dressed(level, theme=shown.get("theme"), coordinates=shown.get("coordinates"))
     # A level that is too large is refused before it is solved.
     without_panels(level)

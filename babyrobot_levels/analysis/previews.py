@@ -17,6 +17,7 @@ from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, lev
 from babyrobot_levels.language.metric_names import NEEDS, SOLVED
 from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TablesTooLargeError
 from babyrobot_levels.mdp.gridworld import LevelLike, world_of
+from babyrobot_levels.text.words import no_format
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -89,7 +90,8 @@ def preview(
     suffix = "" if file is None else file.suffix.lower()
     chosen = format or ("svg" if file is None else SUFFIXES.get(suffix, suffix.removeprefix(".")))
     if chosen not in _MAKERS:
-        raise ValueError(f"there is no format {chosen!r}; use one of {', '.join(_MAKERS)}")
+        told = "; the drawing as text is `level.draw()`" * (chosen in FORMATS)
+        raise ValueError(no_format(chosen, _MAKERS) + told)
     world = world_of(level)
     if maze_seed is not None or world.has_random_maze:
         world = world.with_maze_seed(maze_seed or 0)

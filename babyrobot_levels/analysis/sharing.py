@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -15,6 +14,7 @@ from babyrobot_levels.language.share_code import encode
 from babyrobot_levels.mdp.gridworld import LevelLike, world_of
 from babyrobot_levels.render.page import link_fragment, without_panels
 from babyrobot_levels.render.page_format import TooLargeError
+from babyrobot_levels.text.errors import warn
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -44,11 +44,7 @@ def share(level: LevelLike, link: str | None = None, *, answers: bool = True) ->
         return encode(world.to_dict(whole=True))
     if not NO_BLANKS.fullmatch(link):
         raise ValueError(f"link is an address without blanks and `#`, not {link!r}")
-    return f"{link}#{fragment_of(world, answers=answers, tell=_warn)}"
-
-
-def _warn(text: str) -> None:
-    warnings.warn(text, stacklevel=4)
+    return f"{link}#{fragment_of(world, answers=answers, tell=warn)}"
 
 
 def fragment_of(level: GridWorld, *, answers: bool, tell: Callable[[str], None]) -> str:

@@ -10,6 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.text.words import Telling
+
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.html import Picture
@@ -22,7 +24,7 @@ WIDTH = 480.0
 """The most width of a picture beside a table."""
 
 
-class Shown:
+class Shown(Telling):
     """Shows itself as the last line of a notebook's cell; elsewhere its `repr` has to do."""
 
     __slots__ = ()

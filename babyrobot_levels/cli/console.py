@@ -198,6 +198,17 @@ def _in_bytes(count: int) -> str:
     return f"{kilobytes / 1000:.1f} MB"
 
 
+def quoted(word: Path | str) -> str:
+    """Return a word of a command to type, quoted for the system's shell."""
+    if sys.platform == "win32":
+        from subprocess import list2cmdline
+
+        return one_line(list2cmdline([str(word)]))
+    from shlex import quote
+
+    return one_line(quote(str(word)))
+
+
 def styled(text: str, stream: IO[str] | None = None, **style: Any) -> str:
     """Return a text in a style such as `bold=True` if a stream takes colour, else as it is."""
     return typer.style(text, **style) if wants_color(stream or sys.stdout) else text

@@ -20,7 +20,7 @@ from babyrobot_levels.analysis.pictures import (
     dressed,
     titles_of,
 )
-from babyrobot_levels.cli.agents import AGENTS, PLAYS, blamed, named_agent, table_of
+from babyrobot_levels.cli.agents import PLAYS, blamed, named_agent, table_of
 from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
@@ -58,7 +58,7 @@ from babyrobot_levels.cli.pictures import (
 from babyrobot_levels.render.text import WIDEST
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.source import printable
-from babyrobot_levels.text.words import listed
+from babyrobot_levels.text.words import AGENTS, listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
@@ -249,7 +249,7 @@ def preview(
 
       babyrobot preview final-maze frozen-lake --values --format png -o pictures/
     """
-    one = split is None and is_one_level(levels)
+    one = split is None and is_one_level(levels) and not _is_folder(output, picture_format)
     chosen = _chosen_format(picture_format, output if one else None, folder=output)
     is_text = chosen.kind == TEXT
     _check_for("seed", chosen, given=seed is not None)
@@ -314,6 +314,13 @@ def preview(
         return
     for result in _each_time(made, file_of(levels[0])) if watch else [made()]:
         put(result, output, chosen.title)
+
+
+def _is_folder(output: Path | None, picture_format: str | None) -> bool:
+    """Return whether a path to write to is a folder, or will be: a file would have a suffix."""
+    if output is None or output.is_dir():
+        return output is not None
+    return not (output.suffix or output.exists() or picture_format)
 
 
 def _put_all(

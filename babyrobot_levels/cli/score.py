@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.agents import AGENTS, BEST, FITTING, PLAYS, RANDOM, blamed, named_agent
+from babyrobot_levels.cli.agents import FITTING, PLAYS, blamed, named_agent
 from babyrobot_levels.cli.console import (
     FINDINGS,
     ForceOption,
@@ -23,6 +23,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     percent,
+    quoted,
     save,
     short,
     value_option,
@@ -30,11 +31,12 @@ from babyrobot_levels.cli.console import (
     write_json,
     write_table,
 )
-from babyrobot_levels.cli.inputs import SplitOption, levels_named
+from babyrobot_levels.cli.inputs import SplitOption, levels_named, names_levels
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
 from babyrobot_levels.cli.solve import ActionSet, ActionsOption
 from babyrobot_levels.text.source import printable
+from babyrobot_levels.text.words import AGENTS, BEST, NAMED, RANDOM
 
 if TYPE_CHECKING:
     from babyrobot_levels.scoring.grades import Grade, Grades
@@ -180,7 +182,8 @@ def score(
     if (level or points or totals) and not any(_may_hold_plays(word) for word in what):
         fail(
             "--level, --points and --totals are for recorded episodes",
-            f"give files that end in {PLAYS}",
+            f"give files that end in {PLAYS}; an agent: babyrobot score {quoted(what[0])} "
+            + (quoted(level) if level else "LEVEL"),
         )
     if level is None and are_plays == {True, False}:
         fail(
@@ -206,9 +209,13 @@ def score(
     if Path(what[0]).is_dir() and any(Path(what[0]).rglob(f"*{PLAYS}")):
         fail(f"{what[0]} is a folder of recorded episodes", "add --level LEVEL")
     if len(what) < 2:
+        agent = RANDOM if names_levels(what[0]) else quoted(what[0])
+        if agent != RANDOM:
+            with blamed(what[0]):
+                named_agent(what[0], trust=trust)
         fail(
             "give an agent and at least one level, folder, pack or suite",
-            f"for example: babyrobot score {RANDOM} final-maze",
+            f"for example: babyrobot score {agent} final-maze",
         )
     scores = _scores(
         what,
@@ -246,7 +253,7 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
         try:
             with blamed(word, is_reader=options["sight"] is not None):
                 agent = named_agent(word, trust=trust)
-                return scores_of(agent, levels, **options)
+                return scores_of(levels, agent, **options)
         except (UndefinedReturnError, EpisodeTooLongError) as error:
             fail(str(error))
         except BabyRobotError:
@@ -254,7 +261,7 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
         except (TypeError, ValueError) as error:
             fail(
                 str(error).partition("\n")[0],
-                None if word in (BEST, RANDOM) or options["sight"] else FITTING,
+                None if word in NAMED or options["sight"] else FITTING,
             )
 
 

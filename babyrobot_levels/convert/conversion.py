@@ -18,9 +18,10 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import emit_field
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.errors import LevelError, warn
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import START, Position, SourceFile, Span
+from babyrobot_levels.text.words import Telling
 
 _NOT_LOST = frozenset({"version", "name", "map", "legend"})
 """Fields of the file itself, or whose content is in other fields as well."""
@@ -105,7 +106,7 @@ class World:
 
 
 @dataclass(frozen=True, slots=True)
-class Conversion:
+class Conversion(Telling):
     """The result of a conversion.
 
     Attributes:
@@ -149,19 +150,18 @@ class Codec:
     holds: Callable[[Any], bool] = _never
 
 
-def level_of(world: World, *, name: str | None = None, stacklevel: int = 1) -> Level:
+def level_of(world: World, *, name: str | None = None) -> Level:
     """Return the level of a world, with a `ConversionWarning` for each thing that is not kept.
 
     Args:
         world: the world.
         name: the level's name.
-        stacklevel: which caller the warnings name; 1 is the caller of this function.
 
     Raises:
         LevelError: the world is not a valid level.
     """
     for lost in world.lost:
-        warnings.warn(str(lost), ConversionWarning, stacklevel=stacklevel + 1)
+        warn(str(lost), ConversionWarning)
     return Level.from_fields(world.fields, name=name)
 
 

@@ -33,6 +33,7 @@ from babyrobot_levels.text.files import SUFFIXES as SUFFIXES_OF_LEVELS
 from babyrobot_levels.text.files import read_source, schema_for, write_new
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.words import no_format
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,7 +296,7 @@ def import_(
         title = (own or "imported").replace("-", " ").capitalize()
         text = file_text(world, schema=schema_for(Path(path)), name=name, title=title)
         write_new(Path(path), text, force=force)
-    return level_of(world, name=own, stacklevel=2)
+    return level_of(world, name=own)
 
 
 def _world(
@@ -320,7 +321,7 @@ def _world(
     else:
         text = _literal_of(source)
     if chosen is not None and chosen not in FORMATS:
-        raise ValueError(f"there is no format {chosen!r}; use one of {', '.join(FORMATS)}")
+        raise ValueError(no_format(chosen, FORMATS))
     return FORMATS[chosen or format_of(text)].read(text, slippery=slippery, folder=folder)
 
 
@@ -388,7 +389,7 @@ def _by_suffix(path: str | os.PathLike[str] | None) -> str:
 def converted(level: Level, name: str) -> Conversion:
     """Return a level in a format by its name; see `export`."""
     if name not in WRITTEN:
-        raise ValueError(f"there is no format {name!r}; use one of {', '.join(WRITTEN)}")
+        raise ValueError(no_format(name, WRITTEN))
     if name in MODELS:
         return MODELS[name](level)
     conversion = FORMATS[name].write(level)

@@ -87,7 +87,7 @@ def from_setup(setup: Mapping[str, Any], *, name: str | None = None) -> Level:
     Raises:
         LevelError: a value is not valid in the package, or the setup is not a valid level.
     """
-    return level_of(read_setup(setup), name=name, stacklevel=2)
+    return level_of(read_setup(setup), name=name)
 
 
 def read_setup(setup: Mapping[str, Any]) -> World:

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import evaluation_of, weights_of
+from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.analysis.solver.horizon import worth_within
-from babyrobot_levels.analysis.solver.policies import space_of
+from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 from babyrobot_levels.editor.answers import Optimum, endless, finite
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.library.level import Level
@@ -44,7 +44,7 @@ def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
     if not is_list or not all(type(each) is int and -1 <= each < NUM_ACTIONS for each in actions):
         raise RefusedError("the policy does not fit the level")
     drawn = np.array(actions)
-    weights = weights_of("random", space_of(level, "all"))
+    weights = read_policy("random", space_of(level, "all"))
     (states,) = np.nonzero(drawn != NOT_DRAWN)
     weights[states] = np.eye(NUM_ACTIONS)[drawn[states]]
     guide = optimum.guide

@@ -14,7 +14,7 @@ from gymnasium import logger
 
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.render.situation import STANDING, GoodEnds, pose_of
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import Telling, did_you_mean
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -279,7 +279,7 @@ class Pictures:
         self._is_up_to_date = False
 
 
-class RenderedEnv(gymnasium.Env[Any, Any]):
+class RenderedEnv(Telling, gymnasium.Env[Any, Any]):
     """An environment with a level and a robot to render. Subclasses define `reset` and `step`.
 
     Painters are made when the first picture is needed: without a `render_mode`, rendering costs

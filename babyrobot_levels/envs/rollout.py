@@ -28,14 +28,14 @@ from babyrobot_levels.envs.engine.tables import (
 )
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.text.words import keywords_told
+from babyrobot_levels.text.words import Telling
 
 CHUNK = 16_384
 """About how many steps, of all environments together, use one block of draws."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout:
+class Rollout(Telling):
     """The transitions of many environments, one row for each step and one column for each of them.
 
     When an episode is over, the environment is reset in the same step: the next row of
@@ -68,7 +68,6 @@ class Rollout:
         return f"<Rollout of {steps:,} steps in {envs:,} environments: {ends.sum():,} ends>"
 
 
-@keywords_told
 def rollout(
     level: Any,
     policy: Any = "random",

@@ -4,7 +4,7 @@
 # for each model that inherits it.
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     BaseModel,
@@ -24,6 +24,12 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError
 
 from babyrobot_levels.language.names import SLUG
+from babyrobot_levels.text.words import Telling, no_attribute
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 MAX_SIZE = 1024
 """The most cells that a level is wide or high."""
@@ -48,7 +54,18 @@ class Once:
         return {**self._schema}
 
 
-class Model(BaseModel):
+class _Telling(ModelMetaclass):
+    """The class of models, which tell which attribute of them is meant."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                return super().__getattr__(name)
+            raise no_attribute(self, name)
+
+
+class Model(Telling, BaseModel, metaclass=_Telling):
     """A frozen model that refuses fields that it does not know.
 
     As models are frozen, those that are defaults are made once; that needs no validator.

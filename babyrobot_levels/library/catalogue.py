@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from html import escape
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
@@ -19,7 +19,14 @@ from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.level import Level, load_code, load_file, load_source
 from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
-from babyrobot_levels.text.files import SUFFIXES, is_file, read_source, schema_for, write_new
+from babyrobot_levels.text.files import (
+    SUFFIXES,
+    is_file,
+    nearest_files,
+    read_source,
+    schema_for,
+    write_new,
+)
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile, with_schema
 from babyrobot_levels.text.words import nearest
@@ -186,9 +193,12 @@ def load(level: LevelLike) -> Level:
     if isinstance(level, Mapping):
         return Level.from_fields(level)
     if not isinstance(level, str | os.PathLike):
-        raise TypeError(
-            f"a level is a name, a path, a mapping or a Level, not {type(level).__name__}"
-        )
+        kind, told = type(level).__name__, ""
+        if hasattr(level, "reset"):
+            told = "; of an environment it is `env.unwrapped.level`"
+        elif kind == "list":
+            told = "; `brl.import_` reads the maps of other programs"
+        raise TypeError(f"a level is a name, a path, a mapping or a Level, not {kind}{told}")
     if isinstance(level, str) and is_code(level):
         return load_code(level)
     return load_file(level_path(level))
@@ -226,7 +236,8 @@ def level_path(level: str | os.PathLike[str]) -> Path:
     with suppress(RuntimeError):
         path = path.expanduser()
     if not _is_there(path):
-        raise LevelNotFoundError(str(path), nearest_files(path), is_file=True)
+        names = [path.stem for _ in islice(_named(path.stem), 1)]
+        raise LevelNotFoundError(str(path), [*names, *nearest_files(path)], is_file=True)
     return path
 
 
@@ -246,8 +257,8 @@ def find(name: str, first: Sequence[Place] = ()) -> Path:
     for path in _named(name, first):
         return path
     # A pack that is not installed is a folder.
-    folder, _, stem = name.partition("/")
-    files = [str(path) for path in yaml_files(Path(folder)) if path.stem == stem] if stem else []
+    folder, _, stem = name.rpartition("/")
+    files = [str(path) for path in yaml_files(Path(folder)) if path.stem == stem]
     known = {file.name: file.path for file in level_files()}
     near = [each for each in _nearest_names(name, [*known]) if not is_suite_file(known[each])]
     raise LevelNotFoundError(name, files or near)
@@ -392,16 +403,6 @@ def _nearest_names(name: str, known: Sequence[str]) -> list[str]:
     own = name.rpartition("/")[2]
     same = [other for other in known if other.rpartition("/")[2] == own]
     return list(dict.fromkeys([*same, *nearest(name, known)]))[:MAX_NEAREST]
-
-
-def nearest_files(path: Path) -> list[str]:
-    """Return the level files in the folder of a missing one with similar names."""
-    try:
-        stems = {other.stem: other for other in path.parent.iterdir() if other.suffix in SUFFIXES}
-    except OSError:
-        return []
-    stems.pop(path.stem, None)
-    return [str(stems[stem]) for stem in nearest(path.stem, stems)]
 
 
 def _stated(path: Path, key: str) -> str | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from babyrobot_levels import mdp
 from babyrobot_levels.analysis.pictures import Pictured
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.language.share_code import NAME, decode
@@ -72,9 +73,7 @@ class Level(Pictured, GridWorld):
 
     def solve(self, discount: float | None = None, **options: Any) -> Any:
         """Return a `Solution`, or what else `brl.solve` returns for these arguments."""
-        from babyrobot_levels.analysis.solver.optimum import solve
-
-        return solve(self, discount, **options)
+        return mdp.public("solve")(self, discount, **options)
 
     def show(self) -> Facts:
         """Return the facts about the level: texts, numbers, digest, metrics; see `brl.show`."""

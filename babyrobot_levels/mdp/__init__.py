@@ -5,5 +5,5 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-load: Callable[[Any], Any]
-"""The public `load`: names are found in a later room, and the package sets this when imported."""
+public: Callable[[str], Callable[..., Any]]
+"""Returns a public function by its name: one of a later room, and the package sets this."""

@@ -3,10 +3,23 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
+
+from babyrobot_levels.text.words import TellingEnum
 
 
-class Action(IntEnum):
+class _Named(IntEnum, metaclass=TellingEnum):
+    """Numbers that are words, too: `str(Action(3))` is `south`, which `Action("south")` takes."""
+
+    def __str__(self) -> str:
+        return self.name.lower()
+
+    @classmethod
+    def _missing_(cls, value: object) -> Self | None:
+        return {str(each): each for each in cls}.get(str(value).lower())
+
+
+class Action(_Named):
     """The actions, with the numbers that environments use."""
 
     __module__ = "babyrobot_levels"
@@ -30,7 +43,7 @@ DELTAS: dict[Action, tuple[int, int]] = {
 """How each move changes the cell, `(dx, dy)`: x grows to the east, y to the south."""
 
 
-class Turn(IntEnum):
+class Turn(_Named):
     """The actions of a robot that turns, as in MiniGrid."""
 
     __module__ = "babyrobot_levels"

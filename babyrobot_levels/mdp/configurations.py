@@ -18,7 +18,7 @@ from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
-from babyrobot_levels.text.words import listed
+from babyrobot_levels.text.words import Telling, listed
 
 Values = tuple[int, ...]
 
@@ -130,7 +130,7 @@ _MAKERS: tuple[Callable[[LevelFields], Iterator[Thing]], ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Configuration:
+class Configuration(Telling):
     """What is where while the things of a level have certain values.
 
     Attributes:
@@ -156,7 +156,7 @@ class Configuration:
     doors: tuple[bool, ...]
 
 
-class Things:
+class Things(Telling):
     """The things of a level, and what their values mean.
 
     Args:

@@ -19,6 +19,7 @@ from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import LevelError, UnplayableError
+from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,7 +36,7 @@ _WITHOUT = {side: bytes(bits & ~bit for bits in range(256)) for side, bit in BIT
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class Grid(Telling):
     """Walls and cells. Cells are numbered row by row: `y * width + x`.
 
     `wall_bits` has a byte for each cell, a bit set of its walls: 1 north, 2 east, 4 south,

@@ -262,5 +262,5 @@ def world_of(level: LevelLike) -> GridWorld:
     """
     if isinstance(level, GridWorld):
         return level
-    found: GridWorld = mdp.load(level)
+    found: GridWorld = mdp.public("load")(level)
     return found

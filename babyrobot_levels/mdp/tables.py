@@ -16,6 +16,7 @@ from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import HEADINGS, Action
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
+from babyrobot_levels.text.words import Telling
 
 Outcome = tuple[float, int, float, bool]
 """Probability, next state, reward, terminal."""
@@ -34,7 +35,7 @@ def _one_configuration() -> NDArray[np.int16]:
 
 
 @dataclass(frozen=True, eq=False)
-class Mdp:
+class Mdp(Telling):
     """A finite Markov decision process whose states are the cells, numbered `y * width + x`.
 
     In a level with things, whose configurations are numbered, the state is

@@ -6,16 +6,22 @@ level is a table, from which its worth follows exactly. Only agents with memory 
 
 from __future__ import annotations
 
+import ast
+import inspect
 import io
 import json
 import math
+import sys
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from lzma import LZMAError
+from os import PathLike
 from pathlib import Path
 from pkgutil import resolve_name
+from runpy import run_path
 from tokenize import TokenError
 from typing import Any, Protocol, runtime_checkable
 
@@ -24,6 +30,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.text.files import read_bytes
+from babyrobot_levels.text.words import AGENTS, NAMED, did_you_mean, listed
 
 
 class Chooser(Protocol):
@@ -89,7 +96,11 @@ def read_agent(
 
     Raises:
         TypeError: it is none that scoring knows.
+        AgentError: it names a file that has none.
+        OSError: the file cannot be read.
     """
+    if isinstance(agent, str | PathLike) and agent not in NAMED:
+        agent = load_agent(agent)
     if isinstance(agent, str | Mapping | np.ndarray | list | tuple) or hasattr(
         agent, "first_action"
     ):
@@ -112,6 +123,14 @@ def read_agent(
 
 
 def _function(function: Callable[..., Any], num_actions: int, batched: bool) -> Chooser:
+    with suppress(ValueError):  # Some functions do not tell their arguments.
+        signature = inspect.signature(function)
+        try:
+            signature.bind(None)
+        except TypeError as error:
+            told = f"an agent is called with one argument, the observation: {error}"
+            raise TypeError(told) from None
+
     def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:
         if batched:
             return as_probabilities(function(observations), num_actions, len(masks))
@@ -128,6 +147,14 @@ def _one(observations: Any, index: int) -> Any:
     return observations[index]
 
 
+class AnswerError(ValueError):
+    """An answer of an agent that is none; `index` is the number of its observation."""
+
+    def __init__(self, index: int, message: str):
+        self.index = index
+        super().__init__(message)
+
+
 def as_probabilities(answers: Any, num_actions: int, count: int) -> Floats:
     """Return an agent's answers as probabilities, `[observations, actions]`.
 
@@ -137,24 +164,23 @@ def as_probabilities(answers: Any, num_actions: int, count: int) -> Floats:
         count: the number of observations.
 
     Raises:
-        ValueError: they are neither.
+        AnswerError: they are neither.
     """
     table = np.asarray(answers)
     if table.shape == (count, num_actions) and table.dtype.kind in "fiu":
         return table.astype(np.float64)
     if table.shape == (count, 1):
         table = table[:, 0]
-    is_action = table.shape == (count,) and table.dtype.kind in "iub"
-    if not is_action or (count and not 0 <= int(table.min()) <= int(table.max()) < num_actions):
-        raise ValueError(
+    are_actions = table.shape == (count,) and table.dtype.kind in "iub"
+    wrong = np.flatnonzero((table < 0) | (table >= num_actions)) if are_actions else [0]
+    if count and len(wrong):
+        answer = table.tolist()[wrong[0]] if table.ndim else table.item()
+        raise AnswerError(
+            int(wrong[0]),
             f"an agent's answer must be an action from 0 to {num_actions - 1}, or {num_actions} "
-            f"probabilities, not {_shown(table)}"
+            f"probabilities, not {answer!r}",
         )
     return np.eye(num_actions)[table.astype(np.intp)]
-
-
-def _shown(table: NDArray[Any]) -> str:
-    return repr(table[0].tolist()) if table.ndim and table.size else repr(table.tolist())
 
 
 # -- models of libraries -------------------------------------------------------------------------
@@ -264,11 +290,62 @@ _MODELS = {
 
 
 class AgentError(ValueError):
-    """A file from which no agent can be read. `help` says what to do."""
+    """A word that names no agent, or a file that has none. `help` says what to do."""
 
     def __init__(self, message: str, help_text: str | None = None):
-        self.help = help_text
-        super().__init__(message)
+        self.message, self.help = message, help_text
+        super().__init__(message if help_text is None else f"{message.rstrip('?')}; {help_text}")
+
+
+def load_agent(given: str | PathLike[str], *, trust: bool = False) -> Any:
+    """Return the agent that a text names, which is no name of `NAMED`: one in a file.
+
+    Args:
+        given: the path of a saved policy or model; or that of a Python file, which is run, and the
+            name of a function in it: `agent.py:name`.
+        trust: whether to load a model, although its file can run any code.
+
+    Raises:
+        OSError: the file cannot be read.
+        AgentError: it has none.
+    """
+    text = str(given)
+    file, _, name = text.rpartition(":")
+    path, suffix = Path(text), Path(text).suffix.lower()
+    if file.endswith(".py") or suffix == ".py":
+        return _function_of(Path(file), name) if file.endswith(".py") else _function_of(path, "")
+    if suffix in (".json", ".npy", ".npz"):
+        return load_policy(path)
+    if suffix != ".zip":
+        guess = did_you_mean(text, NAMED)
+        raise AgentError(f"there is no agent {text!r}{guess}", f"an agent is {AGENTS}")
+    path.stat()
+    if trust:
+        return load_model(path)
+    raise AgentError(
+        f"{text} is a model, and loading a model can run any code",
+        "if you trust its author, load it by its library, such as `PPO.load(…)`",
+    )
+
+
+def _function_of(path: Path, name: str) -> Any:
+    """Return what a Python file calls by a name; the file is run.
+
+    Raises:
+        OSError: the file cannot be read.
+        AgentError: it has nothing of this name.
+    """
+    tree = ast.parse(read_bytes(path, MAX_BYTES), str(path))
+    names = [each.name for each in tree.body if isinstance(each, ast.FunctionDef | ast.ClassDef)]
+    written = listed([f"`{path}:{each}`" for each in names or ["name"]], "or")
+    if not name:
+        raise AgentError(f"{path} is a file of Python", f"name the agent in it: {written}")
+    # It can import what stands beside it, but nothing is imported from there in place of a library.
+    sys.path.append(str(path.parent.resolve()))
+    found = run_path(str(path))
+    if name not in found:
+        raise AgentError(f"{path} has nothing called {name!r}", f"give {written}")
+    return found[name]
 
 
 def load_policy(path: Path) -> Any:

@@ -30,7 +30,7 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Flags, Floats
 from babyrobot_levels.scoring.score import score
-from babyrobot_levels.text.words import keywords_told
+from babyrobot_levels.text.words import Telling
 
 DISCOUNTS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
 """The discounts that are tried to explain an answer."""
@@ -46,7 +46,7 @@ FROZEN_LAKE = (Action.WEST, Action.SOUTH, Action.EAST, Action.NORTH)
 
 
 @dataclass(frozen=True, slots=True)
-class GradedAnswer:
+class GradedAnswer(Telling):
     """What an answer is worth. It is true if the answer passed, and its text is the message.
 
     Attributes:
@@ -75,7 +75,6 @@ class GradedAnswer:
         return self.message
 
 
-@keywords_told
 def grade_values(
     level: Any,
     values: Any,
@@ -129,7 +128,6 @@ def grade_values(
     return GradedAnswer(False, float(right.mean()), points, f"{count}: {told}")
 
 
-@keywords_told
 def grade_policy(
     level: Any,
     policy: Policy,
@@ -170,7 +168,6 @@ def grade_policy(
     return GradedAnswer(False, share, points, f"the policy is right in {count}: {told}")
 
 
-@keywords_told
 def grade_agent(
     level: Any,
     agent: Any,
@@ -196,9 +193,9 @@ def grade_agent(
         ValueError: another argument than `agent` has an invalid value, or the optimum is infinite.
     """
     # What is wrong with the conditions is not the student's mistake.
-    score("random", level, **conditions)
+    score(level, "random", **conditions)
     try:
-        (found,) = score(agent, level, **conditions)
+        (found,) = score(level, agent, **conditions)
     except (TypeError, ValueError) as error:
         return _wrong(str(error), points)
     way = 1.0 if math.isnan(found.share) and found.regret <= 1e-9 else found.share

@@ -209,7 +209,7 @@ def _only_last(count: int, is_last: bool) -> Any:
 def _references(levels: Sequence[Level], actions: str) -> dict[str, float]:
     """Return the exact reference scores; none where an optimum is infinite or undefined."""
     try:
-        scores = score("random", levels, actions=actions, discount=1.0)
+        scores = score(levels, "random", actions=actions, discount=1.0)
     except (ValueError, UndefinedReturnError, EpisodeTooLongError):
         return {}
     lowest, highest = np.mean([(each.random, each.optimum) for each in scores], axis=0).tolist()

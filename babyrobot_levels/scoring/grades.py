@@ -26,7 +26,7 @@ from babyrobot_levels.scoring.results import Table, csv_of, plain
 from babyrobot_levels.scoring.score import score
 from babyrobot_levels.scoring.verify import verify_play
 from babyrobot_levels.suites.suite import Levels, folder_named, named_levels
-from babyrobot_levels.text.words import did_you_mean, listed
+from babyrobot_levels.text.words import Telling, did_you_mean, listed
 
 _Conditions = tuple[str, str, int | None, float]
 """Of plays that are compared: digest, set of actions, time limit, discount."""
@@ -74,7 +74,7 @@ def _bounds(
 ) -> Bounds:
     played = level.model_copy(update={"max_steps": max_steps})
     try:
-        (found,) = score("random", played, actions=actions, discount=discount)
+        (found,) = score(played, "random", actions=actions, discount=discount)
     except (ValueError, UndefinedReturnError, EpisodeTooLongError):
         return Bounds(math.nan, math.nan)
     return Bounds(found.optimum, found.random)
@@ -87,7 +87,7 @@ def reaches_exit(play: Play) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Grade:
+class Grade(Telling):
     """The plays of one player in one level.
 
     Unfinished episodes are counted, but have no return. Plays that are not valid or not the

@@ -17,7 +17,6 @@ import numpy as np
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import NAMED
 from babyrobot_levels.analysis.solver.results import (
     Evaluation,
     check_actions,
@@ -33,14 +32,14 @@ from babyrobot_levels.scoring.sent import Item, portable_error, received, sent
 from babyrobot_levels.suites.suite import Levels
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.files import read_bytes
-from babyrobot_levels.text.words import keywords_told
+from babyrobot_levels.text.words import NAMED, Telling
 
 LevelPolicy = str | os.PathLike[str] | Callable[[Level], Any]
 """A policy for each of many levels; see `evaluate_many`."""
 
 
 @dataclass(frozen=True, slots=True)
-class LevelValue:
+class LevelValue(Telling):
     """What a policy is worth in one of many levels. With an `error`, None for what is unknown.
 
     Attributes:
@@ -75,7 +74,7 @@ class LevelValue:
 
 
 @dataclass(frozen=True, slots=True)
-class LevelMetrics:
+class LevelMetrics(Telling):
     """The metrics of one of many levels. With an `error`, None for what is unknown.
 
     Attributes:
@@ -103,7 +102,6 @@ class LevelMetrics:
         return {**row, **plain(dict(found or {})), "error": error}
 
 
-@keywords_told
 def solve_many(
     levels: Levels,
     *,
@@ -149,7 +147,6 @@ def solve_many(
     )
 
 
-@keywords_told
 def evaluate_many(
     levels: Levels,
     policy: LevelPolicy,
@@ -167,7 +164,7 @@ def evaluate_many(
         levels: as for `solve_many`.
         policy: one of
 
-            - `"random"` or `"uniform"`, as `evaluate` takes them;
+            - `"best"`, `"random"` or `"uniform"`, as `evaluate` takes them;
             - a function from a `Level` to a policy as `evaluate` takes it. For other processes it
               has to be at the top level of a module, which they import;
             - the path of a file of policies by the names or digests of levels, as
@@ -195,7 +192,7 @@ def evaluate_many(
     _check(within, discount, actions)
     if not callable(policy) and policy not in NAMED:
         if not Path(policy).suffix:
-            known = "'random', 'uniform', a function of a level, or a file of policies"
+            known = "'best', 'random', 'uniform', a function of a level, or a file of policies"
             raise ValueError(f"there is no policy {policy!r}; use {known}")
         policy = SavedPolicies.of(Path(policy))
     return _rows(

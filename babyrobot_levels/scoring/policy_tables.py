@@ -20,13 +20,11 @@ from babyrobot_levels.scoring.agents import Player, read_agent
 from babyrobot_levels.scoring.plays import Play
 from babyrobot_levels.scoring.score import policy_of
 from babyrobot_levels.scoring.verify import verify_play
-from babyrobot_levels.text.words import keywords_told
 
 
-@keywords_told
 def policy_table(
-    agent: Any,
     level: LevelLike,
+    agent: Any,
     *,
     observation: str | Sequence[str] = "position",
     actions: str = "all",
@@ -39,9 +37,9 @@ def policy_table(
     Everything that takes a policy takes it: `brl.evaluate`, `level.to_html(policy=…)`.
 
     Args:
+        level: a name, a path, a share code, a mapping, or a level.
         agent: as `brl.score` takes it, without memory; or recorded episodes, as `brl.read_plays`
             returns them: then a probability is how often the action was taken there.
-        level: a name, a path, a share code, a mapping, or a level.
         observation: what the agent observes, as in environments; `options` are those of it.
         actions: the set of actions, as in environments. Of recorded episodes it is `"all"`.
         deterministic: whether a model takes its most likely action instead of sampling.

@@ -27,6 +27,7 @@ from babyrobot_levels.scoring.summaries import (
     statistics_of,
 )
 from babyrobot_levels.text.files import write_bytes, write_text
+from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
     from babyrobot_levels.render.scene.shapes import Scene
@@ -39,7 +40,7 @@ MAX_BARS = 100
 
 
 @dataclass(frozen=True, slots=True)
-class LevelScore:
+class LevelScore(Telling):
     """The score of an agent in one level.
 
     Attributes:
@@ -127,7 +128,7 @@ def csv_of(rows: Iterable[Sequence[Any]]) -> str:
     return out.getvalue()
 
 
-class Table(Sequence[Row]):
+class Table(Telling, Sequence[Row]):
     """Rows with the same fields, in their order, that can be written as JSON and as CSV."""
 
     ROW: ClassVar[type[Any]]

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.guides import BEST
 from babyrobot_levels.analysis.solver.advantage import mean_positive_advantage
 from babyrobot_levels.analysis.solver.distribution import distribution_of
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import NAMED, StateSpace, space_of
+from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import check_discount, check_within
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
@@ -30,11 +28,11 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.render.sights import SIGHTS
-from babyrobot_levels.scoring.agents import Chooser, Player, Table, read_agent
+from babyrobot_levels.scoring.agents import AnswerError, Chooser, Player, Table, read_agent
 from babyrobot_levels.scoring.conversations import converse
 from babyrobot_levels.scoring.results import LevelScore, Played, Scores, extremes
 from babyrobot_levels.suites.suite import Suite, named_levels
-from babyrobot_levels.text.words import keywords_told
+from babyrobot_levels.text.errors import warn
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +45,9 @@ class _Problem:
     discount: float
 
 
-@keywords_told
 def score(
-    agent: Any,
     levels: Any,
+    agent: Any,
     *,
     split: str | None = None,
     within: int | str | None = None,
@@ -78,12 +75,15 @@ def score(
     returns are told without the luck of the outcomes, which changes no mean.
 
     Args:
+        levels: a level, several, a folder, a pack or a suite: names, paths, mappings, `Level`s.
         agent: one of
 
-            - `"best"`, an optimal policy without a time limit for each level;
-            - a policy, as `brl.evaluate` takes it (`"random"`, a `Solution`, an array; within a
-              limit also one for each step), or a mapping from names or digests of levels to
-              policies;
+            - `"best"`, an optimal policy without a time limit for each level; `"random"` or
+              `"uniform"`, as `brl.evaluate` takes them;
+            - a `Solution`, an array, as `brl.evaluate` takes them; within a limit also one for
+              each step; or a mapping from names or digests of levels to policies;
+            - the path of a file that has such a policy (.json, .npy, .npz), or of a Python file,
+              which is run, and the name of a function in it: `"agent.py:name"`;
             - a function from an observation to an action, or to the probabilities of all actions;
               with `batched`, from many observations `[n, …]` at once (of JAX, for example);
             - a model of Stable-Baselines3 or sb3-contrib, or an `RLModule` of RLlib;
@@ -91,7 +91,6 @@ def score(
               returns an action;
             - with `sight`, a function from a text to a reply; with `chat`, a chat model: a function
               from messages, dicts with `role` and `content`, to the next reply.
-        levels: a level, several, a folder, a pack or a suite: names, paths, mappings, `Level`s.
         split: the part of a suite that is scored.
         within: the number of steps after which episodes are truncated, or `"max_steps"`; by
             default that of each level, none where it has none.
@@ -122,11 +121,6 @@ def score(
         EpisodeTooLongError: the limit of a level is so large that this takes too long.
         TypeError: the agent is none that scoring knows.
     """
-    agents = (BEST, *NAMED)
-    if isinstance(agent, str):
-        if agent not in agents and levels in agents:
-            raise ValueError(f"the agent comes first: `brl.score({levels!r}, {agent!r})`")
-        check_choice("agent", agent, agents)
     check_choice("actions", actions, ACTION_SETS)
     if sight is not None:
         check_choice("sight", sight, SIGHTS)
@@ -137,10 +131,6 @@ def score(
     own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
     members, extent = _levels(levels, split, turns=ACTION_SETS[actions].turns)
     problems = [_problem(level, within, discount, own) for level in members]
-    if isinstance(agent, str) and agent == BEST:
-        agent = {
-            each.level.digest: solve(each.level, each.discount, actions=own) for each in problems
-        }
     taken: Any = agent
     if sight is None:
         taken = read_agent(
@@ -179,7 +169,7 @@ def score(
         rows[number] = _with_more(rows[number], problems[number], policy, positive_advantage, cvar)
     scores = Scores(rows, played)
     if scores.notice is not None and sight is None:
-        warnings.warn(scores.notice, stacklevel=3)
+        warn(scores.notice)
     return scores
 
 
@@ -201,9 +191,8 @@ def _problem(
     level: Level, within: int | str | None, discount: float | None, actions: str
 ) -> _Problem:
     limit = level.max_steps if within is None else check_within(within, level.max_steps)
-    return _Problem(
-        level, space_of(level, actions), limit, check_discount(discount, level.discount)
-    )
+    discount = check_discount(discount, level.discount)
+    return _Problem(level, space_of(level, actions, discount), limit, discount)
 
 
 def _policy(
@@ -454,5 +443,8 @@ def policy_of(
     for begin in range(0, states.size, BATCH):
         part = states[begin : begin + BATCH]
         seen = observer.rows(part)
-        table[part] = agent(seen, mdp.action_mask[part, first:].astype(np.int8))
+        try:
+            table[part] = agent(seen, mdp.action_mask[part, first:].astype(np.int8))
+        except AnswerError as error:
+            raise ValueError(f"at {space.text(part[error.index])}: {error}") from None
     return weights_by_step(table, space, limit)

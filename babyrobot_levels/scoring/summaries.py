@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.text.words import Telling
 
 SOLVED = 0.95
 """From this share of the optimum on, a level counts as solved."""
@@ -34,7 +35,7 @@ _AT_ONCE = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
+class Summary(Telling):
     """The scores of all levels, in one run or several, in a few numbers.
 
     Levels without a share are left out.
@@ -74,7 +75,7 @@ class Summary:
 
 
 @dataclass(frozen=True, slots=True)
-class Improvement:
+class Improvement(Telling):
     """How often one agent is better than another.
 
     Attributes:

@@ -24,6 +24,7 @@ from babyrobot_levels.render.sights import SIGHTS, Narrator
 from babyrobot_levels.render.words.happenings import bump, changes, hitter
 from babyrobot_levels.render.words.phrases import counted
 from babyrobot_levels.scoring.plays import Play, play_of
+from babyrobot_levels.text.words import Telling
 
 REWARDS = ("world", "advantage", "success")
 
@@ -34,7 +35,7 @@ _MAX_SEED = 2**31
 
 
 @dataclass(frozen=True, slots=True)
-class GradedMove:
+class GradedMove(Telling):
     """A step of an episode, graded by the exact values of its action and its outcome.
 
     Attributes:
@@ -59,7 +60,7 @@ class GradedMove:
     is_loop: bool
 
 
-class TextWorld:
+class TextWorld(Telling):
     """A level that is played by text, with its rules in words and each move graded exactly.
 
     Its public methods are tools for a language model as they stand. What they cannot do is

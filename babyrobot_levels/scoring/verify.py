@@ -31,6 +31,7 @@ from babyrobot_levels.scoring.decisions import Decisions, decisions_of
 from babyrobot_levels.scoring.plays import Play, read_plays, return_of
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import write_bytes
+from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
     from babyrobot_levels.render.gif import Step
@@ -41,7 +42,7 @@ _EQUAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Verification:
+class Verification(Telling):
     """What the tables of a level say about a play.
 
     Attributes:

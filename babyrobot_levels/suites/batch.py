@@ -25,6 +25,7 @@ from babyrobot_levels.parallel.executor import Executor, Failure
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import SUFFIXES, write_text
+from babyrobot_levels.text.words import Telling
 
 FORMAT_VERSION = 1
 """Increases when the same options would generate other files."""
@@ -230,7 +231,7 @@ class FolderError(BabyRobotError):
 
 
 @dataclass(frozen=True, slots=True)
-class Generated:
+class Generated(Telling):
     """What became of a level.
 
     Attributes:

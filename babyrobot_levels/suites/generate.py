@@ -111,6 +111,9 @@ def generate(
             leaves a split without levels; or another argument has an invalid value.
         OSError: a file cannot be written.
     """
+    is_plain = suite is None and conditions.keys() <= SuiteFields.model_fields.keys()
+    if isinstance(suite, int) or (is_plain and count is None):
+        raise ValueError(f"the number of levels is missing: give it as `count={suite or 10}`")
     original = None
     if base is not None:
         level = load(base)

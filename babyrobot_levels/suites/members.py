@@ -29,7 +29,6 @@ from babyrobot_levels.library.catalogue import (
     find_suite,
     is_suite_file,
     load,
-    nearest_files,
 )
 from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.library.search_path import (
@@ -48,6 +47,7 @@ from babyrobot_levels.text.files import (
     is_file,
     is_folder,
     is_within,
+    nearest_files,
 )
 from babyrobot_levels.text.reader import open_document
 from babyrobot_levels.text.words import did_you_mean, shortened

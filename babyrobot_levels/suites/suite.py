@@ -40,13 +40,13 @@ from babyrobot_levels.suites.sources import (
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelNotFoundError
 from babyrobot_levels.text.files import is_file, is_folder
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import Telling, did_you_mean
 
 _HEX_DIGITS = 13
 """How many digits of a digest decide on its split: 52 bits, which a float has exactly."""
 
 
-class Suite(Sequence[Level]):
+class Suite(Telling, Sequence[Level]):
     """The levels of a suite, or some of them.
 
     Of a suite that grows mazes, `suite[i]` is generated from the suite's seed and the level's

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+import sys
+import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from types import FrameType
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 
@@ -108,6 +111,15 @@ class SuiteNotFoundError(LevelNotFoundError):
 
     what = "suite"
     listing = "babyrobot list --suites"
+
+
+def warn(text: str, category: type[Warning] = UserWarning) -> None:
+    """Warn of something; the warning names the line that called this package."""
+    package, depth = __name__.partition(".")[0], 0
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_globals["__name__"].partition(".")[0] == package:
+        frame, depth = frame.f_back, depth + 1
+    warnings.warn(text, category, stacklevel=depth + 1)
 
 
 DISTRIBUTION = "babyrobot-levels"

@@ -11,12 +11,14 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from glob import escape
 from pathlib import Path
 from typing import BinaryIO
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import MAX_BYTES, START, Position, SourceFile
+from babyrobot_levels.text.words import nearest
 
 SUFFIXES = (".yaml", ".yml")
 PACK_FILE = "pack.yaml"
@@ -61,13 +63,23 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     except NotRegularError:
         raise unreadable("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
-        raise unreadable("BR101", shown, "no such file") from None
+        told = "".join(f"; did you mean `{each}`?" for each in nearest_files(path)[:1])
+        raise unreadable("BR101", shown, f"no such file{told}") from None
     except PermissionError:
         raise unreadable("BR101", shown, "permission denied") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
     return source_of(data, shown)
+
+
+def nearest_files(path: Path) -> list[str]:
+    """Return the level files with similar names in the folder of one that there is not."""
+    try:
+        stems = {other.stem: other for other in path.parent.iterdir() if other.suffix in SUFFIXES}
+    except OSError:
+        return []
+    return [str(stems[stem]) for stem in nearest(path.stem, stems)]
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
@@ -296,7 +308,8 @@ def append_line(path: Path, line: bytes) -> bool:
 def written_folder(path: Path) -> Iterator[Path]:
     """Yield a new folder beside a path, which takes its place there at the end of the block.
 
-    What was there before is replaced. If the block raises an error, it stays as it was.
+    What was there before is replaced. If the block raises an error, it stays as it was. What an
+    earlier process left beside it that was killed is removed.
 
     Raises:
         OSError: the folder cannot be written.
@@ -306,7 +319,11 @@ def written_folder(path: Path) -> Iterator[Path]:
 
     path = path.resolve()
     make_folder(path.parent)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{path.name[:_MAX_PREFIX]}.", dir=path.parent))
+    prefix = f".{path.name[:_MAX_PREFIX]}."
+    for left in path.parent.glob(f"{escape(prefix)}????????.*"):
+        if _has_ended(left.suffix[1:]):
+            shutil.rmtree(left, ignore_errors=True)
+    temporary = Path(tempfile.mkdtemp(f".{os.getpid()}", prefix, path.parent))
     try:
         folder = temporary / "new"
         folder.mkdir()
@@ -320,8 +337,25 @@ def written_folder(path: Path) -> Iterator[Path]:
                 if is_folder(temporary / "old"):
                     (temporary / "old").rename(path)
                 raise
+    except OSError as error:
+        # A full disk names no file.
+        error.filename = error.filename or str(path)
+        raise
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _has_ended(process: str) -> bool:
+    """Return whether a text is the number of a process of this machine that runs no more."""
+    if not process.isdecimal() or os.name != "posix":
+        return False
+    try:
+        os.kill(int(process), 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, OverflowError):
+        pass
+    return False
 
 
 @contextmanager

@@ -5,9 +5,11 @@ from __future__ import annotations
 import difflib
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from enum import EnumType
 from functools import wraps
-from typing import Any, NamedTuple, ParamSpec, TypeVar
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -181,7 +183,7 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     return f" {last} ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
 
 
-_KEYWORDS = {
+KEYWORDS = {
     "discount": "gamma discount_factor",
     "within": "horizon max_steps max_episode_steps time_limit steps",
     "tolerance": "theta tol eps threshold",
@@ -190,25 +192,149 @@ _KEYWORDS = {
     "epsilon": "eps exploration",
     "episodes": "num_episodes n_episodes max_episodes trials",
     "num_steps": "steps n_steps",
+    "num_steps -> num_steps`, or `brl.simulate(level, policy, episodes)": "episodes n_episodes "
+    "num_episodes n_eval_episodes",
     "num_envs": "envs n_envs",
     "seed": "random_state rng",
-    "level": "env environment mdp",
+    "level": "env environment mdp levels",
+    "levels": "level env environment",
     "policy": "agent pi",
+    "agent": "policy model",
+    "count": "n num number num_levels n_levels",
 }
-"""Keywords of ours, and what textbooks and other libraries call them."""
+"""Keywords of ours, and what textbooks and other libraries call them.
+
+`NAME -> EXPRESSION` says what to write where there is such a name.
+"""
+
+ATTRIBUTES = {
+    # Of results.
+    "values": "v value state_values value_function",
+    "action_values": "q q_values q_table",
+    "policy": "pi best_policy optimal_policy",
+    "expected_return": "mean mean_return score total_reward",
+    "expected_steps": "steps length mean_steps episode_length",
+    "exit_probability": "success success_rate solved",
+    "greedy -> brl.preview(level, values=solution, policy=solution)": "plot show render draw "
+    "to_png to_svg",
+    "summary -> summary.mean": "mean average score share",
+    "summary -> summary.{}": "median iqm worst_tenth solved success regret",
+    "expected_return -> brl.score(level, policy)": "regret share",
+    # Of tables.
+    "probability": "p t transitions transition transition_probability transition_matrix",
+    "reward": "r rewards",
+    "terminal": "done dones",
+    "num_states": "n_states ns states s state_space",
+    "num_actions": "n_actions na actions action_space",
+    # Of environments.
+    "reset -> level.compile()": "p t r mdp transitions n_states ns nrow ncol num_states",
+    "reset -> level.draw()": "desc grid",
+    "reset -> level.{}": "discount exit goal height max_steps size start width",
+    "reset -> state`, and `level.compile().cell(state)": "agent_pos position pos s robot",
+    "reset -> action_space.n": "na n_actions num_actions",
+    # Of levels.
+    "compile -> compile()": "mdp model p t r transitions states n_states ns num_states",
+    "compile -> brl.metrics(level)": "metrics difficulty path_length shortest_path dead_ends",
+    "compile -> brl.{}(level)": "lint export evaluate simulate rollout score occupancy q_learning "
+    "sarsa value_iteration policy_iteration mutate compare diff generate sheet",
+    "draw -> draw()": "to_text text ascii to_ascii",
+    "exit": "goal target goal_pos end",
+    "from_fields -> brl.load": "load from_file from_yaml from_path open read",
+    "from_fields": "from_dict",
+    "compile -> make()": "env environment reset step action_space observation_space gym",
+    "preview -> preview()": "render plot image picture display html",
+    "replace -> replace(…)": "add add_wall add_puddle add_area set set_wall remove update edit",
+    "save -> save(path)": "to_file write write_yaml",
+    "share_code -> share_code()": "code url link share",
+    "size": "shape dimensions grid_size",
+    "start": "start_pos initial_state agent_start_pos",
+    "to_dict -> to_dict()": "to_json as_dict asdict",
+    # Of actions.
+    "NORTH": "up n",
+    "EAST": "right e",
+    "SOUTH": "down s",
+    "WEST": "left w",
+    "FORWARD": "ahead straight",
+    # Of the package.
+    "Action": "actions",
+    "Level -> Level.save(path)": "save write",
+    "LevelVectorEnv": "make_vec vector_env VecEnv",
+    "load": "level load_level read_level read open parse from_file",
+    "load_suite": "suite read_suite",
+    "make": "BabyRobotEnv BabyRobot env environment wrappers",
+    "q_learning": "learn train",
+    "solve": "optimal_policy best_policy plan optimize",
+    "evaluate": "evaluate_policy",
+    'evaluate -> evaluate(level, "random")': "random_policy",
+    "preview": "render draw plot picture image",
+    'preview -> preview(level, "x.gif")': "to_gif animate film record gif",
+    "score": "benchmark",
+    "validate": "check",
+    "levels": "list list_levels level_names names catalogue",
+    "generate": "random_level random_levels generate_random_map random_map random_maze maze",
+    "metrics": "difficulty measure",
+    "export": "convert to_frozen_lake",
+}
+"""The same for attributes of objects and of the package; `{}` is the name that there is not."""
+
+
+def meant(name: str, known: Collection[str], others: Mapping[str, str]) -> str:
+    """Return `; did you mean …?` with the known name, or what else others call by this name."""
+    folded = name.casefold()
+    for ours, words in others.items():
+        own, _, written = ours.partition(" -> ")
+        if own in known and folded in words.casefold().split():
+            return f"; did you mean `{written.format(name) or own}`?"
+    return did_you_mean(name, known)
+
+
+def no_attribute(owner: Any, name: str) -> AttributeError:
+    """Return the error that an object, a class or a module has no attribute of a name."""
+    kind = "module" if isinstance(owner, ModuleType) else "type object"
+    is_named = isinstance(owner, ModuleType | type)
+    what = f"{kind} {owner.__name__!r}" if is_named else f"{type(owner).__name__!r} object"
+    known = [each for each in dir(owner) if not each.startswith("_")]
+    guess = "" if name.startswith("_") else meant(name, known, {**ATTRIBUTES, **KEYWORDS})
+    # With a name, Python would add a guess of its own.
+    return AttributeError(f"{what} has no attribute {name!r}{guess}", name="", obj=None)
+
+
+class Telling:
+    """Tells which attribute is meant by the name of one that there is not."""
+
+    __slots__ = ()
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            inherited = getattr(super(), "__getattr__", None)
+            if name.startswith("_") and inherited is not None:
+                return inherited(name)
+            if inspect.getattr_static(type(self), name, None) is not None:
+                # A property raised the error: let it do so again.
+                return object.__getattribute__(self, name)
+            raise no_attribute(self, name)
+
+
+class TellingEnum(EnumType):
+    """The class of enumerations that tell which member is meant, and whose members are words."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(cls, name: str) -> Any:
+            raise no_attribute(cls, name)
 
 
 def unexpected(function: str, name: str, known: Collection[str]) -> str:
     """Return the message that a function has no such keyword, with the one that is meant."""
-    ours = [each for each in _KEYWORDS if each in known and name in _KEYWORDS[each].split()]
-    guess = f"; did you mean `{ours[0]}`?" if ours else did_you_mean(name, known)
+    guess = meant(name, known, KEYWORDS)
     return f"{function}() got an unexpected keyword argument {name!r}{guess}"
 
 
-def keywords_told(function: Callable[P, T]) -> Callable[P, T]:
-    """Let a function that is called by a keyword of others tell its own."""
+def telling(function: Callable[P, T]) -> Callable[P, T]:
+    """Let a function tell its own keyword where it is called by another, and the first argument."""
     known = inspect.signature(function).parameters
-    textbooks = " ".join(_KEYWORDS[each] for each in _KEYWORDS if each in known).split()
+    textbooks = " ".join(KEYWORDS[each] for each in KEYWORDS if each in known).split()
     takes_more = any(each.kind is each.VAR_KEYWORD for each in known.values())
 
     @wraps(function)
@@ -216,9 +342,45 @@ def keywords_told(function: Callable[P, T]) -> Callable[P, T]:
         for name in given:
             if name not in known and (name in textbooks or not takes_more):
                 raise TypeError(unexpected(function.__name__, name, known))
-        return function(*args, **given)
+        try:
+            return function(*args, **given)
+        except (TypeError, LookupError, ValueError):
+            first, agent = [*map(_looks_like_agent, args[:2]), False, False][:2]
+            level, other, *_ = *known, "", ""
+            if first and not agent and other in ("agent", "policy"):
+                message = f"the level comes first: `brl.{function.__name__}({level}, {other})`"
+                raise TypeError(message) from None
+            raise
 
     return checked
+
+
+BEST, RANDOM = "best", "random"
+NAMED = (BEST, RANDOM, "uniform")
+"""The agents that have names."""
+
+AGENTS = (
+    f"`{'`, `'.join(NAMED)}`, a policy (.json, .npy, .npz), a model (.zip), or what a Python file "
+    "calls by a name (agent.py:name)"
+)
+"""What a text names that is an agent."""
+
+
+def is_agent(given: Any) -> bool:
+    """Return whether an argument that is no text is a function, a model, or has a memory."""
+    return callable(given) or any(hasattr(given, each) for each in ("predict", "act"))
+
+
+def _looks_like_agent(given: Any) -> bool:
+    """Return whether an argument is one that stands for an agent, and not for a level."""
+    if isinstance(given, str):
+        return given in NAMED or bool(re.search(r"\.(npy|npz|zip|py(:\w+)?)$", given))
+    return is_agent(given) or hasattr(given, "dtype") or hasattr(given, "policy")
+
+
+def no_format(name: str, known: Iterable[str]) -> str:
+    """Return the message that there is no format of a name."""
+    return f"there is no format {name!r}, but {', '.join(known)}{did_you_mean(name, known)}"
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

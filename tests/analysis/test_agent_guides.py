@@ -68,7 +68,7 @@ def test_costs_times_visits_add_up_to_the_regret(name: str) -> None:
 @pytest.mark.parametrize("name", LEVELS)
 def test_the_regret_is_that_of_scores(name: str) -> None:
     policy = random_policy(name, 1)
-    (score,) = brl.score(policy, [name])
+    (score,) = brl.score([name], policy)
     limit = f"within {score.within:,} steps" if score.within else "without a limit"
     assert (
         agent(name, policy)

@@ -68,16 +68,16 @@ def test_baselines_are_in_order(script: Any) -> None:
 def test_a_policy_that_is_deaf_to_skids_is_optimal_where_nothing_skids(script: Any) -> None:
     for name in ("first-key", "night-watch", "two-levers"):
         level = brl.load(name)
-        (score,) = brl.score(script.deaf_to_skids(level), level)
+        (score,) = brl.score(level, script.deaf_to_skids(level))
         assert score.regret == pytest.approx(0)
     level = brl.load("final-maze")
-    (score,) = brl.score(script.deaf_to_skids(level), level)
+    (score,) = brl.score(level, script.deaf_to_skids(level))
     assert score.regret > 0.1
 
 
 def test_the_wall_follower_gets_through_any_maze_without_loops(script: Any) -> None:
     maze = brl.Level(version=1, size=[6, 6], maze={"seed": 3}, exit=[5, 5], max_steps=200)
-    (score,) = brl.score(script.wall_follower(), maze, sight="words", episodes=2)
+    (score,) = brl.score(maze, script.wall_follower(), sight="words", episodes=2)
     assert (score.success, score.invalid) == (1, 0)
 
 
@@ -85,7 +85,7 @@ def test_mean_regrets_come_to_the_exact_ones(script: Any) -> None:
     level = brl.load(script.LEVEL)
     picture = (DOCS / "images" / "regret.svg").read_text("utf-8")
     for name, policy in script.policies(level).items():
-        (score,) = brl.score(policy.reshape(*level.compile().shape, 5), level)
+        (score,) = brl.score(level, policy.reshape(*level.compile().shape, 5))
         assert f">{score.regret:.2f}  {name}<" in picture
         regrets, lacks = script.lost(level, policy, 60)
         assert abs(regrets.mean() - score.regret) <= 3 * regrets.std() / 60**0.5

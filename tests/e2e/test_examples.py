@@ -302,7 +302,7 @@ def test_ppo_is_scored_in_each_maze_of_the_other_split(address: str, tmp_path: P
     rows = re.findall(r"^(tiny-mazes-\d+)((?: +\S+){4}) +(\S+)%$", done.stdout, re.MULTILINE)
     shares = []
     scores = brl.score(
-        "random", brl.load_suite(EXAMPLES / "tiny-mazes.yaml"), split="test", actions="moves"
+        brl.load_suite(EXAMPLES / "tiny-mazes.yaml"), "random", split="test", actions="moves"
     )
     for (name, returns, share), score in zip(rows, scores, strict=True):
         random, learned, _, optimum = map(float, returns.split())
@@ -345,7 +345,7 @@ def test_a_sweep_finds_what_each_of_its_trials_finds_alone(tmp_path: Path) -> No
             [*brl.q_learning("maze", episodes, step_size=expected, seed=seed)][-1].policy
             for seed in seeds
         ]
-        scores = [brl.score(each, "maze", actions="moves")[0].share for each in learned]
+        scores = [brl.score("maze", each, actions="moves")[0].share for each in learned]
         assert float(size) == expected
         assert float(share) == float(mean) == pytest.approx(100 * np.mean(scores), abs=0.051)
     assert (tmp_path / "sweep").is_dir()

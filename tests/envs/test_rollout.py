@@ -110,7 +110,7 @@ def test_policies_in_all_their_forms(engine: str) -> None:
     east = np.full((height, width), brl.Action.EAST)
     table = np.zeros((width * height, 5))
     table[:, brl.Action.EAST] = 1
-    for policy in (east, table, lambda x, y: brl.Action.EAST):
+    for policy in (east, table, lambda seen: brl.Action.EAST):
         assert (brl.rollout(level, policy, **given).actions == brl.Action.EAST).all()
     weighed = np.tile([0.5, 0.0, 0.25, 0.25, 0.0], (width * height, 1))
     taken = brl.rollout(level, weighed, 500, 100, 1, engine=engine).actions
@@ -153,7 +153,7 @@ def test_seeds() -> None:
         ({"seed": -1}, "seed must be a whole number from 0 on"),
         ({"actions": "valid"}, "'all', 'moves' or 'turns'"),
         ({"engine": "gpu"}, "engine must be"),
-        ({"policy": "clever"}, "'random' or 'uniform'"),
+        ({"policy": "clever"}, "there is no agent 'clever'"),
         ({"level": []}, "at least one level"),
         ({"level": ["default", "maze"], "policy": [[[0]]]}, "a list of 2 policies"),
     ],

@@ -62,7 +62,7 @@ def test_ppo_learns_mazes_that_it_has_not_seen(suite: Path, tmp_path: Path) -> N
     assert 0.9 < in_train <= 1
     assert f"seeds 0: share in test {in_test:.3f}\n" in text
     # What is lost is measured from the exact optimum; the mean of shares weighs it otherwise.
-    chance = brl.score("random", suite, split="test", actions="moves")
+    chance = brl.score(suite, "random", split="test", actions="moves")
     assert 0 < regret < 0.1 * chance.summary.regret
 
 

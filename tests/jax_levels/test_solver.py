@@ -128,7 +128,7 @@ def test_success_and_advantage_are_those_of_scores(within: str | None, limit: in
         gains = brl_jax.positive_advantage(params, policy, within=within)
         for number, level in enumerate(levels):
             own = policy[params.offset[number] : params.offset[number + 1]]
-            score = brl.score(own, level, positive_advantage=True)[0]
+            score = brl.score(level, own, positive_advantage=True)[0]
             found = [float(each[number]) for each in (worth.success, worth.learnability, gains)]
             wanted = [score.success, score.learnability, score.positive_advantage]
             assert found == pytest.approx(wanted, rel=1e-9, abs=1e-12)
@@ -261,7 +261,7 @@ def test_single_levels_and_many_policies_by_vmap() -> None:
         policies
     )
     assert (np.asarray(found[0]) > 0.5).all()
-    scores = brl.score("random", MAZES, within="max_steps")
+    scores = brl.score(MAZES, "random", within="max_steps")
     assert error(np.asarray(found[0]), np.array([score.regret for score in scores])) < 1e-5
     assert not np.asarray(found[1]).any()
     known = brl_jax.regret(params, policies[0], within="max_steps", best=together.returns)

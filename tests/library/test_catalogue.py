@@ -471,8 +471,7 @@ def test_each_public_name_can_be_had(name: str) -> None:
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
-    told = "No babyrobot_levels attribute laod"
-    with pytest.raises(AttributeError, match=told):
+    with pytest.raises(AttributeError, match="no attribute 'laod'; did you mean `load`"):
         brl.laod  # type: ignore[attr-defined]  # noqa: B018
     with pytest.raises(ImportError, match="laod"):
         exec("from babyrobot_levels import laod")

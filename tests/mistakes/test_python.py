@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
+from babyrobot_levels.text.words import ATTRIBUTES, KEYWORDS
 
 SCOPE: dict[str, Any] = {"brl": brl, "gymnasium": gymnasium, "np": np}
 MISTAKES = (
@@ -20,8 +23,8 @@ MISTAKES = (
     ("brl.value_iteration('maze', theta=1e-6)", "argument 'theta'; did you mean `tolerance`?"),
     ("brl.q_learning('maze', 9, alpha=0.1)", "argument 'alpha'; did you mean `step_size`?"),
     ("brl.q_learning('maze', num_episodes=9)", "'num_episodes'; did you mean `episodes`?"),
-    ("brl.score('random', 'maze', gamma=0.9)", "argument 'gamma'; did you mean `discount`?"),
-    ("brl.score('random', 'maze', view_radus=2)", "unexpected option 'view_radus'; did you mean"),
+    ("brl.score('maze', 'random', gamma=0.9)", "argument 'gamma'; did you mean `discount`?"),
+    ("brl.score('maze', 'random', view_radus=2)", "unexpected option 'view_radus'; did you mean"),
     ("brl.solve_many(['maze'], horizon=9)", "argument 'horizon'; did you mean `within`?"),
     ("brl.evaluate('maze', agent='random')", "argument 'agent'; did you mean `policy`?"),
     ("brl.rollout('maze', n_envs=2)", "argument 'n_envs'; did you mean `num_envs`?"),
@@ -39,11 +42,11 @@ MISTAKES = (
     ("brl.load(3)", "a level is a name, a path, a mapping or a Level, not int"),
     ("brl.load({'size': [3, 3]})", "a level begins with `version: 1`"),
     ("brl.loads('maze.yaml')", "the file does not contain a mapping of fields"),
-    ("brl.level('maze')", "has no attribute 'level'; did you mean 'load'?"),
-    ("brl.suite('small-mazes')", "has no attribute 'suite'; did you mean 'load_suite'?"),
-    ("brl.BabyRobotEnv()", "has no attribute 'BabyRobotEnv'; did you mean 'make'?"),
-    ("brl.train('maze')", "has no attribute 'train'; did you mean 'solve'?"),
-    ("brl.check('maze')", "has no attribute 'check'; did you mean 'validate'?"),
+    ("brl.level('maze')", "has no attribute 'level'; did you mean `load`?"),
+    ("brl.suite('small-mazes')", "has no attribute 'suite'; did you mean `load_suite`?"),
+    ("brl.BabyRobotEnv()", "has no attribute 'BabyRobotEnv'; did you mean `make`?"),
+    ("brl.train('maze')", "has no attribute 'train'; did you mean `q_learning`?"),
+    ("brl.check('maze')", "has no attribute 'check'; did you mean `validate`?"),
     ("brl.make('maze', render_mode='ansii')", "not 'ansii'; did you mean `ansi`?"),
     ("brl.make('maze', observation='plane')", "not 'plane'; did you mean `planes`?"),
     ("brl.make('maze', obs='planes')", "argument 'obs'; did you mean `observation`?"),
@@ -64,17 +67,23 @@ MISTAKES = (
     ("brl.solve('maze', discount=2)", "discount must be above 0 and at most 1, not 2"),
     ("brl.solve('maze', within=-1)", "a number of steps from 1 on, or 'max_steps', not -1"),
     ("brl.solve('random-maze')", "`level.with_maze_seed(n)` gives one of them"),
-    ("brl.score('maze', 'random')", "the agent comes first: `brl.score('random', 'maze')`"),
-    ("brl.score('randm', 'maze')", "not 'randm'; did you mean `random`?"),
-    ("brl.score(np.zeros(3), 'final-maze')", "an array [5, 8] of actions"),
-    ("brl.rollout('maze', 'bst')", "the optimal one is `brl.solve(level)`"),
+    ("brl.score('random', 'maze')", "the level comes first: `brl.score(levels, agent)`"),
+    ("brl.evaluate(lambda seen: 0, 'maze')", "the level comes first: `brl.evaluate(level, pol"),
+    ("brl.rollout(np.zeros((5, 8)), 'maze')", "the level comes first: `brl.rollout(level, pol"),
+    ("brl.policy_table('a.npy', 'maze')", "the level comes first: `brl.policy_table(level, "),
+    ("brl.score('maze', 'randm')", "no agent 'randm'; did you mean `random`"),
+    ("brl.score('final-maze', np.zeros(3))", "an array [5, 8] of actions"),
+    ("brl.rollout('maze', 'bst')", "no agent 'bst'; did you mean `best`"),
     ("brl.generate('small-maze', count=2)", "called 'small-maze'; did you mean 'small-mazes'?"),
     ("brl.generate(cout=2)", "unknown field `cout`; did you mean `count`?"),
-    ("brl.preview('maze', 'x.jpg')", "use one of svg, pdf, png, gif, html"),
+    ("brl.preview('maze', 'x.jpg')", "no format 'jpg', but svg, pdf, png, gif, html"),
     ("brl.load('maze').to_png(scale=-1)", "scale must be above 0 and at most 100, not -1"),
     ("brl.load('maze').to_svg(theme='dark')", "known themes: default, black_orange"),
     ("brl.load('maze').to_svg(values=[1, 2])", "`values` has the shape (2,)"),
-    ("brl.load('maze').to_svg(policy='greedy')", "a policy given by name is 'best'"),
+    (
+        "brl.load('maze').to_svg(policy='greedy')",
+        "no agent 'greedy'; an agent is `best`",
+    ),
     ("brl.load('maze').with_maze_seed('x')", "must be an integer, not 'x'"),
 )
 
@@ -87,7 +96,27 @@ def test_each_call_says_what_is_meant(call: str, told: str) -> None:
     assert told in str(caught.value)
 
 
-def test_names_of_others_lead_to_public_names_and_hide_none() -> None:
-    names: dict[str, tuple[str, ...]] = vars(brl)["_OTHER_NAMES"]
-    assert {*names} <= {*brl.__all__}
-    assert {name for others in names.values() for name in others}.isdisjoint(brl.__all__)
+def public() -> Iterator[tuple[Any, set[str]]]:
+    """Yield the package and its classes, and the names of their attributes."""
+    yield brl, {*brl.__all__}
+    for owner in (getattr(brl, name) for name in brl.__all__):
+        if isinstance(owner, type):
+            fields = getattr(owner, "model_fields", getattr(owner, "__match_args__", ()))
+            yield owner, {*dir(owner), *fields}
+
+
+def test_names_of_others_lead_to_what_there_is_and_hide_nothing() -> None:
+    owners = [*public()]
+    parameters = [
+        inspect.signature(each).parameters
+        for each in map(vars(brl).get, brl.__all__)
+        if inspect.isfunction(each)
+    ]
+    for ours in ATTRIBUTES:
+        assert any(ours.partition(" -> ")[0] in known for _, known in owners), ours
+    for ours in KEYWORDS:
+        assert any(ours.partition(" -> ")[0] in known for known in parameters), ours
+    for ours, others in ATTRIBUTES.items():
+        own, _, written = ours.partition(" -> ")
+        if written.startswith("brl."):
+            assert {*others.split()} & {*brl.__all__} or own

@@ -48,11 +48,11 @@ def test_policies_come_back(tmp_path: Path) -> None:
     lists = {name: policy.tolist() for name, policy in policies.items()}
     (tmp_path / "all.json").write_text(json.dumps(lists))
     (tmp_path / "one.json").write_text(json.dumps(lists["frozen-lake"]))
-    expected = brl.score(policies, NAMES)
+    expected = brl.score(NAMES, policies)
     for name in ("all.npz", "all.json"):
-        assert [*brl.score(load_policy(tmp_path / name), NAMES)] == [*expected]
+        assert [*brl.score(NAMES, load_policy(tmp_path / name))] == [*expected]
     for name in ("one.npy", "one.json"):
-        assert brl.score(load_policy(tmp_path / name), NAMES[0])[0] == expected[0]
+        assert brl.score(NAMES[0], load_policy(tmp_path / name))[0] == expected[0]
 
 
 def test_the_output_of_solve_is_a_policy(tmp_path: Path) -> None:
@@ -125,14 +125,14 @@ def test_models_come_back(tmp_path: Path, name: str) -> None:
     model = getattr(library, name)("MlpPolicy", brl.load("frozen-lake").make(), seed=3)
     model.save(tmp_path / "model.zip")
     loaded = load_model(tmp_path / "model.zip")
-    assert [*brl.score(loaded, "frozen-lake")] == [*brl.score(model, "frozen-lake")]
+    assert [*brl.score("frozen-lake", loaded)] == [*brl.score("frozen-lake", model)]
 
 
 # -- pictures --------------------------------------------------------------------------------
 
 
 def test_a_picture_has_a_bar_for_each_level(tmp_path: Path) -> None:
-    scores = brl.score("random", NAMES)
+    scores = brl.score(NAMES, "random")
     svg = scores.to_svg(tmp_path / "scores.svg")
     assert (tmp_path / "scores.svg").read_text(encoding="utf-8") == svg
     assert all(f">{text}</text>" in svg for text in [*NAMES, "random 0", "optimum 1", "0.00"])
@@ -174,7 +174,7 @@ def test_intervals_are_drawn() -> None:
 
 
 def test_the_picture_of_one_level_tells_its_returns_and_shows_a_share_of_zero() -> None:
-    svg = brl.score("random", "frozen-lake").to_svg()
+    svg = brl.score("frozen-lake", "random").to_svg()
     assert "Return 0.01134; optimum 0.7442, random 0.01134" in svg
     assert 'width="4"' in svg  # the bar
 

@@ -180,7 +180,7 @@ SAFE = np.asarray(brl.solve(CLIFF).policy).clip(0)
         (LAKE, np.full((4, 4), np.nan), "array of integers"),
         (LAKE, np.full((4, 4, 5), np.nan), "must not be negative and add up to 1"),
         (LAKE, [[1], [1, 2]], "rows differ in length"),
-        (LAKE, lambda x, y: "north", "the policy's action at [0, 0] is 'north'"),
+        (LAKE, lambda seen: "north", "at [0, 0]: an agent's answer must be an action from 0"),
         ("final-maze", brl.solve("final-maze", 0.5).policy, "for the discount 0.5, not for 1"),
     ],
 )
@@ -217,7 +217,7 @@ def test_agents() -> None:
 def test_an_agent_passes_from_the_bound_on_and_its_share_counts_below() -> None:
     best = np.eye(5)[brl.solve(LAKE).policy.ravel()]
     mixed = 0.9 * best + 0.1 / 5
-    (found,) = brl.score(mixed, LAKE)
+    (found,) = brl.score(LAKE, mixed)
     assert 0.1 < found.share < 0.9
     assert brl.grade_agent(LAKE, mixed, at_least=found.share - 0.01)
     short = brl.grade_agent(LAKE, mixed, at_least=found.share + 0.01, points=4)

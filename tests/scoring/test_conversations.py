@@ -61,7 +61,7 @@ def test_the_last_line_of_a_reply_is_the_move(reply: Any, move: str | None) -> N
 def test_an_optimal_agent_has_no_regret_in_any_episode(sight: str) -> None:
     lake = brl.load("frozen-lake").replace(max_steps=5000)
     best = brl.solve(lake)
-    (score,) = brl.score(following(best.policy), lake, sight=sight, episodes=3)
+    (score,) = brl.score(lake, following(best.policy), sight=sight, episodes=3)
     assert score.regret == pytest.approx(0, abs=1e-6)
     assert (score.invalid, score.episodes) == (0, 3)
 
@@ -69,9 +69,9 @@ def test_an_optimal_agent_has_no_regret_in_any_episode(sight: str) -> None:
 def test_regrets_converge_to_the_exact_regret() -> None:
     """Also of a bad agent, and with less spread than returns have."""
     east = np.full((4, 4), brl.Action.EAST)
-    (exact,) = brl.score(east, "frozen-lake")
+    (exact,) = brl.score("frozen-lake", east)
     episodes = 400
-    (found,) = brl.score(following(east), "frozen-lake", sight="words", episodes=episodes)
+    (found,) = brl.score("frozen-lake", following(east), sight="words", episodes=episodes)
     assert exact.episodes == 0
     assert found.low < exact.expected_return < found.high
     low, high = found.regret_interval
@@ -88,7 +88,7 @@ def test_nonsense_costs_a_step_after_three_replies() -> None:
         texts.append(text)
         return "What is this?"
 
-    (score,) = brl.score(agent, "first-key", sight="map", within=4, episodes=2)
+    (score,) = brl.score("first-key", agent, sight="map", within=4, episodes=2)
     assert (score.invalid, score.steps, score.success, score.regret) == (12, 4, 0, 0)
     assert len(texts) == 24
     assert "That is no move, and nothing happened." in texts[1]
@@ -104,7 +104,7 @@ def test_a_chat_model_gets_all_messages() -> None:
         return ["east", "hm", "east"][len(heard) - 1]
 
     corridor = level(size=[3, 1], exit=[2, 0], max_steps=9)
-    (score,) = brl.score(model, corridor, sight="words", chat=True, episodes=1)
+    (score,) = brl.score(corridor, model, sight="words", chat=True, episodes=1)
     assert (score.success, score.invalid, score.regret) == (1, 1, 0)
     assert [[each["role"] for each in messages] for messages in heard] == [
         ["user"],
@@ -124,8 +124,8 @@ def test_episodes_are_plays(tmp_path: Path) -> None:
     file = tmp_path / "east.brlplay"
     lake = brl.load("frozen-lake")
     agent = following(np.full((4, 4), brl.Action.SOUTH))
-    scores = brl.score(agent, lake, sight="map", episodes=5, seed=3, record=file)
-    again = brl.score(agent, lake, sight="map", episodes=5, seed=3)
+    scores = brl.score(lake, agent, sight="map", episodes=5, seed=3, record=file)
+    again = brl.score(lake, agent, sight="map", episodes=5, seed=3)
     assert scores[0] == again[0]
     replays = brl.replay(file)
     assert len(replays) == 5
@@ -139,31 +139,31 @@ def test_episodes_are_plays(tmp_path: Path) -> None:
 def test_the_discount_and_the_limit_are_those_that_are_asked_for() -> None:
     corridor = level(size=[4, 1], exit=[3, 0], rewards={"step": 0, "exit": 1}, max_steps=50)
     options: dict[str, Any] = {"sight": "map", "episodes": 1}
-    (score,) = brl.score(lambda _: "east", corridor, discount=0.5, within=7, **options)
+    (score,) = brl.score(corridor, lambda _: "east", discount=0.5, within=7, **options)
     assert (score.optimum, score.regret, score.within, score.discount) == (0.25, 0, 7, 0.5)
-    (score,) = brl.score(lambda _: "west", corridor, discount=0.5, within=7, **options)
+    (score,) = brl.score(corridor, lambda _: "west", discount=0.5, within=7, **options)
     assert score.regret == pytest.approx(score.optimum)
     assert score.low <= 0 <= score.high == pytest.approx(0.25, abs=0.02)
 
 
 def test_what_cannot_be_scored_is_refused() -> None:
     with pytest.raises(ValueError, match="sight must be one of"):
-        brl.score(str, "first-key", sight="ears")
+        brl.score("first-key", str, sight="ears")
     with pytest.raises(TypeError, match="a function from texts to replies, not 'random'"):
-        brl.score("random", "first-key", sight="map")
+        brl.score("first-key", "random", sight="map")
     with pytest.raises(ValueError, match="actions='all'"):
-        brl.score(str, "first-key", sight="map", actions="turns")
+        brl.score("first-key", str, sight="map", actions="turns")
     with pytest.raises(ValueError, match="has no max_steps"):
-        brl.score(str, level(size=[2, 2]), sight="map")
+        brl.score(level(size=[2, 2]), str, sight="map")
     with pytest.raises(ValueError, match="episodes must be at least 1"):
-        brl.score(str, "first-key", sight="map", episodes=0)
+        brl.score("first-key", str, sight="map", episodes=0)
     with pytest.raises(ValueError, match="give a sight, too"):
-        brl.score("random", "first-key", chat=True)
+        brl.score("first-key", "random", chat=True)
 
 
 def test_the_interval_holds_whatever_has_not_happened_yet() -> None:
     """Even one episode without regret leaves room for the worst."""
-    (score,) = brl.score(lambda _: "east", "frozen-lake", sight="words", within=1, episodes=1)
+    (score,) = brl.score("frozen-lake", lambda _: "east", sight="words", within=1, episodes=1)
     assert score.regret == 0
     assert math.isclose(score.high, score.optimum)
     assert score.low <= score.optimum

@@ -70,7 +70,7 @@ def test_plays_come_back(tmp_path: Path, level: str, actions: str, observation: 
     assert [episode.actions.tolist() for episode in dataset] == [play.actions for play in plays]
     assert [episode.rewards.tolist() for episode in dataset] == [play.rewards for play in plays]
     check_repeated(dataset)
-    (exact,) = brl.score("random", level, actions=actions)
+    (exact,) = brl.score(level, "random", actions=actions)
     metadata = dataset.storage.metadata
     assert metadata["ref_min_score"] == pytest.approx(exact.random)
     assert metadata["ref_max_score"] == pytest.approx(exact.optimum)
@@ -130,7 +130,7 @@ def test_a_split_of_a_suite_comes_back_with_the_level_of_each_episode(data_forma
     # No level of the test split is in it.
     test = {level.digest for level in brl.load_suite(SUITE).split("test")}
     assert test.isdisjoint(each["digest"] for each in told)
-    scores = brl.score("random", train)
+    scores = brl.score(train, "random")
     metadata = dataset.storage.metadata
     assert metadata["ref_min_score"] == pytest.approx(np.mean([each.random for each in scores]))
     assert metadata["ref_max_score"] == pytest.approx(np.mean([each.optimum for each in scores]))

@@ -48,7 +48,7 @@ def test_the_numbers_of_a_player(tmp_path: Path) -> None:
     # The second step of the best episode was the last one; that of the worst one cost most.
     assert grade.regret == 0
     assert grade.luck == pytest.approx(grade.best - grade.optimum)
-    random = brl.score("random", level)[0]
+    random = brl.score(level, "random")[0]
     assert (grade.optimum, grade.random) == (random.optimum, random.random)
     way = random.optimum - random.random
     assert grade.share == pytest.approx((grade.mean - random.random) / way)
@@ -131,7 +131,7 @@ def test_each_level_has_a_row_of_its_own(tmp_path: Path) -> None:
     record(path, "first-key", "turns")
     grades = brl.grade([path])
     assert [grade.level for grade in grades] == [LAKE, "first-key"]
-    assert grades[1].random == brl.score("random", "first-key", actions="turns")[0].random
+    assert grades[1].random == brl.score("first-key", "random", actions="turns")[0].random
 
 
 def test_without_an_optimum_there_is_no_share(tmp_path: Path) -> None:

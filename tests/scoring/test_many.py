@@ -228,7 +228,7 @@ def test_rows_are_made_as_they_are_asked_for() -> None:
         (lambda: brl.solve_many("small-mazes", within=0), "within must be a number of steps"),
         (lambda: brl.solve_many("small-mazes", actions="wings"), "actions must be 'all', "),
         (lambda: brl.solve_many("small-mazes", jobs=0), "jobs must be at least 1"),
-        (lambda: brl.evaluate_many("small-mazes", "best"), "there is no policy 'best'; use"),
+        (lambda: brl.evaluate_many("small-mazes", "bets"), "there is no policy 'bets'; use"),
     ],
 )
 def test_wrong_arguments_are_refused_at_once(call: Any, said: str) -> None:

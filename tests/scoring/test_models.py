@@ -33,7 +33,7 @@ def test_models_of_stable_baselines(name: str) -> None:
 
     env = brl.load(LEVEL).make()
     model = getattr(stable_baselines3, name)("MlpPolicy", env, seed=3)
-    score = brl.score(model, LEVEL)[0]
+    score = brl.score(LEVEL, model)[0]
     table = table_of(lambda seen: model.predict(seen, deterministic=True)[0])
     expected = brl.evaluate(LEVEL, table, within="max_steps")
     assert score.episodes == 0
@@ -44,7 +44,7 @@ def test_a_model_that_samples_is_scored_by_its_probabilities() -> None:
     from stable_baselines3 import PPO
 
     model = PPO("MlpPolicy", brl.load(LEVEL).make(), seed=3)
-    score = brl.score(model, LEVEL, deterministic=False)[0]
+    score = brl.score(LEVEL, model, deterministic=False)[0]
     # A network that has learned nothing is nearly indifferent between the actions.
     expected = brl.evaluate(LEVEL, "uniform", within="max_steps").expected_return
     assert score.expected_return == pytest.approx(expected, abs=0.005)
@@ -55,13 +55,13 @@ def test_masked_and_recurrent_models_of_sb3_contrib() -> None:
 
     level = brl.load(LEVEL)
     masked = MaskablePPO("MlpPolicy", level.make(), seed=3)
-    score = brl.score(masked, LEVEL, deterministic=False)[0]
+    score = brl.score(LEVEL, masked, deterministic=False)[0]
     expected = brl.evaluate(LEVEL, "random", within="max_steps").expected_return
     assert score.episodes == 0
     assert score.expected_return == pytest.approx(expected, abs=0.005)
     recurrent = RecurrentPPO("MlpLstmPolicy", level.make(observation="vector"), seed=3)
     with pytest.warns(UserWarning, match="20 episodes in each level tell little"):
-        played = brl.score(recurrent, LEVEL, observation="vector", episodes=20)[0]
+        played = brl.score(LEVEL, recurrent, observation="vector", episodes=20)[0]
     assert played.episodes == 20
 
 
@@ -79,7 +79,7 @@ def test_a_module_of_rllib() -> None:
         model_config=asdict(DefaultModelConfig(fcnet_hiddens=[8])),
         inference_only=True,
     )
-    score = brl.score(module, LEVEL, observation="vector")[0]
+    score = brl.score(LEVEL, module, observation="vector")[0]
     assert score.episodes == 0
     assert 0.0 <= score.expected_return < score.optimum
 
@@ -98,7 +98,7 @@ def test_a_module_of_rllib_with_masks_and_flattened_observations() -> None:
         model_config=asdict(DefaultModelConfig(fcnet_hiddens=[8])),
         inference_only=True,
     )
-    score = brl.score(module, LEVEL, observation="planes", deterministic=False)[0]
+    score = brl.score(LEVEL, module, observation="planes", deterministic=False)[0]
     # A network that has learned nothing is nearly indifferent between the actions of the mask.
     expected = brl.evaluate(LEVEL, "random", within="max_steps").expected_return
     assert score.episodes == 0
@@ -121,14 +121,14 @@ def test_a_function_of_jax() -> None:
         return powers / powers.sum(axis=-1, keepdims=True)
 
     score, other = (
-        brl.score(agent, LEVEL, observation="vector", batched=True)[0]
+        brl.score(LEVEL, agent, observation="vector", batched=True)[0]
         for agent in (policy, expected)
     )
     assert score.episodes == 0
     assert score.expected_return == pytest.approx(other.expected_return, abs=1e-6)
     # The most likely actions, one observation at a time and many at once.
     one, many = (
-        brl.score(greedy, LEVEL, observation="vector", batched=batched)[0]
+        brl.score(LEVEL, greedy, observation="vector", batched=batched)[0]
         for batched in (False, True)
     )
     assert one == many

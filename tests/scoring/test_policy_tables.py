@@ -18,32 +18,32 @@ def east_or_south(position: Any) -> int:
 
 @pytest.mark.parametrize("agent", ["random", "uniform", east_or_south, brl.solve("frozen-lake")])
 def test_a_table_earns_what_its_agent_earns(agent: Any) -> None:
-    table = brl.policy_table(agent, "frozen-lake")
+    table = brl.policy_table("frozen-lake", agent)
     assert table.shape == (4, 4, 5)
-    one, other = (brl.score(each, ["frozen-lake"])[0] for each in (agent, table))
+    one, other = (brl.score(["frozen-lake"], each)[0] for each in (agent, table))
     assert one.expected_return == pytest.approx(other.expected_return)
 
 
 def test_a_table_has_the_axes_of_the_level_and_the_actions() -> None:
     level = brl.load("first-key")
     shape = level.compile().shape
-    assert brl.policy_table("random", level, actions="moves").shape == (*shape, 4)
-    turning = brl.policy_table("random", level, actions="turns")
+    assert brl.policy_table(level, "random", actions="moves").shape == (*shape, 4)
+    turning = brl.policy_table(level, "random", actions="turns")
     assert turning.shape == (shape[0], 4, *shape[1:], 3)
 
 
 def test_a_mapping_has_a_policy_for_each_level() -> None:
     best = {name: brl.solve(name) for name in ("frozen-lake", "maze")}
-    table = brl.policy_table(best, "maze")
+    table = brl.policy_table("maze", best)
     assert (table.argmax(axis=-1) == np.maximum(best["maze"].policy, 0)).all()
     with pytest.raises(ValueError, match="no policy for the level 'puddles'"):
-        brl.policy_table(best, "puddles")
+        brl.policy_table("puddles", best)
 
 
 def test_recorded_episodes_are_the_shares_of_their_actions(tmp_path: Path) -> None:
     record(tmp_path / "a.brlplay", "frozen-lake", "moves", episodes=9)
     plays = brl.read_plays(tmp_path / "a.brlplay")
-    table = brl.policy_table(plays, "frozen-lake").reshape(16, 5)
+    table = brl.policy_table("frozen-lake", plays).reshape(16, 5)
     steps = [(s, a + 1) for play in plays for s, a in zip(play.states, play.actions, strict=False)]
     for state in range(16):
         taken = [action for where, action in steps if where == state]
@@ -62,7 +62,7 @@ def test_episodes_that_cannot_count_are_refused(tmp_path: Path) -> None:
         (recorded(tmp_path, "frozen-lake", "turns", 1), "frozen-lake", "its robot turns"),
     ):
         with pytest.raises(ValueError, match=told):
-            brl.policy_table([wrong], level)
+            brl.policy_table(level, [wrong])
 
 
 def test_what_is_no_table_is_refused() -> None:
@@ -72,6 +72,6 @@ def test_what_is_no_table_is_refused() -> None:
             return 0
 
     with pytest.raises(TypeError, match="an agent with memory"):
-        brl.policy_table(Memory(), "maze")
+        brl.policy_table("maze", Memory())
     with pytest.raises(ValueError, match="changes with the step"):
-        brl.policy_table(brl.solve("frozen-lake", within=100), "frozen-lake")
+        brl.policy_table("frozen-lake", brl.solve("frozen-lake", within=100))

@@ -23,12 +23,12 @@ def test_the_optimal_policy_has_no_regret_in_any_level_of_the_gallery() -> None:
         if not level.has_random_maze:
             # What is optimal at each step depends on the time: it is evaluated by step.
             found = brl.evaluate(level, brl.solve(level, within="max_steps"))
-            best = brl.score("random", level)[0].optimum
+            best = brl.score(level, "random")[0].optimum
             assert abs(best - found.expected_return) <= 1e-12 * max(1.0, abs(best))
 
 
 def test_chance_has_a_share_of_zero() -> None:
-    scores = brl.score("random", NAMES)
+    scores = brl.score(NAMES, "random")
     assert [score.level for score in scores] == NAMES
     assert scores.is_exact
     for score in scores:
@@ -43,15 +43,15 @@ def test_chance_has_a_share_of_zero() -> None:
 
 def test_a_policy_by_level() -> None:
     policies = {name: brl.solve(name) for name in NAMES}
-    scores = brl.score(policies, NAMES)
+    scores = brl.score(NAMES, policies)
     assert scores[1].share == pytest.approx(1.0)
     assert scores[1].regret == pytest.approx(0.0, abs=1e-12)
     # The best policy without a limit is not the best one within 100 steps.
     assert 0.99 < scores[0].share < 1.0
     by_digest = {brl.load(name).digest: policy for name, policy in policies.items()}
-    assert [score.share for score in brl.score(by_digest, NAMES)] == [s.share for s in scores]
+    assert [score.share for score in brl.score(NAMES, by_digest)] == [s.share for s in scores]
     with pytest.raises(ValueError, match="no policy for the level 'maze'"):
-        brl.score(policies, "maze")
+        brl.score("maze", policies)
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_a_function_of_observations(observation: Any, read: Any) -> None:
         x, y = read(seen)
         return int(solution.policy[y, x])
 
-    score = brl.score(agent, "frozen-lake", observation=observation)[0]
+    score = brl.score("frozen-lake", agent, observation=observation)[0]
     expected = brl.evaluate("frozen-lake", solution, within="max_steps")
     assert score.expected_return == pytest.approx(expected.expected_return, abs=1e-12)
 
@@ -79,7 +79,7 @@ def test_a_function_of_many_observations_may_give_probabilities() -> None:
         assert seen.ndim == 4
         return np.full((len(seen), 4), 0.25)
 
-    score = brl.score(agent, "final-maze", observation="view", actions="moves", batched=True)[0]
+    score = brl.score("final-maze", agent, observation="view", actions="moves", batched=True)[0]
     expected = brl.evaluate("final-maze", "uniform", actions="moves", within="max_steps")
     assert score.expected_return == pytest.approx(expected.expected_return)
 
@@ -100,7 +100,7 @@ class Turner:
 
 
 def test_an_agent_with_memory_plays_episodes() -> None:
-    scores = brl.score(Turner(), ["maze", "final-maze"], actions="moves", episodes=200, seed=3)
+    scores = brl.score(["maze", "final-maze"], Turner(), actions="moves", episodes=200, seed=3)
     maze, wet = scores
     assert not scores.is_exact
     assert maze.episodes == 200
@@ -110,7 +110,7 @@ def test_an_agent_with_memory_plays_episodes() -> None:
     assert -42 < maze.high < -41.5
     assert maze.success == 1.0
     assert wet.low < wet.expected_return < wet.high
-    again = brl.score(Turner(), ["maze", "final-maze"], actions="moves", episodes=200, seed=3)
+    again = brl.score(["maze", "final-maze"], Turner(), actions="moves", episodes=200, seed=3)
     assert again[1] == wet
 
 
@@ -129,8 +129,8 @@ class Drawer:
 
 @pytest.mark.filterwarnings("ignore:of an agent with memory")
 def test_few_episodes_do_not_hide_what_is_rare() -> None:
-    (exact,) = brl.score("random", "frozen-lake")
-    found = [brl.score(Drawer(n), "frozen-lake", episodes=30, seed=n) for n in range(20)]
+    (exact,) = brl.score("frozen-lake", "random")
+    found = [brl.score("frozen-lake", Drawer(n), episodes=30, seed=n) for n in range(20)]
     assert sum(each[0].expected_return == 0 for each in found) > 8
     held = [each[0].low <= exact.expected_return <= each[0].high for each in found]
     assert sum(held) >= 19
@@ -141,26 +141,26 @@ def test_few_episodes_do_not_hide_what_is_rare() -> None:
 @pytest.mark.filterwarnings("ignore:of an agent with memory")
 def test_the_interval_of_a_summary() -> None:
     names = ["frozen-lake", "final-maze", "maze", "first-key"]
-    (few, all_) = (brl.score(Drawer(1), names, episodes=n, actions="moves") for n in (5, 50))
+    (few, all_) = (brl.score(names, Drawer(1), episodes=n, actions="moves") for n in (5, 50))
     for scores in (few, all_):
         assert scores.summary.low < 0 < scores.summary.high
         assert scores[:2].summary.low < scores[:2].summary.high
     assert all_.summary.high - all_.summary.low < few.summary.high - few.summary.low
     assert f"high={few.summary.high:.4g}" in repr(few)
     # The same level has the same episodes whatever else is scored.
-    assert brl.score(Drawer(1), names[0], episodes=5, actions="moves")[0] == few[0]
-    exact = brl.score("random", names).summary
+    assert brl.score(names[0], Drawer(1), episodes=5, actions="moves")[0] == few[0]
+    exact = brl.score(names, "random").summary
     assert exact.low == exact.mean == exact.high
 
 
 def test_few_episodes_are_warned_of() -> None:
     with pytest.warns(UserWarning, match="99 episodes in each level tell little") as caught:
-        scores = brl.score(Turner(), "maze", actions="moves", episodes=99)
+        scores = brl.score("maze", Turner(), actions="moves", episodes=99)
     assert scores.notice is not None
-    assert brl.score("random", "maze").notice is None
-    assert brl.score(Turner(), "maze", actions="moves", episodes=100).notice is None
+    assert brl.score("maze", "random").notice is None
+    assert brl.score("maze", Turner(), actions="moves", episodes=100).notice is None
     with pytest.raises(ValueError, match="episodes must be at least 1, not 0"):
-        brl.score(Turner(), "maze", actions="moves", episodes=0)
+        brl.score("maze", Turner(), actions="moves", episodes=0)
     assert caught[0].filename == __file__
 
 
@@ -172,12 +172,12 @@ def test_parts_of_suites_share_the_space_of_the_suite() -> None:
         shapes.add(seen.shape)
         return 0
 
-    brl.score(agent, suite[:2], observation="planes")
+    brl.score(suite[:2], agent, observation="planes")
     assert len(shapes) == 1
 
 
 def test_a_summary_in_the_terms_of_the_field() -> None:
-    scores = brl.score({name: brl.solve(name) for name in NAMES}, NAMES)
+    scores = brl.score(NAMES, {name: brl.solve(name) for name in NAMES})
     shares = sorted(score.share for score in scores)
     summary = scores.summary
     assert summary.levels == 4
@@ -191,14 +191,14 @@ def test_a_summary_in_the_terms_of_the_field() -> None:
 
 def test_levels_in_which_chance_is_optimal_have_no_share() -> None:
     level = {"version": 1, "size": [2, 1], "start": [0, 0], "max_steps": 5, "rewards": {"step": 0}}
-    scores = brl.score("random", [level, "maze"])
+    scores = brl.score([level, "maze"], "random")
     assert math.isnan(scores[0].share)
     assert scores.summary.mean == pytest.approx(0.0)
     assert json.loads(scores.to_json())["levels"][0]["share"] is None
 
 
 def test_scores_are_tables_for_other_programs(tmp_path: Any) -> None:
-    scores = brl.score("random", NAMES)
+    scores = brl.score(NAMES, "random")
     path = tmp_path / "scores.csv"
     assert scores.to_csv(path) == path.read_text("utf-8")
     rows = list(csv.DictReader(io.StringIO(path.read_text("utf-8"))))
@@ -219,52 +219,54 @@ def test_scores_are_tables_for_other_programs(tmp_path: Any) -> None:
 )
 def test_answers_that_are_no_actions(agent: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        brl.score(agent, "maze")
+        brl.score("maze", agent)
 
 
 def test_what_is_no_agent() -> None:
     with pytest.raises(TypeError, match="int is no agent"):
-        brl.score(3, "maze")
-    with pytest.raises(ValueError, match=r"one of 'best', .* not 'bets'; did you mean `best`"):
-        brl.score("bets", "maze")
+        brl.score("maze", 3)
+    with pytest.raises(TypeError, match=r"with one argument, the observation: missing .* 'y'"):
+        brl.score("maze", lambda x, y: 0)
+    with pytest.raises(ValueError, match=r"no agent 'bets'; did you mean `best`; an agent is"):
+        brl.score("maze", "bets")
     with pytest.raises(ValueError, match="split is a part of a suite"):
-        brl.score("random", "maze", split="test")
+        brl.score("maze", "random", split="test")
     with pytest.raises(ValueError, match="there are no levels to score"):
-        brl.score("random", [])
+        brl.score([], "random")
 
 
 def test_without_a_limit_an_infinite_optimum_is_explained() -> None:
     wall = {"at": [0, 0], "side": "E"}
     level = {"version": 1, "name": "pit", "size": [2, 1], "start": [0, 0], "walls": [wall]}
     with pytest.raises(ValueError, match=r"pit has no score: .*within=200"):
-        brl.score("random", level)
+        brl.score(level, "random")
 
 
 def test_the_best_agent_is_solved_in_each_level() -> None:
-    scores = brl.score("best", ["maze", "final-maze"])
+    scores = brl.score(["maze", "final-maze"], "best")
     assert [score.regret for score in scores] == pytest.approx([0, 0], abs=1e-9)
 
 
 def test_the_optimum_within_a_limit_has_no_regret() -> None:
     best = brl.solve("frozen-lake", within="max_steps")
     for agent in (best, best.policies, {"frozen-lake": best}):
-        (found,) = brl.score(agent, "frozen-lake")
+        (found,) = brl.score("frozen-lake", agent)
         assert found.regret == pytest.approx(0, abs=1e-12)
         assert found.success == pytest.approx(best.exit_probability)
     assert brl.success_within("frozen-lake", best) == pytest.approx(best.exit_probability)
     with pytest.raises(ValueError, match="one for episodes of 100 steps; give within=100"):
-        brl.score(best, "frozen-lake", within=99)
+        brl.score("frozen-lake", best, within=99)
 
 
 def test_learnability_is_highest_where_success_is_a_coin_toss() -> None:
-    for score in brl.score("random", NAMES):
+    for score in brl.score(NAMES, "random"):
         assert score.learnability == pytest.approx(score.success * (1 - score.success))
 
 
 def test_more_is_found_if_it_is_asked_for() -> None:
     policies = {name: brl.solve(name, within="max_steps") for name in NAMES}
     for agent in ("random", policies):
-        for score in brl.score(agent, NAMES, positive_advantage=True, cvar=0.2):
+        for score in brl.score(NAMES, agent, positive_advantage=True, cvar=0.2):
             policy = agent if isinstance(agent, str) else agent[score.level]
             returns = brl.return_distribution(score.level, policy)
             assert score.cvar is not None
@@ -272,10 +274,10 @@ def test_more_is_found_if_it_is_asked_for() -> None:
             assert score.cvar == pytest.approx(returns.cvar(0.2))
             assert score.cvar <= score.expected_return + 1e-9
             assert (score.positive_advantage > 0) == (agent == "random")
-    (plain,) = brl.score("random", "frozen-lake")
+    (plain,) = brl.score("frozen-lake", "random")
     assert plain.positive_advantage is plain.cvar is None
     endless = brl.load("frozen-lake").replace(max_steps=None)
-    (found,) = brl.score("random", endless, positive_advantage=True, cvar=0.5)
+    (found,) = brl.score(endless, "random", positive_advantage=True, cvar=0.5)
     assert found.positive_advantage == pytest.approx(0.0016, abs=1e-4)
     assert found.cvar == 0.0
 
@@ -290,6 +292,6 @@ def test_more_needs_an_agent_without_memory_and_a_share() -> None:
     with pytest.raises(
         ValueError, match=r"^positive_advantage and cvar are for agents without memory"
     ):
-        brl.score(Forgetful(), "maze", cvar=0.1)
+        brl.score("maze", Forgetful(), cvar=0.1)
     with pytest.raises(ValueError, match=r"^cvar must be above 0 and at most 1, not 5$"):
-        brl.score("random", "maze", cvar=5)
+        brl.score("maze", "random", cvar=5)

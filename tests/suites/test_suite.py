@@ -449,7 +449,7 @@ def test_what_is_not_there_is_told() -> None:
 
 def test_all_that_take_levels_take_a_folder(folder: Path, tmp_path: Path) -> None:
     assert [each.name for each in brl.solve_many(folder)] == ["level-3", "level-2"]
-    assert [each.level for each in brl.score("random", folder)] == ["level-3", "level-2"]
+    assert [each.level for each in brl.score(folder, "random")] == ["level-3", "level-2"]
     assert len(brl.sheet(folder, per_page=1).pages) == 2
     made = brl.gallery(folder, tmp_path / "site")
     assert made.title == "week-1"

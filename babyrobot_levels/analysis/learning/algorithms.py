@@ -2,7 +2,7 @@
 
 After Sutton and Barto, Reinforcement Learning: An Introduction (2nd edition), chapter 4, and
 sections 5.1 (Monte Carlo prediction), 6.4 (Sarsa), 6.5 (Q-learning), 7.2 (n-step Sarsa) and 8.2
-(Dyna-Q).
+(Dyna-Q). They return `Learning`: iterators over results, with the attributes of the latest one.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.environments import make
 from babyrobot_levels.analysis.learning.results import (
+    Learning,
     Problem,
     Sweep,
     Trials,
@@ -30,12 +31,10 @@ from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.results import check_seed, num_actions
 from babyrobot_levels.mdp.tables import Floats
-from babyrobot_levels.text.words import keywords_told
 
 MAX_SWEEPS = 10_000
 
 
-@keywords_told
 def value_iteration(
     level: Any,
     discount: float | None = None,
@@ -43,7 +42,7 @@ def value_iteration(
     actions: str = "all",
     tolerance: float = 1e-10,
     max_sweeps: int = MAX_SWEEPS,
-) -> Iterator[Sweep]:
+) -> Learning[Sweep]:
     """Yield the sweeps of value iteration, from values of 0 towards the optimal ones.
 
     A sweep gives each state the value of its greedy action, by the values of the sweep before
@@ -67,7 +66,6 @@ def value_iteration(
     return _sweeps(problem, problem.model, tolerance, max_sweeps)
 
 
-@keywords_told
 def policy_evaluation(
     level: Any,
     policy: Policy,
@@ -76,7 +74,7 @@ def policy_evaluation(
     actions: str = "all",
     tolerance: float = 1e-10,
     max_sweeps: int = MAX_SWEEPS,
-) -> Iterator[Sweep]:
+) -> Learning[Sweep]:
     """Yield the sweeps of iterative policy evaluation, from values of 0 towards the policy's.
 
     A sweep gives each state the value of the policy's next step, by the values of the sweep
@@ -101,14 +99,13 @@ def policy_evaluation(
     return _sweeps(problem, chain, tolerance, max_sweeps)
 
 
-@keywords_told
 def policy_iteration(
     level: Any,
     discount: float | None = None,
     *,
     actions: str = "all",
     max_sweeps: int = 1000,
-) -> Iterator[Sweep]:
+) -> Learning[Sweep]:
     """Yield the rounds of policy iteration, from the random policy to an optimal one.
 
     A round evaluates a policy exactly (`values`) and improves it (`policy`); number 1 has the
@@ -133,10 +130,11 @@ def policy_iteration(
             goes on for ever while rewards cancel out.
     """
     check_counts(max_sweeps=max_sweeps)
-    return _rounds(read_problem(level, discount, actions, "round"), max_sweeps)
+    problem = read_problem(level, discount, actions, "round")
+    return Learning(Sweep, _rounds(problem, max_sweeps))
 
 
-def _sweeps(problem: Problem, model: Model, tolerance: float, max_sweeps: int) -> Iterator[Sweep]:
+def _sweeps(problem: Problem, model: Model, tolerance: float, max_sweeps: int) -> Learning[Sweep]:
     """Check the bounds and return the sweeps. The chain of a policy has a single action."""
     check_counts(max_sweeps=max_sweeps)
     if not tolerance >= 0:
@@ -152,7 +150,7 @@ def _sweeps(problem: Problem, model: Model, tolerance: float, max_sweeps: int) -
             if delta <= tolerance:
                 return
 
-    return sweeps()
+    return Learning(Sweep, sweeps())
 
 
 def _rounds(problem: Problem, max_sweeps: int) -> Iterator[Sweep]:
@@ -192,7 +190,6 @@ def _without_risks(model: Model, weights: Floats) -> Floats:
 # -- Monte Carlo prediction ------------------------------------------------------------------
 
 
-@keywords_told
 def monte_carlo(
     level: Any,
     policy: Policy = "random",
@@ -203,7 +200,7 @@ def monte_carlo(
     seed: int = 0,
     first_visit: bool = True,
     every: int = 100,
-) -> Iterator[Sweep]:
+) -> Learning[Sweep]:
     """Yield the values of a policy as they are estimated from episodes, cell by cell.
 
     A cell's value is the mean of the returns that followed visits to it; 0 as long as no episode
@@ -229,7 +226,7 @@ def monte_carlo(
     check_counts(episodes=episodes, every=every)
     problem = read_problem(level, discount, actions, "episode")
     sampler = _Sampler(problem, problem.weights(policy), np.random.default_rng(check_seed(seed)))
-    return _estimates(problem, sampler, episodes, first_visit, every)
+    return Learning(Sweep, _estimates(problem, sampler, episodes, first_visit, every))
 
 
 def _estimates(
@@ -295,10 +292,9 @@ def _cumulated(chances: Floats) -> Floats:
 # -- temporal-difference control -------------------------------------------------------------
 
 
-@keywords_told
 def q_learning(
     level: Any,
-    episodes: int,
+    episodes: int = 1000,
     *,
     step_size: float = 0.1,
     epsilon: float = 0.1,
@@ -309,7 +305,7 @@ def q_learning(
     initial: float = 0.0,
     exploring_starts: bool = False,
     planning_steps: int = 0,
-) -> Iterator[Trials]:
+) -> Learning[Trials]:
     """Yield the estimates of Q-learning: off-policy control, towards the optimal action values.
 
     The robot acts epsilon-greedily in the level's Gymnasium environment; ties are broken at
@@ -352,10 +348,9 @@ def q_learning(
     return _trials(agent, episode, episodes, every)
 
 
-@keywords_told
 def sarsa(
     level: Any,
-    episodes: int,
+    episodes: int = 1000,
     *,
     step_size: float = 0.1,
     epsilon: float = 0.1,
@@ -365,7 +360,7 @@ def sarsa(
     every: int = 10,
     initial: float = 0.0,
     n_steps: int = 1,
-) -> Iterator[Trials]:
+) -> Learning[Trials]:
     """Yield the estimates of Sarsa: on-policy control, towards the values of what the robot does.
 
     As `q_learning`, but the target of a step has the value of the action that the robot takes
@@ -399,7 +394,7 @@ def sarsa(
 
 def _trials(
     agent: _Agent, episode: Callable[[], float], episodes: int, every: int
-) -> Iterator[Trials]:
+) -> Learning[Trials]:
     check_counts(episodes=episodes, every=every)
 
     def trials() -> Iterator[Trials]:
@@ -412,7 +407,7 @@ def _trials(
                 yield agent.problem.trials(number, agent.values[states], delta, returns)
                 before = agent.values.copy()
 
-    return trials()
+    return Learning(Trials, trials())
 
 
 class _Agent:

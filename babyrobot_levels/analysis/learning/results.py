@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from babyrobot_levels.analysis.solver.results import (
 )
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Floats, Ints
+from babyrobot_levels.text.words import no_attribute
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,6 +157,40 @@ class Trials(Sweep):
         return "Return of each episode", svg
 
 
+Step = TypeVar("Step", bound=Sweep)
+
+
+class Learning(Iterator[Step]):
+    """The results of an algorithm, one after the other: it goes on as they are asked for.
+
+    It also has the attributes of the latest result, such as `policy` and `values`. Before the
+    first is asked for, reading one of these lets the algorithm go on to its end.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    def __init__(self, kind: type[Step], results: Iterator[Step]):
+        self._kind, self._results = kind, results
+        self._latest: Step | None = None
+
+    def __next__(self) -> Step:
+        self._latest = next(self._results)
+        return self._latest
+
+    def __dir__(self) -> list[str]:
+        return [*self._kind.__match_args__, *dir(self._kind)]
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in dir(self):
+            raise no_attribute(self, name)
+        for _ in self if self._latest is None else ():
+            pass
+        return getattr(self._latest, name)
+
+    def __repr__(self) -> str:
+        return f"<Learning: each {self._kind.__name__}, and the policy, values, … of the latest>"
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """A level to learn: its states for a set of actions, their model, and the discount."""
@@ -179,9 +215,7 @@ class Problem:
         Raises:
             ValueError: it is no policy, or does not fit the level.
         """
-        space = self.space
-        weights = read_policy(policy, space.mdp, space.actions, space.level.things())
-        return weights[self.model.states]
+        return read_policy(policy, self.space)[self.model.states]
 
     def greedy(self, ahead: Floats) -> Ints:
         """Return the greedy actions, `[n]`: the first of those that differ by rounding only."""
@@ -235,8 +269,8 @@ def read_problem(level: Any, discount: float | None, actions: str, unit: str) ->
         ValueError: another argument has an invalid value.
     """
     level = world_of(level)
-    space = space_of(level, actions)
     run = Run(level, check_discount(discount, level.discount), unit)
+    space = space_of(level, actions, run.discount)
     return Problem(space, space.model(), run)
 
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values, weights_of
+from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values
 from babyrobot_levels.analysis.solver.horizon import after
 from babyrobot_levels.analysis.solver.occupancy import visits_of
-from babyrobot_levels.analysis.solver.policies import StateSpace
+from babyrobot_levels.analysis.solver.policies import StateSpace, read_policy
 from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.tables import Floats
 
@@ -40,7 +40,7 @@ def mean_positive_advantage(
     """
     model = space.model()
     if limit is None:
-        own = weights_of(policy, space)[model.states]
+        own = read_policy(policy, space)[model.states]
         chain = model.mixed(own)
         values = chain_values(chain, discount, space)
         visits = visits_of(chain, space.mdp.start[model.states], 1.0)

@@ -22,7 +22,6 @@ from babyrobot_levels.analysis.solver.results import Result, check_discount
 from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Floats
-from babyrobot_levels.text.words import keywords_told
 
 MAX_OUTCOMES = 4_000_000
 """The most outcomes that are followed, over all steps: about a second."""
@@ -116,7 +115,6 @@ class ReturnDistribution(Result):
         return np.asarray(self.values[np.minimum(reached, self.values.size - 1)])
 
 
-@keywords_told
 def return_distribution(
     level: Any,
     policy: Policy,
@@ -150,7 +148,7 @@ def return_distribution(
     level = world_of(level)
     discount = check_discount(discount, level.discount)
     limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
-    return distribution_of(space_of(level, actions), policy, discount, limit)
+    return distribution_of(space_of(level, actions, discount), policy, discount, limit)
 
 
 def distribution_of(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,13 +31,12 @@ from babyrobot_levels.analysis.solver.results import (
 from babyrobot_levels.analysis.solver.within import evaluate_within, weights_by_step
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
-from babyrobot_levels.text.words import keywords_told
+from babyrobot_levels.text.errors import warn
 
 MAX_STEPS = 10_000
 """The limit of steps of simulated episodes in levels without a limit of their own."""
 
 
-@keywords_told
 def evaluate(
     level: Any,
     policy: Policy,
@@ -86,8 +84,7 @@ def evaluate(
         message = f"with this policy, {found.explanation}"
         if actions == "all" and looks_like_moves(policy, found.values.ndim):
             message += "; if its action 0 is north, give actions='moves'"
-        # The caller stands below what checks keywords.
-        warnings.warn(message, RuntimeWarning, stacklevel=3)
+        warn(message, RuntimeWarning)
     return found
 
 
@@ -101,11 +98,11 @@ def evaluation_of(
     """Do what `evaluate` does, without a warning where the expected return is infinite."""
     level = world_of(level)
     discount = check_discount(discount, level.discount)
-    space, limit = space_of(level, actions), limit_of(within, policy, level)
+    space, limit = space_of(level, actions, discount), limit_of(within, policy, level)
     if limit is not None:
         return evaluate_within(space, policy, discount, limit)
     model = space.model()
-    chain = model.mixed(weights_of(policy, space)[model.states])
+    chain = model.mixed(read_policy(policy, space)[model.states])
     values = chain_values(chain, discount, space)
     expected = space.at_start(model, values)
     steps, success, _ = episode(chain, space)
@@ -197,7 +194,6 @@ def _may_reach(chain: Model, goals: Flags) -> Flags:
 # -- simulated episodes, and limits of steps -------------------------------------------------
 
 
-@keywords_told
 def simulate(
     level: Any,
     policy: Policy,
@@ -235,7 +231,7 @@ def simulate(
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, not {episodes}")
     return simulated_episodes(
-        space_of(level, actions), policy, episodes, seed, discount=discount, limit=limit
+        space_of(level, actions, discount), policy, episodes, seed, discount=discount, limit=limit
     )
 
 
@@ -286,7 +282,6 @@ def simulated_episodes(
     )
 
 
-@keywords_told
 def success_within(
     level: Any, policy: Policy, steps: int | None = None, *, actions: str = "all"
 ) -> float:
@@ -366,8 +361,3 @@ def chain_of(space: StateSpace, weights: Floats) -> Chain:
         np.take_along_axis(reward, order, axis=1),
         np.take_along_axis(terminal, order, axis=1),
     )
-
-
-def weights_of(policy: Policy, space: StateSpace) -> Floats:
-    """Return a policy as probabilities, `[states, actions]`."""
-    return read_policy(policy, space.mdp, space.actions, space.level.things())

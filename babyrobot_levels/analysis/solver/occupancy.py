@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.shown import Shown, image, number, state_picture
-from babyrobot_levels.analysis.solver.evaluation import weights_of
 from babyrobot_levels.analysis.solver.linear import expected_visits
 from babyrobot_levels.analysis.solver.model import Model, closed_classes
-from babyrobot_levels.analysis.solver.policies import Policy, StateSpace, space_of
+from babyrobot_levels.analysis.solver.policies import Policy, StateSpace, read_policy, space_of
 from babyrobot_levels.analysis.solver.results import Result, check_discount
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Flags, Floats
-from babyrobot_levels.text.words import keywords_told
 
 MAX_STATES = 4_000
 """The most states of a successor representation: 128 MB."""
@@ -57,7 +55,6 @@ class Occupancy(Shown, Result):
         return f"<Occupancy steps={self.steps:.6g} discount={self.discount:g}>"
 
 
-@keywords_told
 def occupancy(
     level: Any, policy: Policy, discount: float | None = None, actions: str = "all"
 ) -> Occupancy:
@@ -80,9 +77,10 @@ def occupancy(
             end.
     """
     level = world_of(level)
-    discount, space = check_discount(discount, level.discount), space_of(level, actions)
+    discount = check_discount(discount, level.discount)
+    space = space_of(level, actions, discount)
     model, mdp = space.model(), space.mdp
-    weights = weights_of(policy, space)
+    weights = read_policy(policy, space)
     chain = model.mixed(weights[model.states])
     begin, table = mdp.start[model.states], np.zeros(mdp.num_states)
     table[model.states] = visits_of(chain, begin, discount)
@@ -145,13 +143,14 @@ def successor_representation(
         ValueError: another argument has an invalid value, or there are too many states.
     """
     level = world_of(level)
-    discount, space = check_discount(discount, level.discount), space_of(level, actions)
+    discount = check_discount(discount, level.discount)
+    space = space_of(level, actions, discount)
     mdp, model = space.mdp, space.model()
     if mdp.num_states > MAX_STATES:
         raise ValueError(f"a successor representation has at most {MAX_STATES:,} states")
     if discount == 1:
         raise ValueError("a successor representation needs a discount below 1, such as 0.99")
-    chain = model.mixed(weights_of(policy, space)[model.states])
+    chain = model.mixed(read_policy(policy, space)[model.states])
     size = model.size
     steps = np.zeros((size, size + 1))
     np.add.at(steps, (np.arange(size)[:, None], chain.next_state[:, 0]), chain.probability[:, 0])

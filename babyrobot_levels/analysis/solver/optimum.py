@@ -44,7 +44,6 @@ from babyrobot_levels.analysis.solver.results import (
 from babyrobot_levels.analysis.solver.within import solve_within
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
-from babyrobot_levels.text.words import keywords_told
 
 TOLERANCE = 1e-9
 """Actions whose values differ by no more than this share of the optimal one are all greedy."""
@@ -70,7 +69,6 @@ def solve(
 ) -> ExactSolution: ...
 
 
-@keywords_told
 def solve(
     level: Any,
     discount: float | None = None,

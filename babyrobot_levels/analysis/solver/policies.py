@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
+from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from babyrobot_levels import mdp as room
 from babyrobot_levels.analysis.solver.model import Model, build_model
 from babyrobot_levels.analysis.solver.results import (
     TURNS,
@@ -19,18 +20,15 @@ from babyrobot_levels.analysis.solver.results import (
     check_actions,
     num_actions,
 )
-from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, HasPolicy, unwrapped_policy
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import exit_states, state_text
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import BEST, NAMED, RANDOM, is_agent
 
-Policy = str | ArrayLike | Callable[..., int] | HasPolicy
+Policy = str | PathLike[str] | Mapping[str, Any] | ArrayLike | Callable[..., Any] | HasPolicy
 """The forms of a policy; see `read_policy`."""
-
-NAMED = ("random", "uniform")
 
 
 def looks_like_moves(policy: Any, axes: int) -> bool:
@@ -46,35 +44,36 @@ def looks_like_moves(policy: Any, axes: int) -> bool:
     return table.ndim == axes and table.dtype.kind in "iu" and bool((table < NUM_MOVES).all())
 
 
-def read_policy(policy: Any, mdp: Mdp, actions: str, things: Things) -> Floats:
+def read_policy(policy: Any, space: StateSpace) -> Floats:
     """Return a policy as probabilities, `[states, actions]`; zeros at terminal states.
 
     Args:
         policy: one of
 
+            - `"best"`: an optimal policy without a limit of steps;
             - `"random"`: all actions that are possible where the robot stands, evenly, as
               `env.action_space.sample()` draws them; where none is (an enclosed cell, without
               `stay`), all of them;
             - `"uniform"`: all actions evenly, also those that a wall refuses;
             - an array of ints `[height, width]`: an action for each cell;
             - an array `[height, width, actions]` or `[states, actions]` of probabilities;
-            - a function that is called with `x, y` and returns an action;
-            - a `Solution`, or a `Sweep` of learning, or the `policy` of one.
+            - a `Solution`, or a `Sweep` of learning, or the `policy` of one;
+            - another agent without memory that `brl.score` takes: a function from an observation
+              of the position to an action, the name of a file, a model.
 
-            In a level with things, arrays have an axis of configurations before height, and a
-            function is called with the `Configuration` as well. A robot that turns has an axis of
-            headings before height, and its function is called with the heading at last.
-        mdp: the level's tables; with `actions="turns"`, those of a robot that turns.
-        actions: the set of actions, `"all"`, `"moves"` or `"turns"`. It also numbers the actions
-            of a policy that does not carry its own set.
-        things: the level's things.
+            In a level with things, arrays have an axis of configurations before height. A robot
+            that turns has an axis of headings before height.
+        space: the level's states. The set of actions numbers those of a policy that does not
+            carry its own set.
 
     Raises:
-        ValueError: it is none of these, or does not fit the level.
+        TypeError: it is none of these.
+        ValueError: it does not fit the level.
     """
+    mdp, actions, things = space.mdp, space.actions, space.level.things()
     count = num_actions(actions)
-    if isinstance(policy, str):
-        return _named(policy, mdp, count)
+    if isinstance(policy, str) and policy in NAMED:
+        return _named(policy, space)
     own = getattr(policy, "actions", None)
     policy, first_action = unwrapped_policy(policy)
     first = check_actions(actions) if first_action is None else first_action
@@ -83,18 +82,18 @@ def read_policy(policy: Any, mdp: Mdp, actions: str, things: Things) -> Floats:
             f"the policy is one for actions={own!r}, not for actions={actions!r}; "
             f"give actions={own!r}"
         )
-    if callable(policy):
-        policy = _called(policy, mdp, things)
+    if is_agent(policy) or isinstance(policy, str | PathLike | Mapping):
+        policy = room.public("policy_table")(space.level, policy, actions=actions)
     table = np.asarray(policy)
     shape = mdp.shape
     if table.shape == shape:
         return _chosen(table.ravel(), mdp, actions, first, things)
     if table.shape in ((*shape, count), (mdp.num_states, count)):
         return _weighed(table.reshape(-1, count), mdp, things)
+    given = f"one of shape {list(table.shape)}" if table.ndim else repr(policy)
     message = (
         f"a policy for this level and actions={actions!r} is an array {list(shape)} of actions, or "
-        f"an array {[*shape, count]} or {[mdp.num_states, count]} of probabilities, "
-        f"not one of shape {list(table.shape)}"
+        f"an array {[*shape, count]} or {[mdp.num_states, count]} of probabilities, not {given}"
     )
     other, others = ("moves", NUM_MOVES) if actions == "all" else ("all", NUM_ACTIONS)
     if actions != TURNS and table.shape in ((*shape, others), (mdp.num_states, others)):
@@ -102,36 +101,18 @@ def read_policy(policy: Any, mdp: Mdp, actions: str, things: Things) -> Floats:
     raise ValueError(message)
 
 
-def _named(name: str, mdp: Mdp, count: int) -> Floats:
-    if name not in NAMED:
-        known = " or ".join(map(repr, NAMED))
-        raise ValueError(
-            f"a policy given by name is {known}, not {name!r}{did_you_mean(name, NAMED)}; "
-            "the optimal one is `brl.solve(level)`"
-        )
+def _named(name: str, space: StateSpace) -> Floats:
+    mdp, count = space.mdp, num_actions(space.actions)
+    if name == BEST:
+        best = room.public("solve")(space.level, space.discount, actions=space.actions)
+        return read_policy(best, space)
     weights = np.ones((mdp.num_states, count))
-    if name == "random":
+    if name == RANDOM:
         possible = mdp.action_mask[:, -count:]
         weights = np.where(possible.any(axis=1, keepdims=True), possible, weights)
     even: Floats = weights / weights.sum(axis=1, keepdims=True)
     even[mdp.is_terminal] = 0.0
     return even
-
-
-def _called(function: Callable[..., Any], mdp: Mdp, things: Things) -> Any:
-    table = np.zeros(mdp.num_states, np.int64)
-    rows = mdp.configurations.tolist()
-    configuration = cache(lambda number: things.at(rows[number]))
-    for state in np.flatnonzero(~mdp.is_terminal).tolist():
-        now = [configuration(mdp.configuration(state))] if things.names else []
-        heading = [SIDES[mdp.heading(state)]] if mdp.headings > 1 else []
-        action = function(*mdp.cell(state), *now, *heading)
-        try:
-            table[state] = operator.index(action)
-        except TypeError:
-            place = state_text(things, mdp, state)
-            raise ValueError(f"the policy's action at {place} is {action!r}") from None
-    return table.reshape(mdp.shape)
 
 
 def _chosen(
@@ -191,11 +172,13 @@ class StateSpace:
         level: the level.
         mdp: its tables; with `actions="turns"`, those of a robot that turns.
         actions: `"all"`, `"moves"` or `"turns"`.
+        discount: the discount of the policy `"best"`; None for the level's.
     """
 
     level: GridWorld
     mdp: Mdp
     actions: str
+    discount: float | None = None
 
     @property
     def first_action(self) -> int:
@@ -282,8 +265,8 @@ class StateSpace:
         return float(chances[chances > 0] @ expected)
 
 
-def space_of(level: GridWorld, actions: str) -> StateSpace:
-    """Return the states of a level for a set of actions.
+def space_of(level: GridWorld, actions: str, discount: float | None = None) -> StateSpace:
+    """Return the states of a level for a set of actions; the discount is that of `"best"`.
 
     Raises:
         LevelError: the maze has no seed yet.
@@ -291,4 +274,5 @@ def space_of(level: GridWorld, actions: str) -> StateSpace:
     """
     check_actions(actions)
     mdp = level.compile()
-    return StateSpace(level, mdp.turning(level.heading) if actions == TURNS else mdp, actions)
+    own = mdp.turning(level.heading) if actions == TURNS else mdp
+    return StateSpace(level, own, actions, discount)

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from html import escape
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.words import Telling
 
 TURNS = "turns"
 """The set of actions of a robot that turns, which are `Turn`s and not `Action`s."""
@@ -133,7 +134,7 @@ def _plain(array: Any) -> Any:
     return array.view(np.ndarray) if isinstance(array, PolicyArray) else array
 
 
-class Result:
+class Result(Telling):
     """Makes the arrays of a frozen dataclass read-only, and its `policy` a `PolicyArray`."""
 
     def __post_init__(self) -> None:
@@ -144,6 +145,12 @@ class Result:
         for value in values.values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
+
+    if not TYPE_CHECKING:
+
+        def __getitem__(self, name: Any) -> NoReturn:
+            told = f"; did you mean `.{name}`?" if isinstance(name, str) else ""
+            raise TypeError(f"{type(self).__name__!r} object is not subscriptable{told}")
 
 
 class StateResult(Shown, Result):

@@ -191,8 +191,7 @@ class ByStep:
         @lru_cache(256)
         def read(run: int) -> Floats:
             policy = self.policy if len(self.runs) == 1 else self.policy[self.runs[run].start]
-            space = self.space
-            return read_policy(policy, space.mdp, space.actions, space.level.things())
+            return read_policy(policy, self.space)
 
         return read
 

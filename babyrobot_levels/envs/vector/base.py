@@ -18,6 +18,7 @@ from babyrobot_levels.envs.engine.draws import OwnDraws, SharedDraws
 from babyrobot_levels.envs.observations.base import LevelCache
 from babyrobot_levels.envs.specs import LevelSpec, as_spec
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
@@ -52,7 +53,7 @@ Shown = tuple[int, Level, int]
 """The number of a level, the level, and a state in its own numbering."""
 
 
-class SeededVectorEnv(VectorEnv[Any, Any, Any]):
+class SeededVectorEnv(Telling, VectorEnv[Any, Any, Any]):
     """A vector environment with `np_random` and seeds. Subclasses define `reset` and `step`."""
 
     _most_draws: int

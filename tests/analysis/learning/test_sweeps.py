@@ -96,7 +96,7 @@ def test_the_greedy_policy_is_optimal_after_three_sweeps_as_in_the_book() -> Non
     assert third.policy[0, 0] == third.policy[3, 3] == -1
 
 
-@pytest.mark.parametrize("policy", ["random", "uniform", lambda x, y: 2 if x < 3 else 3])
+@pytest.mark.parametrize("policy", ["random", "uniform", lambda seen: 2 if seen[0] < 3 else 3])
 def test_evaluation_converges_to_what_the_policy_is_worth(policy: Any) -> None:
     sweep = last(policy_evaluation("frozen-lake", policy, 0.95))
     np.testing.assert_allclose(
@@ -142,6 +142,22 @@ def test_what_has_no_bound_comes_to_an_end(learn: Callable[..., Iterator[Sweep]]
     assert (sweeps[-1].values >= 7).all()
 
 
+def test_it_has_the_attributes_of_its_latest_result() -> None:
+    whole = list(value_iteration("maze"))
+    sweeps = value_iteration("maze")
+    np.testing.assert_array_equal(sweeps.policy, whole[-1].policy)
+    assert (sweeps.number, next(sweeps, None)) == (len(whole) - 1, None)
+    some = value_iteration("maze")
+    next(some)
+    assert (some.number, next(some).number, some.number) == (0, 1, 1)
+    assert {"policy", "values", "at"} <= {*dir(some)}
+    untouched = value_iteration("maze")
+    with pytest.raises(AttributeError, match=r"'Learning' object .* 'V'; did you mean `values`"):
+        untouched.V  # noqa: B018
+    assert next(untouched).number == 0
+    assert evaluate("maze", value_iteration("maze")).expected_return == -32
+
+
 def test_it_can_be_stopped_early_and_leaves_nothing_to_change() -> None:
     sweeps = value_iteration("final-maze")
     first, second = next(sweeps), next(sweeps)
@@ -154,8 +170,6 @@ def test_it_can_be_stopped_early_and_leaves_nothing_to_change() -> None:
             array[0, 0] = 5
     with pytest.raises(AttributeError):
         second.delta = 0.0  # type: ignore[misc]
-    sweeps.close()  # type: ignore[attr-defined]
-    assert next(sweeps, None) is None
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ def defined(level: brl.Level, policies: list[np.ndarray], discount: float) -> fl
 def test_it_is_as_defined(name: str, discount: float) -> None:
     level = brl.load(name)
     space = space_of(level, "all")
-    even = read_policy("random", space.mdp, "all", level.things())
+    even = read_policy("random", space)
     found = mean_positive_advantage(space, "random", discount, 12)
     assert found > 0
     assert found == pytest.approx(defined(level, [even] * 12, discount))
@@ -51,9 +51,9 @@ def test_it_is_as_defined(name: str, discount: float) -> None:
 def test_a_policy_may_change_with_the_step() -> None:
     level = brl.load("frozen-lake")
     space = space_of(level, "all")
-    even = read_policy("random", space.mdp, "all", level.things())
+    even = read_policy("random", space)
     best = brl.solve(level).policy
-    greedy = read_policy(best, space.mdp, "all", level.things())
+    greedy = read_policy(best, space)
     each = [even, even, greedy, even, greedy, greedy]
     found = mean_positive_advantage(space, np.reshape(each, (6, *space.mdp.shape, 5)), 0.9, 6)
     assert found == pytest.approx(defined(level, each, 0.9))

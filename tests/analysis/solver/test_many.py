@@ -18,7 +18,7 @@ def test_each_level_is_worth_what_it_is_alone(actions: str) -> None:
     limits, discounts = [7, 30, 7, 200, 30, 1], [level.discount for level in levels]
     spaces = [space_of(level, actions) for level in levels]
     best = best_returns_within(spaces, limits, discounts)
-    policies = [read_policy("random", space.mdp, actions, space.level.things()) for space in spaces]
+    policies = [read_policy("random", space) for space in spaces]
     worth = worth_within(spaces, limits, discounts, policies)
     for number, (level, limit) in enumerate(zip(levels, limits, strict=True)):
         alone = brl.solve(level, actions=actions, within=limit)

@@ -105,7 +105,7 @@ def test_pictures_show_them() -> None:
     assert level.to_svg(visits=best) == level.to_svg(visits="best") == level.to_svg(visits=True)
     assert ">2.50<" in level.to_svg(visits=best)
     assert level.to_svg(visits="random") != level.to_svg(visits="best")
-    with pytest.raises(ValueError, match="'best' or 'random', not 'worst'"):
+    with pytest.raises(ValueError, match="there is no agent 'worst'"):
         level.to_svg(visits="worst")
     assert "<img" in best._repr_mimebundle_()["text/html"]
     assert repr(best) == "<Occupancy steps=23.8333 discount=1>"

@@ -18,7 +18,7 @@ from support.worlds import World, level_of, worlds
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate, success_within
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import read_policy
+from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 from babyrobot_levels.analysis.solver.results import PolicyArray
 from babyrobot_levels.render.scene.info import policy_actions
 
@@ -81,8 +81,10 @@ def test_one_policy_told_in_every_way() -> None:
         policy.astype(np.int8),
         table,
         table.reshape(-1, 5),
-        lambda x, y: policy[y, x],
-        lambda x, y: brl.Action(int(policy[y, x])),
+        lambda seen: policy[seen[1], seen[0]],
+        lambda seen: brl.Action(int(policy[seen[1], seen[0]])),
+        lambda seen: np.eye(5)[policy[seen[1], seen[0]]],
+        "best",
     ]
     for way in ways:
         found = evaluate(CORNER, way)
@@ -164,7 +166,7 @@ def test_a_policy_that_never_ends_is_reported() -> None:
     )
     assert caught[0].filename == __file__
     with pytest.warns(RuntimeWarning, match="makes it finite$"):
-        evaluate("final-maze", lambda x, y: 0)
+        evaluate("final-maze", lambda seen: 0)
     # With a discount, and from the right numbering, nothing is to be said.
     evaluate("final-maze", policy, 0.99)
     evaluate("final-maze", policy, actions="moves")
@@ -182,9 +184,10 @@ def test_a_policy_that_never_ends_is_reported() -> None:
         (np.tile([1.5, -0.5, 0, 0, 0], (9, 1)), "must not be negative"),
         (np.full((9, 5), np.nan), "add up to 1"),
         (np.full((9, 4), 0.25), "4 probabilities for each cell need actions='moves'"),
-        (lambda x, y: None, r"at \[0, 0\] is None"),
-        (lambda x, y: [0.2] * 5, r"at \[0, 0\] is \[0.2, "),
-        (None, "not one of shape"),
+        (lambda seen: None, r"at \[0, 0\]: an agent's answer must be .* not None"),
+        (lambda seen: [0.3] * 5, r"at \[0, 0\] are \[0.3, "),
+        (None, "of probabilities, not None"),
+        (7, "of probabilities, not 7"),
     ],
 )
 def test_policies_that_do_not_fit(policy: Any, told: str) -> None:
@@ -237,9 +240,7 @@ def test_results_are_read_only_and_can_be_copied() -> None:
 def test_probabilities_that_almost_add_up_to_one_are_normalised() -> None:
     level = brl.load("final-maze")
     table = np.full((40, 5), 0.2 + 1e-8)
-    assert read_policy(table, level.compile(), "all", level.things()).sum(axis=1)[
-        0
-    ] == pytest.approx(1, abs=1e-15)
+    assert read_policy(table, space_of(level, "all")).sum(axis=1)[0] == pytest.approx(1, abs=1e-15)
 
 
 # -- what pictures show ------------------------------------------------------------------------

@@ -124,7 +124,7 @@ def test_pages_grade_decisions_as_python_does(
     assert verified.regret > 0
     assert told["cost"] == pytest.approx(verified.regret, rel=1e-9)
     assert told["luck"] == pytest.approx(verified.luck, rel=1e-9, abs=1e-9)
-    optimum = brl.score("random", level, actions=actions)[0].optimum
+    optimum = brl.score(level, "random", actions=actions)[0].optimum
     assert told["optimum"] == pytest.approx(optimum)
 
 
