@@ -134,11 +134,8 @@ class _Commands(TyperGroup):
         """Find the command that is meant, or suggest similar ones."""
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
-            similar = meant.commands(name, COMMANDS)
-            if similar == ["--help"] and args[1:] and args[1] in COMMANDS:
-                similar = [f"{args[1]} --help"]
-            hint = f" Did you mean {' or '.join(map(repr, similar))}?" if similar else ""
-            ctx.fail(f"No such command {name!r}.{hint}")
+            known = {each: line.summary for each, line in COMMANDS.items()}
+            ctx.fail(f"No such command {name!r}.{meant.commands(name, known, *args[1:2])}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

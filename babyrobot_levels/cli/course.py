@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, fail, note, value_option, write
+from babyrobot_levels.cli.console import FINDINGS, fail, note, quoted, value_option, write
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.text.diagnostics import one_line
 
@@ -59,7 +59,7 @@ def course(
                 fail("`new` writes to the folder itself", "leave out --output")
             made = courses.new_course(folder)
             write(f"wrote a course to {one_line(str(made))}: change it, then run\n")
-            write(f"  babyrobot course build {one_line(str(made))}\n")
+            write(f"  babyrobot course build {quoted(made)}\n")
             return
         whole = folder.resolve()
         with working("building") as report:

@@ -17,6 +17,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     put,
+    quoted,
     save,
     value_option,
     write,
@@ -146,7 +147,7 @@ def _report(options: StarterOptions, path: Path) -> None:
     """Write where the exit is, if not in the corner, and what to do next."""
     from babyrobot_levels.generation.starter import exit_of
 
-    typed, exit_ = one_line(_quoted(str(path))), exit_of(options)
+    typed, exit_ = quoted(path), exit_of(options)
     text = ""
     if exit_ != (options.size[0] - 1, options.size[1] - 1):
         text = (
@@ -160,17 +161,6 @@ def _report(options: StarterOptions, path: Path) -> None:
         "": f'env = brl.load("{one_line(path.as_posix())}").make()',
     }
     write(f"{text}next:\n" + "".join(f"  {what:<28}{how}\n" for what, how in steps.items()))
-
-
-def _quoted(word: str) -> str:
-    """Return a word quoted for the system's shell."""
-    if sys.platform == "win32":
-        from subprocess import list2cmdline
-
-        return list2cmdline([word])
-    from shlex import quote
-
-    return quote(word)
 
 
 def _size(text: str) -> tuple[int, int]:

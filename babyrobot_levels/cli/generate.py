@@ -216,6 +216,8 @@ def generate(
     """
     from babyrobot_levels.suites.batch import FolderError, Target
 
+    if suite is not None and suite.isdecimal():
+        fail(f"{suite} is no suite", "give the size as --size 8x5, and the number as --count N")
     if conditions["size"]:
         conditions["size"] = re.sub("[X×]", "x", conditions["size"])
     workers = Workers(jobs, ray, ray_address)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note, value_option
+from babyrobot_levels.cli.meant import NO_LEVEL
 from babyrobot_levels.cli.parallel import Workers, map_all
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, read_path, summary
 from babyrobot_levels.text.files import RESERVED, make_folder
@@ -57,7 +58,7 @@ def load_level(text: str) -> Level:
 
     if text == str(STANDARD_INPUT):
         return _read_level()
-    if "\n" in text and not is_code(text):
+    if ("\n" in text and not is_code(text)) or NO_LEVEL.fullmatch(text):
         raise LevelNotFoundError(text)
     return load(text)
 
@@ -133,7 +134,7 @@ def is_one_level(words: Sequence[str]) -> bool:
     """Return whether arguments name one level, and no folder, pack or suite."""
     from babyrobot_levels.suites.suite import folder_named, suite_named
 
-    if len(words) != 1 or _is_input(words[0]):
+    if len(words) != 1 or _is_input(words[0]) or NO_LEVEL.fullmatch(words[0]):
         return len(words) == 1
     return suite_named(words[0]) is None and folder_named(words[0]) is None
 
@@ -242,7 +243,7 @@ def _named(word: str) -> Suite | list[Any]:
     from babyrobot_levels.suites.suite import named_levels
     from babyrobot_levels.text.errors import BabyRobotError
 
-    if _is_input(word):
+    if _is_input(word) or NO_LEVEL.fullmatch(word):
         return [load_level(word)]
     try:
         return named_levels(word)  # type: ignore[return-value]

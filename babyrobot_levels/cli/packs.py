@@ -17,6 +17,7 @@ from babyrobot_levels.cli.console import (
     ReportFormat,
     fail,
     note,
+    quoted,
     save,
     value_option,
     write,
@@ -74,7 +75,10 @@ def pack(
 
     if not folder.is_dir():
         if folder.exists():
-            fail(f"{folder} is not a folder", f"give the folder: babyrobot pack {folder.parent}")
+            fail(
+                f"{folder} is not a folder",
+                f"give the folder: babyrobot pack {quoted(folder.parent)}",
+            )
         fail(f"no such folder: {folder}")
     if (folder / PACK_FILE).is_dir():
         fail(f"{folder / PACK_FILE} is a folder, not a file")

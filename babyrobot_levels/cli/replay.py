@@ -16,6 +16,7 @@ from babyrobot_levels.cli.console import (
     fact_lines,
     fail,
     note,
+    quoted,
     save,
     short,
     value_option,
@@ -26,6 +27,7 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.text.files import SUFFIXES
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -102,6 +104,8 @@ def _read(file: Path) -> list[Play]:
     """Return the plays of a file; end the command if it cannot be read."""
     from babyrobot_levels.scoring.plays import read_plays
 
+    if file.suffix in SUFFIXES:
+        fail(f"{file} is a level, and no play", f"to play it: babyrobot play {quoted(file)}")
     try:
         return read_plays(file)
     except PlayError as error:

@@ -36,6 +36,7 @@ from babyrobot_levels.cli.inputs import (
     with_seed,
 )
 from babyrobot_levels.cli.parallel import track, working
+from babyrobot_levels.text.files import SUFFIXES
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
@@ -53,7 +54,7 @@ class ShareCommand(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Report a `--link` without a value."""
         for word, following in itertools.pairwise([*args, "-"]):
-            if word == "--link" and following.startswith("-"):
+            if word == "--link" and following.startswith("-") | following.endswith(SUFFIXES):
                 fail(
                     "--link needs BASE, the address of a page that plays levels",
                     "make the page with `babyrobot preview LEVEL -o play.html`, and give its "

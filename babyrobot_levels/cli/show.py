@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -22,6 +25,9 @@ from babyrobot_levels.cli.console import (
     fail,
     hanging,
     note,
+    quoted,
+    short,
+    value_option,
     width_of,
     write,
     write_json,
@@ -39,14 +45,17 @@ from babyrobot_levels.cli.many import (
     number,
     write_rows,
 )
-from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers
+from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, track
 from babyrobot_levels.cli.pictures import text_picture
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
+from babyrobot_levels.language.ranges import ends
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
 from babyrobot_levels.library.packs import KnownPack, fields, known_packs
 from babyrobot_levels.library.search_path import Place
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import printable
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.suite_list import PackFields
@@ -212,6 +221,14 @@ def cite(level: Level, argument: str, *, as_json: bool) -> None:
     write(f"{citation(level, argument)}\n")
 
 
+class Order(StrEnum):
+    """What levels are listed by."""
+
+    NAME = "name"
+    SIZE = "size"
+    DIFFICULTY = "difficulty"
+
+
 def list_levels(
     tag: Annotated[
         list[str] | None,
@@ -224,6 +241,17 @@ def list_levels(
     suites: Annotated[
         bool, typer.Option("--suites", help="List suites instead of levels.")
     ] = False,
+    difficulty: Annotated[
+        str | None,
+        value_option(
+            "A..B",
+            "Only levels of this difficulty, as `babyrobot show` tells it: 3..5, ..4.  Solving "
+            "the levels takes a while.",
+        ),
+    ] = None,
+    sort: Annotated[
+        Order | None, value_option("KEY", "Sort levels by name, size or difficulty.")
+    ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """List the levels that have names, the suites or the packs.
@@ -237,6 +265,8 @@ def list_levels(
 
       babyrobot list --tag maze
 
+      babyrobot list --difficulty ..5 --sort difficulty
+
       babyrobot list --packs
 
       babyrobot list --suites
@@ -246,8 +276,9 @@ def list_levels(
     from babyrobot_levels.library.search_path import PATH_VARIABLE, path_folders
 
     if packs or suites:
-        if tag or (packs and suites):
-            what = "--tag" if tag else "--suites"
+        both = packs and suites
+        asked = {"--tag": tag, "--difficulty": difficulty, "--sort": sort, "--suites": both}
+        if what := next((name for name, given in asked.items() if given), None):
             fail(
                 f"{what} cannot be combined with --{'packs' if packs else 'suites'}",
                 f"leave out {what}",
@@ -257,19 +288,32 @@ def list_levels(
         return
     infos, broken = catalogue()
     wanted = set(tag or ())
+    unknown = wanted - (tags := {name for info in infos for name in info.tags})
     infos = [info for info in infos if wanted <= set(info.tags)]
+    figures = {}
+    if difficulty is not None or sort is Order.DIFFICULTY:
+        figures = _difficulties(infos, difficulty)
+        infos = [info for info in infos if info.name in figures]
+    if sort is Order.SIZE:
+        infos.sort(key=lambda info: info.size[0] * info.size[1])
+    elif sort is Order.DIFFICULTY:
+        infos.sort(key=lambda info: figures[info.name])
     if report_format is ReportFormat.JSON:
-        write_json([info.to_dict() for info in infos])
+        more = {name: {"difficulty": figure} for name, figure in figures.items()}
+        write_json([{**info.to_dict(), **more.get(info.name, {})} for info in infos])
     elif infos:
-        _write_levels(infos)
+        _write_levels(infos, figures, grouped=sort is None)
     else:
-        note("no level has " + " and ".join(f"the tag {name!r}" for name in tag or ["(any)"]))
+        wishes = [f"the tag {name!r}" for name in tag or ()]
+        guess = "".join(did_you_mean(name, tags) for name in sorted(unknown))
+        note(f"no level has {' and '.join(wishes) or f'a difficulty of {difficulty}'}{guess}")
 
     if report_format is ReportFormat.TEXT and not tag and sys.stdout.isatty():
         # Only for people: standard error of a pipeline is for errors.
         note("suites:" + hanging(", ".join(sorted(suite_files())), 8))
     _note_all(
-        f"{path} is left out because of errors (see `babyrobot validate {path}`)" for path in broken
+        f"{path} is left out because of errors (see `babyrobot validate {quoted(path)}`)"
+        for path in broken
     )
     _note_all(
         f"{PATH_VARIABLE} contains {folder}, which is not a readable folder"
@@ -284,9 +328,28 @@ def _note_all(problems: Iterable[str]) -> None:
         note(one_line(problem))
 
 
-def _write_levels(infos: list[LevelInfo]) -> None:
+def _difficulties(infos: Sequence[LevelInfo], wanted: str | None) -> dict[str, float]:
+    """Return the difficulty of the levels that have one, in a range, by their names."""
+    from babyrobot_levels.analysis.metrics import metrics
+    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
+
+    bounds = ends(wanted or "")
+    if wanted and not bounds:
+        fail(f"--difficulty: {wanted!r} is no range", "expected one such as 3..5, ..4 or 6..")
+    least, most = bounds.get("min", -math.inf), bounds.get("max", math.inf)
+    found = {}
+    for info in track(infos, len(infos), "measuring"):
+        with suppress(LevelError):  # A random maze has none.
+            measured = metrics(load_level(str(info.path)))
+            figure = measured.difficulty if measured.states <= MAX_SOLVED else None
+            if figure is not None and least <= figure <= most:
+                found[info.name] = figure
+    return found
+
+
+def _write_levels(infos: list[LevelInfo], figures: Mapping[str, float], *, grouped: bool) -> None:
     """Write a row for each level; for people, by where levels are from, if that differs."""
-    is_shown = width_of(sys.stdout) is not None
+    is_shown = width_of(sys.stdout) is not None and grouped
     if is_shown:
         infos = sorted(infos, key=attrgetter("origin"))
     origins = [one_line(info.origin) for info in infos]
@@ -294,13 +357,15 @@ def _write_levels(infos: list[LevelInfo]) -> None:
         (
             info.name,
             f"{info.size[0]}x{info.size[1]}",
+            *([short(figures[info.name])] if figures else []),
             one_line(info.title or ""),
             ", ".join(info.tags),
             *([] if is_shown else [origin]),
         )
         for info, origin in zip(infos, origins, strict=True)
     ]
-    heading = ("NAME", "SIZE", "TITLE", "TAGS", *([] if is_shown else ["FROM"]))
+    more, last = ["DIFFICULTY"] if figures else [], [] if is_shown else ["FROM"]
+    heading = ("NAME", "SIZE", *more, "TITLE", "TAGS", *last)
     groups = origins if is_shown and len({*origins}) > 1 else ()
     write_table(heading, rows, ("TITLE", "TAGS", "SIZE"), groups)
 
@@ -360,7 +425,6 @@ def list_suites(report_format: ReportFormat) -> None:
     """Write the suites that have names."""
     from babyrobot_levels.library.catalogue import suite_files
     from babyrobot_levels.suites.suite import load_suite
-    from babyrobot_levels.text.errors import LevelError
 
     rows: list[dict[str, Any]] = []
     for name, path in sorted(suite_files().items()):

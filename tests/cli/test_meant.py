@@ -9,7 +9,12 @@ from babyrobot_levels.cli.commands import COMMANDS, _Registry
 def test_words_that_are_no_commands_lead_to_commands() -> None:
     words = [word for others in meant.COMMANDS.values() for word in others.split()]
     assert not {*words} & {*COMMANDS}
-    assert {each.split()[0] for each in meant.COMMANDS} <= {*COMMANDS, "--help", "--version"}
+    assert {each.split()[0] for each in meant.COMMANDS} <= {
+        *COMMANDS,
+        "--help",
+        "--version",
+        "--install-completion",
+    }
 
 
 def test_options_of_others_lead_to_options_of_a_command_that_lacks_them() -> None:

@@ -342,7 +342,7 @@ def test_what_a_python_file_calls_by_a_name_is_an_agent() -> None:
 def test_recorded_episodes_are_an_agent() -> None:
     record(Path("ada.brlplay"), "frozen-lake", episodes=2)
     page = made("frozen-lake", "--agent", "ada.brlplay", "a.html").decode()
-    table = policy_table(read_plays("ada.brlplay"), "frozen-lake")
+    table = policy_table("frozen-lake", read_plays("ada.brlplay"))
     assert page == load("frozen-lake").to_html(policy=table)
 
 
