@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import functools
 import inspect
+import io
 import os
+import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import IO, TYPE_CHECKING, Annotated, Any
 
 from babyrobot_levels.text.errors import how_to_install
 
@@ -15,6 +18,11 @@ if TYPE_CHECKING:
     from mcp.server import MCPServer
 
     from babyrobot_levels.assistants.worker import Worker
+
+_ESCAPE = re.compile(rb"\\(?:u[dD][89abAB]..\\u[dD][c-fC-F]..|(u[dD][89a-fA-F]..)|.)")
+"""An escape in JSON; a half of a surrogate pair without the other one is a group."""
+
+_ID = re.compile(rb'"id"\s*:\s*("(?:[^"\\]|\\.)*"|-?\d+)\s*[,}]')
 
 INSTRUCTIONS = """\
 Grid worlds as YAML files, whose claims are decided exactly. To write a level: read \
@@ -45,12 +53,42 @@ def mcp(folder: str | os.PathLike[str] | None = None, *, seconds: float = 60.0) 
 
     if folder is not None and not Path(folder).is_dir():
         raise NotADirectoryError(f"there is no folder {folder}")
-    server = MCPServer("babyrobot", instructions=INSTRUCTIONS, log_level="CRITICAL")
+
+    class Server(MCPServer):  # type: ignore[misc]
+        def run(self, *arguments: Any, **options: Any) -> None:
+            requests = _Requests(sys.stdin.buffer)  # noqa: TID251
+            sys.stdin = io.TextIOWrapper(requests)  # noqa: TID251
+            super().run(*arguments, **options)
+
+    server = Server("babyrobot", instructions=INSTRUCTIONS, log_level="CRITICAL")
     worker = Worker(None if folder is None else Path(folder).absolute(), seconds)
     for name, method in vars(Tools).items():
         if not name.startswith("_"):
             server.add_tool(_tool(name, method, worker), description=inspect.getdoc(method))
     return server
+
+
+class _Requests(io.BufferedIOBase):
+    """Lines with requests, without what would keep them from an answer."""
+
+    def __init__(self, lines: IO[bytes]) -> None:
+        self._lines = lines
+
+    def readable(self) -> bool:
+        return True
+
+    def read1(self, _: int = -1) -> bytes:
+        """Return the next line. One that is no request becomes one that is answered by an error."""
+        from mcp.types import jsonrpc_message_adapter
+
+        line = self._lines.readline().decode("utf-8", "replace").encode()
+        line = _ESCAPE.sub(lambda found: rb"\ufffd" if found[1] else found[0], line)
+        try:
+            jsonrpc_message_adapter.validate_json(line)
+        except ValueError:
+            if found := _ID.search(line):
+                line = b'{"jsonrpc": "2.0", "id": %b, "method": "none that is read"}\n' % found[1]
+        return line
 
 
 def _tool(name: str, method: Callable[..., Any], worker: Worker) -> Callable[..., Any]:

@@ -102,16 +102,21 @@ class Tools:
             fixed=outcome.text,
         )
 
-    def format(self, level: LevelText, save: str | None = None) -> Page:
+    def format(self, level: LevelText, save: str | None = None, overwrite: bool = False) -> Page:
         """Return the text of a valid level in its canonical form, with all comments.
 
         With `save`, it is written to that file too: a path that ends in .yaml, below the folder
-        with which the server was started.
+        with which the server was started. A file that is there stays, unless `overwrite` is given;
+        one that is no level always does.
         """
         source, path = self._source(level)
         text = formatted(source, path).text
         if save is not None:
-            write_text(self._path(save), text)
+            file = self._path(save)
+            if file.exists() and not (overwrite and _is_level(file)):
+                help_text = "overwrite replaces it" if _is_level(file) else "it is no level"
+                raise RefusedError(f"{save} is there already: {help_text}")
+            write_text(file, text)
         return Page(text=text)
 
     def solve(
@@ -268,6 +273,14 @@ class Tools:
         if path.suffix not in SUFFIXES or not is_within(path, self.folder):
             raise RefusedError("a file must lie below the folder of the server, and end in .yaml")
         return path
+
+
+def _is_level(path: Path) -> bool:
+    """Tell whether a file says that it is a level, perhaps with errors."""
+    with suppress(LevelError):
+        data = read(read_source(path)).data
+        return isinstance(data, dict) and data.get("version") == 1 and "kind" not in data
+    return False
 
 
 def _in_gallery(name: str) -> Path | None:

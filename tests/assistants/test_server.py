@@ -119,6 +119,56 @@ def test_a_call_that_takes_too_long_is_ended() -> None:
     asyncio.run(talk())
 
 
+def test_each_request_is_answered() -> None:
+    """Also those with halves of surrogate pairs, which no answer can hold, and unreadable ones."""
+    texts = ["\ud800", "\udfff: \ud83e\udd16", "\\ud800", "a\x00", "\U0001f916"]
+    calls: list[dict[str, Any]] = [
+        *({"name": "check", "arguments": {"level": text}} for text in texts),
+        *({"name": "check", "arguments": {text: "version: 1"}} for text in texts),
+        *({"name": text, "arguments": {}} for text in texts),
+        *({"name": "explain_rule", "arguments": {"code": text}} for text in texts),
+        *({"name": "play_move", "arguments": {"play": "x", "move": text}} for text in texts),
+        {"name": "format", "arguments": {"level": "version: 1\ntitle: \ud800\U0001f916\n"}},
+        {"name": "solve", "arguments": {"level": "version: 1", "discount": float("nan")}},
+    ]
+    lines = [
+        json.dumps({"jsonrpc": "2.0", "id": number, "method": "tools/call", "params": call})
+        for number, call in enumerate(calls)
+    ]
+    parameters = ['{"level": ' + 3000 * "[" + 3000 * "]" + "}", '{"within": 1' + 5000 * "0" + "}"]
+    lines += [
+        f'{{"jsonrpc": "2.0", "id": "{number}", "method": "tools/call", "params": {text}}}'
+        for number, text in enumerate(parameters)
+    ]
+    hello = {
+        "protocolVersion": "2025-06-18",
+        "capabilities": {},
+        "clientInfo": {"name": "x", "version": "1"},
+    }
+    first = {"jsonrpc": "2.0", "id": "hello", "method": "initialize", "params": hello}
+    process = subprocess.Popen(
+        [sys.executable, *COMMAND],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, **ENVIRONMENT},
+        encoding="utf-8",
+    )
+    with process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        answers = {}
+        for line in [json.dumps(first), *lines]:
+            process.stdin.write(line + "\n")
+            process.stdin.flush()
+            answer = json.loads(process.stdout.readline())
+            answers[answer["id"]] = answer
+        process.stdin.close()
+    assert answers.keys() == {"hello", *range(len(calls)), "0", "1"}
+    assert answers[len(calls) - 2]["result"]["structuredContent"]["text"].count("\ufffd") == 1
+    assert "\U0001f916" in answers[len(calls) - 2]["result"]["structuredContent"]["text"]
+    assert "error" in answers["0"]
+
+
 def test_strangers_on_the_pipe_change_nothing() -> None:
     lines = [
         "",

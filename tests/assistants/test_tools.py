@@ -205,6 +205,30 @@ def test_in_a_folder_levels_are_read_and_written(folder: Path) -> None:
     assert tools.check("mine.yaml").is_clean
 
 
+def test_a_file_is_replaced_on_request_only_and_one_that_is_no_level_never(folder: Path) -> None:
+    tools = Tools(folder)
+    others = {
+        "pack.yaml": "name: zoo\nversion: 1.0.0\ndescription: Levels.\n",
+        "suite.yaml": "version: 1\nkind: suite\n",
+        "theme.yaml": "colors: {base: gold}\n",
+        "list.yaml": "- 1\n",
+        "torn.yaml": "version: 1\nsize: [4\n",
+    }
+    for name, text in others.items():
+        (folder / name).write_text(text, "utf-8")
+        for overwrite in (False, True):
+            with pytest.raises(RefusedError, match=f"{name} is there already: it is no level"):
+                tools.format("mine.yaml", save=name, overwrite=overwrite)
+        assert (folder / name).read_text("utf-8") == text
+    broken = "version: 1\nexit: [90, 90]\n"
+    (folder / "broken.yaml").write_text(broken, "utf-8")
+    with pytest.raises(RefusedError, match=r"broken.yaml is there already: overwrite replaces it"):
+        tools.format("mine.yaml", save="broken.yaml")
+    assert (folder / "broken.yaml").read_text("utf-8") == broken
+    page = tools.format("mine.yaml", save="broken.yaml", overwrite=True)
+    assert (folder / "broken.yaml").read_text("utf-8") == page.text
+
+
 @pytest.mark.parametrize(
     "name", ["../mine.yaml", "link.yaml", "away/mine.yaml", "mine.txt", "x\0.yaml", "", "."]
 )
