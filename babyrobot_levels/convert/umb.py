@@ -84,7 +84,8 @@ def _explicit(level: Level, process: Process) -> Any:
     highest = float(np.abs(tables[1]).max(initial=0.0))
     reward[own] = _rounded(np.einsum("sao,sao->sa", *tables), chance * unit, highest)
     choice, target, probability = _branches(process, first)
-    probability = _rounded(probability, chance, 1.0)
+    moves = action[choice] < count  # What draws a start adds up nothing.
+    probability[moves] = _rounded(probability[moves], chance, 1.0)
     annotations: dict[str, dict[str, Any]] = {
         "aps": {name: {"states": has} for name, has in process.labels.items()},
         "rewards": {"reward": {"choices": reward}, "cost": {"choices": -reward}},

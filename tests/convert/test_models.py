@@ -22,9 +22,10 @@ LEVELS = [
     "four-corners",
     "night-watch",
     "shell-game",
+    "three-gems",
     "russell-norvig-4x3",
 ]
-"""With skids, thirds, several starts, hits that end the episode, a drawn exit, a switch, holes."""
+"""With skids, thirds, starts, hits that end the episode, drawn exits and items, a switch, holes."""
 
 Table = dict[tuple[int, str], tuple[dict[int, Fraction], Fraction]]
 """For each state and action: the chances of the next states, and the expected reward."""
