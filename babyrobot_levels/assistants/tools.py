@@ -33,7 +33,7 @@ from babyrobot_levels.assistants.results import (
 )
 from babyrobot_levels.assistants.skill import language_page
 from babyrobot_levels.language.documents import is_suite, theme_folders
-from babyrobot_levels.language.share_code import NAME, decode, is_code
+from babyrobot_levels.language.share_code import decode, is_code
 from babyrobot_levels.library.level import Level, load_source
 from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.linter.linting import Options, outcome_of
@@ -242,7 +242,7 @@ class Tools:
         """
         path = None
         if is_code(given):
-            source = source_of(decode(given), NAME)
+            source = decode(given)
         elif "\n" in given or ": " in given:
             source = source_of(given.encode("utf-8", "surrogatepass"), "level.yaml")
         else:

@@ -198,7 +198,7 @@ def _tidy(text: str) -> str:
     from babyrobot_levels.linter.runner import fix
 
     try:
-        source = source_of(text.encode("utf-8"), "<imported>")
+        source = source_of(text.encode("utf-8"), "<imported>", is_made=True)
     except LevelError as error:
         raise ConversionError(
             f"the level would be too large for one file: {error.diagnostics[0].message}",

@@ -189,7 +189,7 @@ def _written(fields: Any) -> SourceFile:
     """Return the text of a file with these fields."""
     from babyrobot_levels.text.emitter import emit
 
-    return SourceFile("<mapping>", emit(fields) or "{}")
+    return SourceFile("<mapping>", emit(fields) or "{}", is_made=True)
 
 
 def _fits(data: Any) -> bool:

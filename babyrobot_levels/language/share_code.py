@@ -20,7 +20,8 @@ from typing import Any
 
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.source import MAX_BYTES
+from babyrobot_levels.text.files import source_of
+from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 
 # All of version 1 that is in the world is read with these very bytes. A change, however small,
 # would break it: other bytes need another version.
@@ -135,9 +136,6 @@ PLAY_DICTIONARY_1 = (
 
 VERSION = 1
 PREFIX = f"brl{VERSION}."
-NAME = "<share code>"
-"""What messages call a level whose code is read."""
-
 MAX_CHARACTERS = 2 * MAX_BYTES
 """The most characters of a code: those of the largest level are fewer."""
 
@@ -180,20 +178,21 @@ def encode(fields: Mapping[str, Any]) -> str:
     return f"{PREFIX}{len(body)}.{body}"
 
 
-def decode(text: str) -> bytes:
-    """Return the level file, as JSON in UTF-8, of a code or of a link that ends in one.
+def decode(text: str) -> SourceFile:
+    """Return the level file, as JSON, of a code or of a link that ends in one.
 
-    Whitespace does not count. At most one byte more is returned than a level file may have.
+    Whitespace does not count.
 
     Raises:
-        LevelError: the code is damaged, cut off, or of an unknown version.
+        LevelError: the code is damaged, cut off, or of an unknown version, or has too much.
     """
     match = _CODE.fullmatch(text)
     if match is None:
         raise LevelError(message=f"this is no share code; one begins with `{PREFIX}`")
     if len(text) > MAX_CHARACTERS:
         raise LevelError(message="the share code is longer than that of any level")
-    return _unpacked(_packed(_PLAY_PART.sub("", "".join(match[1].split()))))
+    data = _unpacked(_packed(_PLAY_PART.sub("", "".join(match[1].split()))))
+    return source_of(data, "share code", is_made=True)
 
 
 # -- the data ------------------------------------------------------------------------------

@@ -12,10 +12,9 @@ from pydantic import ValidationError
 from babyrobot_levels import mdp
 from babyrobot_levels.analysis.pictures import Pictured
 from babyrobot_levels.language.documents import check_level
-from babyrobot_levels.language.share_code import NAME, decode
+from babyrobot_levels.language.share_code import decode
 from babyrobot_levels.mdp.gridworld import GridWorld, playable
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
 
@@ -187,7 +186,7 @@ def load_code(text: str) -> Level:
         LevelError: the code is damaged, cut off, of an unknown version, or what it holds is not
             a valid level.
     """
-    level = load_source(source_of(decode(text), NAME))
+    level = load_source(decode(text))
     # The JSON is no text that saving should keep.
     level.remember_origin(None, None, None)
     return level

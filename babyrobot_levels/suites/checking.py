@@ -15,7 +15,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld, WorldT, check_world
 from babyrobot_levels.text.diagnostics import Diagnostic, Findings
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.files import is_folder, read_source, source_of, write_text
+from babyrobot_levels.text.files import is_folder, read_source, write_text
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
@@ -96,16 +96,16 @@ def texts_of(levels: Levels) -> Iterator[Path | SourceFile]:
 
     Args and errors are those of `validate`.
     """
-    from babyrobot_levels.language.share_code import NAME, decode, is_code
+    from babyrobot_levels.language.share_code import decode, is_code
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.text.emitter import emit
 
     if isinstance(levels, Level):
         yield SourceFile(levels.name or "<level>", _text_of(levels))
     elif isinstance(levels, Mapping):
-        yield SourceFile("<mapping>", emit(plain(levels)) or "{}")
+        yield SourceFile("<mapping>", emit(plain(levels)) or "{}", is_made=True)
     elif isinstance(levels, str) and is_code(levels):
-        yield source_of(decode(levels), NAME)
+        yield decode(levels)
     elif isinstance(levels, str) and ("\n" in levels or ": " in levels):
         yield SourceFile("<text>", levels)
     elif isinstance(levels, str | os.PathLike):

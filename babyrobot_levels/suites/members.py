@@ -275,7 +275,7 @@ class _Opener:
         if isinstance(suite, dict):
             with _explained("the suite"):
                 fields = suite_from_mapping(suite)
-            return self._opened(fields, folder, Path("<mapping>"), "the suite")
+            return self._opened(fields, folder, Path("the suite itself"), "the suite")
         name = str(suite)
         if _is_path(name):
             path = _inside(folder, name)

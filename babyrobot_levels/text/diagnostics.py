@@ -6,7 +6,8 @@ A `Diagnostic` is an issue placed in its file, by line and column. Both are froz
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import dataclasses
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
@@ -108,7 +109,8 @@ class Issue:
 class Diagnostic:
     """One finding.
 
-    `line` and `column` count from 1 and `end` is the place just behind the faulty text.
+    `line` and `column` count from 1 and `end` is the place just behind the faulty text. Where
+    nobody has seen the text, as it was made of a mapping, `field` says what to look at.
     """
 
     __module__ = "babyrobot_levels"
@@ -122,7 +124,8 @@ class Diagnostic:
     end: Position
     fix: Fix | None = None
     help: str | None = None
-    source: SourceFile | None = field(default=None, repr=False, compare=False)
+    source: SourceFile | None = dataclasses.field(default=None, repr=False, compare=False)
+    field: str | None = None
 
     @property
     def span(self) -> Span:
@@ -131,8 +134,11 @@ class Diagnostic:
 
     @property
     def location(self) -> str:
-        """The place as editors and terminals link it: `file:line:column`."""
-        return f"{self.file}:{self.line}:{self.column}"
+        """The place as editors and terminals link it, `file:line:column`, or the field."""
+        if self.field is None:
+            return f"{self.file}:{self.line}:{self.column}"
+        named = "" if self.file.startswith("<") else self.file
+        return ": ".join(filter(None, (named, self.field)))
 
     def excerpt(self, room: int | None = None) -> tuple[str, str] | None:
         """Return the source line and its carets, or None where there is no text to show.
@@ -165,8 +171,8 @@ class Diagnostic:
     def shown(self, width: int | None = None) -> str:
         """Return the finding as `str` does, its source line cut to the width of a terminal."""
         place, message = (one_line(text) for text in (self.location, self.message))
-        lines = [f"{place}: {self.severity} {self.code}: {message}"]
-        number = str(self.line)
+        lines = [f"{place}: " * bool(place) + f"{self.severity} {self.code}: {message}"]
+        number = str(self.line) if self.field is None else ""
         gutter = " " * len(number)
         excerpt = self.excerpt(None if width is None else max(1, width - len(number) - 5))
         if excerpt is not None:

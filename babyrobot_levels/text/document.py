@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -152,8 +153,21 @@ def diagnostic_of(issue: Issue, span: Span, source: SourceFile) -> Diagnostic:
         span.end,
         issue.fix,
         help=issue.help,
-        source=source,
+        source=source if issue.location or not source.is_made else None,
+        field=_field_of(issue.location, source) if source.is_made else None,
     )
+
+
+def _field_of(location: Location, source: SourceFile) -> str:
+    """Return the field at a location, as in `walls[2].side`; an empty text for none."""
+    if isinstance(location, Span):
+        # Each field begins a line.
+        return "".join(re.findall(r"^\w+", source.line(location.start.line)))
+    if isinstance(location, Mark):
+        return "map"
+    route = location.route if isinstance(location, Key) else location
+    names = (f"[{each}]" if isinstance(each, int) else f".{each}" for each in route)
+    return "".join(names).removeprefix(".")
 
 
 @dataclass(frozen=True, slots=True)

@@ -169,8 +169,8 @@ def schema_for(path: Path) -> str | None:
     return None
 
 
-def source_of(data: bytes, name: str) -> SourceFile:
-    """Return bytes as a text.
+def source_of(data: bytes, name: str, *, is_made: bool = False) -> SourceFile:
+    """Return bytes as a text, that of a file or one that is made of something else.
 
     Raises:
         LevelError: they are too many, or not UTF-8.
@@ -178,7 +178,7 @@ def source_of(data: bytes, name: str) -> SourceFile:
     if len(data) > MAX_BYTES:
         raise unreadable("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
     try:
-        return SourceFile(name, data.decode("utf-8"))
+        return SourceFile(name, data.decode("utf-8"), is_made=is_made)
     except UnicodeDecodeError as error:
         before = SourceFile(name, data[: error.start].decode("utf-8"))
         message = f"invalid UTF-8: byte {error.start + 1} (0x{data[error.start]:02x})"

@@ -50,11 +50,13 @@ class SourceFile:
 
     Lines end as in editors, with LF, CRLF or CR; a form feed or a Unicode separator ends none.
     A byte order mark before the text is `mark`, else empty: whoever writes the file keeps it.
+    Nobody has seen one that `is_made`, of a mapping or of another file: messages name its fields.
     """
 
     name: str
     text: str
     mark: str = field(default="", init=False, compare=False)
+    is_made: bool = field(default=False, kw_only=True, compare=False)
 
     def __post_init__(self) -> None:
         # Parsers count a byte order mark as a character; editors do not.

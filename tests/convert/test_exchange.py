@@ -15,6 +15,7 @@ from support.conversions import SAMPLES, level_of_world, world_of
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
+from babyrobot_levels.convert import conversion
 from babyrobot_levels.convert.conversion import Conversion, Lost, fields_lost, file_text
 from babyrobot_levels.convert.formats import FORMATS, Format, export, guess
 from babyrobot_levels.language.fields import Role, fields_with
@@ -229,3 +230,13 @@ def test_large_integers_of_other_programs_are_numbers_with_exponents(digits: int
     exit_reward = world_of(text, "frozen-lake").fields["rewards"]["exit"]
     assert exit_reward == float(10**digits)
     assert isinstance(exit_reward, float if digits > 15 else int)
+
+
+def test_a_world_that_is_no_level_is_told_by_its_fields() -> None:
+    world = conversion.World({"size": [3, 3], "puddles": [{"at": [7, 7]}]}, "A world.", {}, ())
+    with pytest.raises(conversion.ConversionError) as caught:
+        file_text(world, schema=None, name=None, title="Imported")
+    assert str(caught.value).splitlines()[:2] == [
+        "this is not a valid level:",
+        "puddles[0].at: error BR301: the puddle [7, 7] is off the grid, which is 3 wide and 3 high",
+    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -200,9 +201,33 @@ def test_mappings_tell_what_is_wrong_with_them() -> None:
     first, second = caught.value.diagnostics
     assert (first.code, first.message) == ("BR202", "missing field `side`")
     assert second.message.startswith("the cell [9, 9] is off the grid")
-    # They point into the mapping as a file would hold it.
-    assert "- {at: [0, 0]}" in str(caught.value)
-    assert "- {at: [9, 9], side: E}" in str(caught.value)
+    # They name the field, and point into it as a file would hold it.
+    assert str(first).splitlines() == [
+        "walls[0]: error BR202: missing field `side`",
+        "   |",
+        "   |   - {at: [0, 0]}",
+        "   |     ^^^^^^^^^^^^",
+    ]
+    assert str(second).startswith("walls[1].at: error BR301: the cell [9, 9] is off the grid")
+    assert "- {at: [9, 9], side: E}" in str(second)
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: Level.from_fields({"size": [3, 3]}), "error BR202: missing field `version`"),
+        (lambda: Level.from_fields({"version": 1, "map": "x"}), "map: error BR312: "),
+        (lambda: brl.load("first-key").replace(sizes=1), "sizes: error BR201: unknown field"),
+        (lambda: brl.load_suite({"version": 1, "kind": "suite", "count": "x"}), "count: error "),
+        (lambda: brl.export({"version": 1, "exit": [9, 9]}, format="tiled"), "exit: error BR301"),
+        (lambda: brl.load({"version": 1, "discount": 10**400}), "discount: error BR111"),
+    ],
+)
+def test_what_is_made_of_arguments_has_no_lines(call: Callable[[], object], told: str) -> None:
+    with pytest.raises(LevelError) as caught:
+        call()
+    assert any(line.startswith(told) for line in str(caught.value).splitlines())
+    assert "<" not in str(caught.value)
 
 
 # -- frozen, copied, pickled -------------------------------------------------------------------
