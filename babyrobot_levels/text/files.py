@@ -309,23 +309,25 @@ def written_folder(path: Path) -> Iterator[Path]:
     """Yield a new folder beside a path, which takes its place there at the end of the block.
 
     What was there before is replaced. If the block raises an error, it stays as it was. What an
-    earlier process left beside it that was killed is removed.
+    earlier process left beside it that was killed is removed; what it was about to replace returns.
 
     Raises:
-        OSError: the folder cannot be written.
+        OSError: the folder cannot be written; the error names a file as it would be called.
     """
     import shutil
     import tempfile
 
-    path = path.resolve()
+    given, path = path, path.resolve()
     make_folder(path.parent)
     prefix = f".{path.name[:_MAX_PREFIX]}."
     for left in path.parent.glob(f"{escape(prefix)}????????.*"):
-        if _has_ended(left.suffix[1:]):
+        # Of a longer name it may be another folder's.
+        if len(path.name) <= _MAX_PREFIX and _has_ended(left.suffix[1:]):
+            _restore(left, path)
             shutil.rmtree(left, ignore_errors=True)
     temporary = Path(tempfile.mkdtemp(f".{os.getpid()}", prefix, path.parent))
+    folder = temporary / "new"
     try:
-        folder = temporary / "new"
         folder.mkdir()
         yield folder
         with uninterrupted(ENDINGS):
@@ -334,15 +336,20 @@ def written_folder(path: Path) -> Iterator[Path]:
             try:
                 folder.rename(path)
             except OSError:
-                if is_folder(temporary / "old"):
-                    (temporary / "old").rename(path)
+                _restore(temporary, path)
                 raise
     except OSError as error:
         # A full disk names no file.
-        error.filename = error.filename or str(path)
+        error.filename = str(error.filename or given).replace(str(folder), str(given))
         raise
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _restore(temporary: Path, path: Path) -> None:
+    """Bring back a folder that was to be replaced, unless there is another one."""
+    if is_folder(temporary / "old") and not os.path.lexists(path):
+        (temporary / "old").rename(path)
 
 
 def _has_ended(process: str) -> bool:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import stat
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from babyrobot_levels.text.files import write_text
+from babyrobot_levels.text.files import write_text, written_folder
 
 
 def test_ctrl_c_waits_until_the_file_is_whole(
@@ -135,3 +137,98 @@ def test_writing_through_a_link_keeps_the_link(tmp_path: Path) -> None:
     write_text(tmp_path / "link.yaml", "new\n")
     assert (tmp_path / "link.yaml").is_symlink()
     assert (tmp_path / "real.yaml").read_text() == "new\n"
+
+
+# -- folders -----------------------------------------------------------------------------------
+
+forks = pytest.mark.skipif(sys.platform == "win32", reason="Windows does not fork")
+
+
+def make(path: Path, text: str, then: Callable[[], object] = bool) -> None:
+    with written_folder(path) as new:
+        (new / "a.txt").write_text(text, "utf-8")
+        then()
+
+
+def killed(call: Callable[[], object]) -> None:
+    """Run a call in a process that it kills."""
+    child = os.fork()
+    if child == 0:
+        call()
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == signal.SIGKILL
+
+
+def kill() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@forks
+def test_what_a_killed_process_has_left_is_removed_by_the_next(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    make(site, "one")
+    (tmp_path / ".site.mine1234").mkdir()
+    for _ in range(2):
+        killed(lambda: make(site, "two", kill))
+    assert len([*tmp_path.iterdir()]) == 3
+    assert (site / "a.txt").read_text("utf-8") == "one"
+    make(site, "three")
+    assert {each.name for each in tmp_path.iterdir()} == {"site", ".site.mine1234"}
+    assert (site / "a.txt").read_text("utf-8") == "three"
+
+
+@forks
+def test_a_folder_comes_back_whose_replacement_was_killed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site, rename = tmp_path / "site", Path.rename
+
+    def once(self: Path, target: Any) -> None:
+        rename(self, target)
+        kill()
+
+    make(site, "one")
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "rename", once)
+        killed(lambda: make(site, "two"))
+    assert not site.exists()
+    with pytest.raises(ZeroDivisionError):
+        make(site, "three", lambda: 1 / 0)
+    assert [each.name for each in tmp_path.iterdir()] == ["site"]
+    assert (site / "a.txt").read_text("utf-8") == "one"
+
+
+@forks
+def test_what_another_process_writes_stays(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    with written_folder(site) as new:
+        (new / "a.txt").write_text("one", "utf-8")
+        child = os.fork()
+        if child == 0:
+            make(site, "two")
+            os._exit(0)
+        assert os.waitpid(child, 0)[1] == 0
+        assert (site / "a.txt").read_text("utf-8") == "two"
+    assert (site / "a.txt").read_text("utf-8") == "one"
+    assert [each.name for each in tmp_path.iterdir()] == ["site"]
+
+
+def test_errors_of_writing_a_folder_name_it_or_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    missing = errno.ENOENT, "no such file"
+    errors: tuple[tuple[Callable[[Path], OSError], str], ...] = (
+        (lambda new: OSError(errno.ENOSPC, "No space left on device"), "site"),
+        (lambda new: FileNotFoundError(*missing, str(new / "b" / "c")), "b/c"),
+        (lambda new: FileNotFoundError(*missing, "other"), "other"),
+    )
+    for then, name in errors:
+        with (
+            pytest.raises(OSError, match=r"such|space") as told,
+            written_folder(Path("site")) as new,
+        ):
+            raise then(new)
+        expected = Path(name) if name in ("site", "other") else Path("site", name)
+        assert told.value.filename == str(expected)
+        assert [*tmp_path.iterdir()] == []
