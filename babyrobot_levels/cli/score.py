@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import astuple
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -35,6 +34,7 @@ from babyrobot_levels.cli.inputs import SplitOption, levels_named, names_levels
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
 from babyrobot_levels.cli.solve import ActionSet, ActionsOption
+from babyrobot_levels.render.words.phrases import name_of
 from babyrobot_levels.text.source import printable
 from babyrobot_levels.text.words import AGENTS, BEST, NAMED, RANDOM
 
@@ -180,6 +180,8 @@ def score(
     """
     are_plays = {word.lower().endswith(PLAYS) for word in what}
     if (level or points or totals) and not any(_may_hold_plays(word) for word in what):
+        if len(what) == 1 and not (what[0] in (BEST, RANDOM) or Path(what[0]).exists()):
+            fail(f"there is no file or folder {what[0]}")
         fail(
             "--level, --points and --totals are for recorded episodes",
             f"give files that end in {PLAYS}; an agent: babyrobot score {quoted(what[0])} "
@@ -352,6 +354,9 @@ def _summary(scores: Scores) -> dict[str, str]:
 
 # -- recorded episodes ---------------------------------------------------------------------
 
+_LONGEST, _LONGEST_NAME = 300, 60
+"""The most characters of a text and of a name of a player in a table."""
+
 
 def _may_hold_plays(word: str) -> bool:
     return Path(word).is_dir() or Path(word).suffix.lower() in (PLAYS, ".zip")
@@ -398,13 +403,16 @@ def _put_grades(
     elif kind is TableFormat.JSON:
         write_json(grades.to_dict())
     elif totals:
-        rows = [[name, *map(short, row.values())] for name, row in grades.totals.items()]
+        rows = [[_told(name), *map(short, row.values())] for name, row in grades.totals.items()]
         write_table(["player", *grades.levels, "total"], rows, grades.levels)
         if grades.defects:
             write("\n")
             write_table(
                 ["player", "place", "does not count"],
-                [[*map(printable, astuple(defect))] for defect in grades.defects],
+                [
+                    [_told(each.player), _told(each.place), _told(each.reason, _LONGEST)]
+                    for each in grades.defects
+                ],
             )
     else:
         _write_grades(grades, has_level=has_level)
@@ -422,9 +430,10 @@ def _write_grades(grades: Grades, *, has_level: bool) -> None:
 
 def _grade_cells(row: Grade) -> dict[str, str]:
     more = f" + {row.unfinished}" if row.unfinished else ""
+    verified = "yes" if row.episodes or row.unfinished else "-"
     return {
-        "player": printable(row.player),
-        "level": printable(row.level),
+        "player": _told(row.player),
+        "level": _told(row.level),
         "points": short(row.points),
         "episodes": f"{row.episodes}{more}",
         "best": short(row.best),
@@ -437,15 +446,20 @@ def _grade_cells(row: Grade) -> dict[str, str]:
         "luck": short(row.luck),
         "help": help_text(row),
         "notes": _notes(row),
-        "verified": "yes" if row.fault is None else f"no: {printable(row.fault)}",
+        "verified": f"no: {_told(row.fault, _LONGEST)}" if row.fault else verified,
     }
+
+
+def _told(text: str, longest: int = _LONGEST_NAME) -> str:
+    """Return a text of a player, which may hold anything, for a table."""
+    return name_of(text, longest)
 
 
 def _notes(row: Grade) -> str:
     """Return what else there is to know about the plays of a player."""
     told = {
         "copies left out": row.copies,
-        f"shared with {printable(row.shared_with)}": row.shared,
+        f"shared with {_told(row.shared_with, _LONGEST)}": row.shared,
         "without a seed": row.unseeded,
     }
     return "; ".join(f"{text}: {count:,}" for text, count in told.items() if count)

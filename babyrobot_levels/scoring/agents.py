@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.mdp.tables import Floats
-from babyrobot_levels.text.files import read_bytes
+from babyrobot_levels.text.files import open_zip, read_bytes
 from babyrobot_levels.text.words import AGENTS, NAMED, did_you_mean, listed
 
 
@@ -388,7 +388,7 @@ def _json_policy(data: bytes) -> Any:
 def _array_policy(data: bytes) -> Any:
     if not data.startswith(b"PK"):
         return _array(data)
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+    with open_zip(io.BytesIO(data)) as archive:
         if sum(each.file_size for each in archive.infolist()) > MAX_BYTES:
             raise ValueError("the arrays are too large")
         return {

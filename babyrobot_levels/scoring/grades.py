@@ -118,7 +118,8 @@ class Grade(Telling):
         copies: how many plays were left out, because they equal another one of the player.
         shared: how many plays equal one of another player.
         shared_with: these players, with commas between them.
-        fault: what is wrong with the first file or play that is not valid; None for nothing.
+        fault: what is wrong with the first play that is not valid, or, where there is no valid one
+            of the level, with the first file; None for nothing.
     """
 
     __module__ = "babyrobot_levels"
@@ -220,12 +221,16 @@ class Grades(Table[Grade]):
 
 
 def grade(
-    files: Iterable[str | os.PathLike[str]], level: Levels | None = None, *, points: str = "regret"
+    files: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    level: Levels | None = None,
+    *,
+    points: str = "regret",
 ) -> Grades:
     """Verify the plays that players hand in, and compare their returns with the exact optimum.
 
     Args:
-        files: `.brlplay` files, and folders and zip files of them, with a folder for each player.
+        files: a `.brlplay` file, or a folder or a zip file of them, with a folder for each player;
+            or several.
         level: the level that was to be played, or the levels: several, a folder, a pack or a
             course, whose levels have points, without those that are hidden. They are to be played
             under their time limit, their discount and from their starts; plays of other levels are
@@ -238,6 +243,7 @@ def grade(
             until the first that does.
 
     Raises:
+        FileNotFoundError: there is no such file or folder.
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid, or its maze has no seed yet.
         ValueError: there is no such rule, or two levels are the same.
@@ -245,7 +251,7 @@ def grade(
     if points not in RULES:
         raise ValueError(f"there is no rule {points!r}{did_you_mean(points, RULES)}")
     wanted = None if level is None else _wanted(level)
-    handed = hand_ins(files)
+    handed = hand_ins([files] if isinstance(files, str | os.PathLike) else files)
     class_ = _Class(wanted, points, handed)
     grades = [each for hand_in in handed for each in class_.grades_of(hand_in)]
     return Grades(grades, points, class_.defects)
@@ -336,7 +342,8 @@ class _Class:
             self.defects.append(Defect(player, "", broken))
         order = list(wanted or ())
         for key in sorted(keys + none, key=lambda key: order.index(key[0]) if order else 0):
-            own = faults.get(key) or (broken if is_one else None)
+            # What is not read may have been a play of this level.
+            own = faults.get(key) or (broken if is_one or key not in groups else None)
             yield self._grade(player, key, groups.get(key, {}), copies[key], own)
 
     def _asked(self, play: Play) -> _Asked | None:

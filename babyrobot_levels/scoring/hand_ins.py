@@ -1,11 +1,12 @@
 """What players hand in: plays in files, folders and zip files, as school systems export them.
 
-Everything is read within bounds, and no file is written. What is wrong with a file is told, and
-the others are read all the same.
+Everything is read within bounds, those of each player for themselves, and no file is written. What
+is wrong with a file is told, and the others are read all the same.
 """
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import re
@@ -21,16 +22,19 @@ from typing import IO, NamedTuple
 
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.scoring.plays import MAX_BYTES, SUFFIX, Play, plays_in
-from babyrobot_levels.text.files import is_within, open_regular
+from babyrobot_levels.text.files import is_within, open_regular, open_zip
 from babyrobot_levels.text.words import listed
 
 ZIP = ".zip"
 
-MAX_FILES = 100_000
-"""The most files that are looked at, in all."""
+MAX_NAMES = 100_000
+"""The most files of a player that are looked at."""
 
-MAX_TOTAL = 1 << 30
-"""The most bytes that are read, in all; packed ones count when they are unpacked."""
+MAX_FILES = 1_000
+"""The most files of a player that are read."""
+
+MAX_TOTAL = 256 << 20
+"""The most bytes of a player that are read; packed ones count when they are unpacked."""
 
 MAX_STEPS = 1_000_000
 """The most steps that are graded, of all plays of a player."""
@@ -86,12 +90,18 @@ def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
     A folder, and a zip file, may have a folder or a zip file for each player, or files of all. A
     file is of the player that its plays name, if the name of the file has that name, too; else the
     name of the file stands for the player. Two students of one name are a fault.
+
+    Raises:
+        FileNotFoundError: there is nothing at a path.
     """
-    budget = _Budget()
+    places = [*map(Path, paths)]
+    for path in places:
+        if not os.path.lexists(path):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     found: dict[str, HandIn] = {}
     students: dict[tuple[Path, str], set[str]] = {}
-    for path in map(Path, paths):
-        for unit, place, data in _files(path, budget):
+    for path in places:
+        for unit, place, data in _files(path):
             plays, fault = [], data if isinstance(data, str) else None
             if isinstance(data, bytes):
                 try:
@@ -126,15 +136,18 @@ def hand_ins(paths: Iterable[str | os.PathLike[str]]) -> list[HandIn]:
 
 
 class _Budget:
-    """How much may still be read."""
+    """How much of a player may still be read."""
 
     def __init__(self) -> None:
-        self.files, self.bytes = MAX_FILES, MAX_TOTAL
+        self.names, self.files, self.bytes = MAX_NAMES, MAX_FILES, MAX_TOTAL
 
     def read(self, file: IO[bytes]) -> bytes | str:
         """Return what is in a file, or why it is not read."""
+        self.files -= 1
+        if self.files < 0:
+            return f"it is not read: these are more than {MAX_FILES:,} files"
         if self.bytes <= 0:
-            return f"it is not read: all files together have more than {MAX_TOTAL >> 20} MiB"
+            return f"it is not read: the files have more than {MAX_TOTAL >> 20} MiB together"
         data = file.read(min(MAX_BYTES, self.bytes) + 1)
         self.bytes -= len(data)
         return data if len(data) <= MAX_BYTES else f"it is larger than {MAX_BYTES >> 20} MiB"
@@ -147,22 +160,25 @@ _File = tuple[str, str, bytes | str]
 """A file: whose it is, its path there (empty for one of its own), what is in it, or its fault."""
 
 
-def _files(path: Path, budget: _Budget) -> Iterator[_File]:
+def _files(path: Path) -> Iterator[_File]:
     """Yield the files of plays of a path, and who has none."""
     if path.is_dir():
-        yield from _sorted_out(_in_folder(path), None, path.name, budget)
+        yield from _sorted_out(_in_folder(path), None, path.name)
     elif path.suffix.lower() != ZIP:
-        yield path.stem, "", _read_file(path, budget)
+        yield path.stem, "", _read_file(path, _Budget())
     else:
         try:
             with open_regular(path) as file:
-                yield from _zipped(file, None, path.name, budget)
+                yield from _zipped(file, None, path.name)
         except OSError as error:
             yield path.stem, "", error.strerror or str(error)
 
 
 def _sorted_out(
-    files: Iterable[tuple[PurePosixPath, _Read]], owner: str | None, place: str, budget: _Budget
+    files: Iterable[tuple[PurePosixPath, _Read]],
+    owner: str | None,
+    place: str,
+    budget: _Budget | None = None,
 ) -> Iterator[_File]:
     """Yield the files of one player, or without an `owner` of a class, and who has none.
 
@@ -170,16 +186,19 @@ def _sorted_out(
         files: all files with their paths.
         owner: the player.
         place: where the files are.
-        budget: how much may still be read.
+        budget: how much of the owner may still be read.
     """
     units: dict[str, bool] = {}
+    budgets: dict[str, _Budget] = {}
     for path, read in files:
-        budget.files -= 1
-        if budget.files < 0:
-            yield owner or place, "", f"more than {MAX_FILES:,} files: the rest is not read"
-            return
         is_own = owner is None and len(path.parts) == 1
         unit = owner or (path.stem if is_own else path.parts[0])
+        left = budget or budgets.setdefault(unit, _Budget())
+        left.names -= 1
+        if left.names < 0:
+            if left.names == -1:
+                yield unit, "", f"more than {MAX_NAMES:,} files: the rest is not read"
+            continue
         if path.suffix.lower() not in (SUFFIX, ZIP):
             if not is_own:
                 units.setdefault(unit, False)
@@ -187,13 +206,13 @@ def _sorted_out(
         units[unit] = True
         inner = "" if is_own else str(path if owner else PurePosixPath(*path.parts[1:]))
         where = f"{place}/{inner}" if owner else inner
-        data = read(budget)
+        data = read(left)
         if path.suffix.lower() == SUFFIX or isinstance(data, str):
             yield unit, where, data
         elif owner:
             yield unit, where, "a zip file in the zip file of a player is not read"
         else:
-            yield from _zipped(io.BytesIO(data), unit, where or path.name, budget)
+            yield from _zipped(io.BytesIO(data), unit, where or path.name, left)
     for unit in (each for each in units or {owner or place: False} if not units.get(each)):
         yield unit, "", f"there is no file of plays ({SUFFIX})"
 
@@ -225,10 +244,12 @@ def _read_file(path: Path, budget: _Budget) -> bytes | str:
         return error.strerror or str(error)
 
 
-def _zipped(file: IO[bytes], owner: str | None, place: str, budget: _Budget) -> Iterator[_File]:
+def _zipped(
+    file: IO[bytes], owner: str | None, place: str, budget: _Budget | None = None
+) -> Iterator[_File]:
     """Yield the files in a zip file, as `_sorted_out` does."""
     try:
-        archive = zipfile.ZipFile(file)
+        archive = open_zip(file)
     except _BROKEN as error:
         yield owner or place, place if owner else "", f"the zip file is damaged ({error})"
         return

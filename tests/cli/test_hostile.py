@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -231,3 +233,26 @@ def test_a_level_that_vanishes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert babyrobot("preview", "short-lived").status == 1
     path.write_text("version: 1\n", encoding="utf-8")
     assert babyrobot("validate", "levels").status == 1
+
+
+def test_a_hand_in_forges_no_row_and_widens_none() -> None:
+    forged = f"eve\nada     1       1         1{ESCAPE}"
+    with zipfile.ZipFile("class.zip", "w") as archive:
+        for name in (forged, "x" * 60_000, "ben"):
+            archive.writestr(f"{name}/a.brlplay", b"{}")
+    for totals, rows in (((), 4), (("--totals",), 9)):
+        out = babyrobot("score", "class.zip", "--level", "first-key", *totals, status=1).out
+        assert is_harmless(out)
+        assert len(out.splitlines()) == rows
+        assert not any(line.startswith("ada") for line in out.splitlines())
+        assert max(map(len, out.splitlines())) < 400
+
+
+def test_hand_ins_that_are_not_there_are_told() -> None:
+    for call, told in {
+        "score nosuch --level first-key": "there is no file or folder nosuch",
+        "score nosuch.zip --level first-key": f"{os.strerror(errno.ENOENT)}: nosuch.zip",
+        "score nosuch.brlplay": f"{os.strerror(errno.ENOENT)}: nosuch.brlplay",
+    }.items():
+        result = babyrobot(*call.split(), status=2)
+        assert (result.out, result.err) == ("", f"error: {told}\n")

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import csv
-import errno
 import io
 import json
 import math
-import os
 import zlib
 from dataclasses import astuple, replace
 from pathlib import Path
@@ -114,15 +112,39 @@ def test_files_that_cannot_be_read_have_a_row(tmp_path: Path) -> None:
     (tmp_path / "half.brlplay").write_bytes(b'{"format":')
     (tmp_path / "folder.brlplay").mkdir()
     record(tmp_path / "other.brlplay", "first-key")
-    names = ["half", "folder", "nobody", "other"]
+    names = ["half", "folder", "other"]
     grades = brl.grade([tmp_path / f"{name}.brlplay" for name in names], LAKE)
-    assert [grade.player for grade in grades] == ["half", "folder.brlplay", "nobody", "other"]
+    assert [grade.player for grade in grades] == ["half", "folder.brlplay", "other"]
     faults = [grade.fault or "" for grade in grades]
     assert faults[0].startswith("line 1: the line is cut off")
     assert faults[1] == "there is no file of plays (.brlplay)"
-    assert faults[2] == os.strerror(errno.ENOENT)
-    assert faults[3] == "it has no play of this level, but of first-key"
+    assert faults[2] == "it has no play of this level, but of first-key"
     assert all(grade.episodes == 0 and math.isnan(grade.mean) for grade in grades)
+
+
+def test_what_is_not_read_is_told_in_the_rows_of_levels_without_a_play(tmp_path: Path) -> None:
+    (tmp_path / "ada").mkdir()
+    record(tmp_path / "ada" / "lake.brlplay", LAKE)
+    (tmp_path / "ada" / "half.brlplay").write_bytes(b'{"format":')
+    (tmp_path / "ben.zip").write_bytes(b"PK")
+    grades = brl.grade(tmp_path, [LAKE, "first-key"])
+    told = {(each.player, each.level): each.fault or "" for each in grades}
+    assert told["ada", LAKE] == ""
+    assert told["ada", "first-key"].startswith("half.brlplay: line 1: the line is cut off")
+    for level in (LAKE, "first-key"):
+        assert told["ben", level].startswith("ben.zip: the zip file is damaged")
+
+
+def test_a_missing_file_is_an_error_and_no_player(tmp_path: Path) -> None:
+    record(tmp_path / "ada.brlplay", LAKE)
+    files = [tmp_path / "ada.brlplay", tmp_path / "nosuch.zip"]
+    missing: list[Any] = [files, files[1], str(files[1])]
+    for given in missing:
+        with pytest.raises(FileNotFoundError) as caught:
+            brl.grade(given, LAKE)
+        assert caught.value.filename == str(files[1])
+    # One file is a list of one.
+    assert [each.player for each in brl.grade(str(files[0]), LAKE)] == ["ada"]
 
 
 def test_each_level_has_a_row_of_its_own(tmp_path: Path) -> None:

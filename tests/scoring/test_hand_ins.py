@@ -193,19 +193,58 @@ def test_links_out_of_the_folder_are_not_followed(tmp_path: Path, line: bytes) -
     assert found(folder) == {"eve": ([], [("a.brlplay", "it is a link out of the folder")])}
 
 
-def test_together_files_are_bounded(
+def test_what_is_read_of_a_player_is_bounded_and_the_others_are_read(
+    tmp_path: Path, line: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MAX_TOTAL", 2 * len(line))
+    monkeypatch.setattr(module, "MAX_FILES", 3)
+    monkeypatch.setattr(module, "MAX_NAMES", 5)
+    files = {
+        "ada/a.brlplay": line,
+        **{f"bytes/{number}.brlplay": line for number in range(3)},
+        **{f"files/{number}.brlplay": b"" for number in range(4)},
+        **{f"names/{number}.txt": b"" for number in range(7)},
+        "names/z.brlplay": line,
+        "zed/inner.zip": zipped({f"{number}.brlplay": line for number in range(2)}),
+        "zoe/a.brlplay": line,
+    }
+    (tmp_path / "class.zip").write_bytes(zipped(files))
+    for name, data in files.items():
+        (tmp_path / "class" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "class" / name).write_bytes(data)
+    for path in (tmp_path / "class", tmp_path / "class.zip"):
+        players = found(path)
+        told = {name: faults[-1][1] for name, (_, faults) in players.items() if faults}
+        assert told == {
+            "bytes": "it is not read: the files have more than 0 MiB together",
+            "files": "it is not read: these are more than 3 files",
+            "names": "there is no file of plays (.brlplay)",
+            "zed": "it is not read: the files have more than 0 MiB together",
+        }
+        assert ("", "more than 5 files: the rest is not read") in players["names"][1]
+        assert [len(players[name][0]) for name in ("ada", "bytes", "zoe")] == [1, 2, 1]
+
+
+def test_a_zip_file_with_a_long_list_of_files_is_not_read(
     tmp_path: Path, line: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "class"
-    for name in ("ada", "ben", "cy"):
-        (folder / name).mkdir(parents=True)
-        (folder / name / "a.brlplay").write_bytes(line)
-    monkeypatch.setattr(module, "MAX_TOTAL", 2 * len(line))
-    assert [bool(faults) for _, faults in found(folder).values()] == [False, False, True]
-    monkeypatch.setattr(module, "MAX_TOTAL", 1 << 30)
-    monkeypatch.setattr(module, "MAX_FILES", 2)
-    told_of = [reason for _, faults in found(folder).values() for _, reason in faults]
-    assert "more than 2 files: the rest is not read" in told_of
+    folder.mkdir()
+    many = {f"{number}.brlplay": b"" for number in range(20)}
+    (folder / "ada.zip").write_bytes(zipped({"a.brlplay": line}))
+    (folder / "eve.zip").write_bytes(zipped(many))
+    with monkeypatch.context() as patched:
+        # The list has another form, for more files than these.
+        patched.setattr("zipfile.ZIP_FILECOUNT_LIMIT", 10)
+        (folder / "mallory.zip").write_bytes(zipped(many))
+    assert b"PK\6\6" in (folder / "mallory.zip").read_bytes()
+    monkeypatch.setattr("babyrobot_levels.text.files.MAX_DIRECTORY", 1000)
+    players = found(folder)
+    assert len(players["ada"][0]) == 1
+    for name in ("eve", "mallory"):
+        assert [told for _, told in players[name][1]] == [
+            "the zip file is damaged (it has too many files)"
+        ]
 
 
 def test_the_steps_of_a_player_are_bounded(
