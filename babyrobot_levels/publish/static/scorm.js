@@ -74,6 +74,11 @@ function player() {
 let page = "level.html";
 if (system) {
   system.LMSInitialize("");
+  // When a page ends that says nothing, systems take "not attempted" for "completed".
+  if (["", "not attempted"].includes(system.LMSGetValue("cmi.core.lesson_status"))) {
+    system.LMSSetValue("cmi.core.lesson_status", "incomplete");
+    system.LMSCommit("");
+  }
   page += `?player=${encodeURIComponent(player())}`;
   frame.addEventListener("load", listen);
   addEventListener("pagehide", () => {
