@@ -79,7 +79,7 @@ WHEELS = (
 
 _NPM = ("pack", "--silent", f"pyodide@{PYODIDE}")
 DOWNLOAD = (
-    *("-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"),
+    *("-P", "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"),
     *("--python-version", "3.14", "--implementation", "cp", "--abi", "cp314"),
     *("--platform", PLATFORM),
 )

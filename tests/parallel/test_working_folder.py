@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from support.strangers import run_among, strangers
 
+from babyrobot_levels.editor import runtime
+
 PROGRAM = """\
 import multiprocessing
 import os
@@ -53,3 +55,21 @@ def test_commands_with_workers_and_with_an_agent_of_the_folder(tmp_path: Path) -
     (folder / "agent.py").write_text(AGENT, "utf-8")
     (folder / "beside.py").write_text("ACTION = 2\n", "utf-8")
     assert "frozen-lake" in run_among(folder, command, "score", "agent.py:east", "frozen-lake")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a script for npm")
+def test_what_fetches_the_runtime_of_the_editor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "npm").write_text("#!/bin/sh\nexec cp ../pip.py .\n", "utf-8")
+    (tmp_path / "npm").chmod(0o755)
+    (tmp_path / "pip.py").write_text(f"open({str(tmp_path / 'mark')!r}, 'w')\n", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    monkeypatch.setattr(runtime, "_PIP", (*runtime.DOWNLOAD, "none.whl"))
+    failure = pytest.raises(runtime.RuntimeFileError, match=r"none.whl cannot be fetched")
+    with failure, runtime.runtime_folder(None):
+        pass
+    assert not (tmp_path / "mark").exists()
