@@ -15,7 +15,7 @@ import signal
 import socket
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import get_context
@@ -116,12 +116,14 @@ def _started(
 
 def _answer(ours: socket.socket, process: Any, until: float, memory: float) -> Answer:
     def read(size: int) -> bytes:
-        found = bytearray()
+        found, look = bytearray(), monotonic() + _LOOK
         while len(found) < size:
             if monotonic() > until:
                 raise TimeoutError
-            if _memory(process.pid) > memory * 2**30:
-                raise MemoryError
+            if monotonic() > look:
+                look = monotonic() + _LOOK
+                if _memory(process.pid) > memory * 2**30:
+                    raise MemoryError
             with suppress(TimeoutError):
                 part = ours.recv(min(size - len(found), 1 << 20))
                 if not part:
@@ -197,7 +199,10 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
         head: Any
         data = b""
         try:
-            table = _table(_function(name)(world_of(level)))
+            function = getattr(import_module(name), name, None)
+            if not callable(function):
+                raise NoAnswerError(f"{name}.py has no function {name}")
+            table = _table(function(world_of(level)))
             head, data = (table.dtype.str, table.shape), table.tobytes()
         except NotImplementedError:
             head = "it is not written yet"
@@ -206,8 +211,12 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
         except MemoryError as error:
             head = _too_much(memory) + _place(error, code)
         except BaseException as error:
-            head = f"{type(error).__name__}{_place(error, code)}: {error}"[:500]
-        to.sendall(json.dumps(head).encode().ljust(_HEAD) + data)
+            head = f"{type(error).__name__}{_place(error, code)}: {error}"
+        if isinstance(head, str):
+            # The longest that has room in a head, whatever it consists of.
+            head = head[:500]
+        text = json.dumps(head, ensure_ascii=False).encode("utf-8", "replace")
+        to.sendall(text.ljust(_HEAD) + data)
 
 
 class _Output(io.TextIOBase):
@@ -223,14 +232,6 @@ class _Output(io.TextIOBase):
             more = "" if self._left else "\n… what else it prints is not shown\n"
             os.write(self._to, (shown + more).encode("utf-8", "backslashreplace"))
         return len(text)
-
-
-def _function(name: str) -> Callable[..., Any]:
-    function = getattr(import_module(name), name, None)
-    if not callable(function):
-        raise NoAnswerError(f"{name}.py has no function {name}")
-    found: Callable[..., Any] = function
-    return found
 
 
 def _table(answer: Any) -> NDArray[Any]:

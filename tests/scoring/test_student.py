@@ -44,6 +44,10 @@ ODD = {
     "np.zeros(64_000_000, np.int8)": "its answer is too large, an array of shape [64000000]",
     "input()": "EOFError in f.py, line 10: EOF when reading a line",
     "1 / 0": "ZeroDivisionError in f.py, line 11: division by zero",
+    # Faults have 500 characters.
+    "fail(chr(0x1f916) * 600)": "ValueError in f.py, line 21: " + 471 * "\U0001f916",
+    "fail(chr(0) * 600)": "ValueError in f.py, line 21: " + 471 * "\0",
+    "fail(chr(0xd800))": "ValueError in f.py, line 21: ?",
 }
 KEPT: list[Any] = [["north", "east"], [[1, 2], [3, 4]], 3.5, [True], []]
 
@@ -51,6 +55,7 @@ KEPT: list[Any] = [["north", "east"], [[1, 2], [3, 4]], 3.5, [True], []]
 def test_answers_are_arrays_of_numbers_or_names(tmp_path: Path) -> None:
     cases = ",\n".join(f"lambda level: {each}" for each in [*ODD, *map(repr, KEPT)])
     text = f"import numpy as np\ncases = iter([{cases}])\ndef f(level): return next(cases)(level)\n"
+    text += "def fail(text): raise ValueError(text)\n"
     found = answered(tmp_path, text, len(ODD) + len(KEPT))
     told = [each for each in found if isinstance(each, str)]
     assert told == [*ODD.values()]
