@@ -87,15 +87,21 @@ def is_met(name: str, stated: Any, value: Any, decimals: int = 0) -> bool:
     if not math.isfinite(value):
         return False
     if isinstance(stated, float):
+        if abs(value - stated) <= _slack(stated):
+            return True
         is_exact = name in SHARES and stated in (0, 1)
-        least = most = stated
-        slack = TOLERANCE if is_exact else 0.5 * 10**-decimals + _slack(stated)
-    else:
-        least, most = bounds(stated)
-        slack = 0.0
-    return (least is None or value >= least - max(slack, _slack(least))) and (
-        most is None or value <= most + max(slack, _slack(most))
+        return not is_exact and _rounds_to(value, stated, 0.5 * 10**-decimals)
+    least, most = bounds(stated)
+    return (least is None or value >= least - _slack(least)) and (
+        most is None or value <= most + _slack(most)
     )
+
+
+def _rounds_to(value: float, stated: float, half: float) -> bool:
+    """Return whether a number is rounded to a figure; halves are rounded away from 0."""
+    outward = (value - stated) * math.copysign(1.0, stated or value)
+    # What is a half but for rounding errors is one.
+    return -half <= outward + _slack(stated) and outward + _slack(stated) < half
 
 
 def _slack(number: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_HALF_UP, Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -24,14 +25,23 @@ def broken(text: str) -> dict[str, str]:
 
 
 @given(st.decimals(-1000, 1000, places=6), st.integers(0, 5))
-def test_a_figure_is_true_if_it_is_the_metric_rounded(value: Any, decimals: int) -> None:
+def test_a_figure_is_true_if_it_is_the_metric_rounded(value: Decimal, decimals: int) -> None:
     step = Fraction(1, 10**decimals)
     below = Fraction(value) // step
+    rounded = Fraction(value.quantize(Decimal(10) ** -decimals, ROUND_HALF_UP))
     for number in (below - 1, below, below + 1, below + 2):
-        # Halfway between two figures, both are right.
-        expected = abs(Fraction(value) - number * step) <= step / 2
         stated = float(number * step)
-        assert is_met("best_return", stated, float(value), decimals) == expected
+        found = is_met("best_return", stated, float(value), decimals)
+        assert found == (number * step == rounded)
+
+
+@pytest.mark.parametrize(
+    ("value", "figure"),
+    [(2.5, 3), (-2.5, -3), (-2.4999999999999, -3), (-2.4999, -2), (0.5, 1), (-0.5, -1), (1.5, 2)],
+)
+def test_halves_are_rounded_away_from_0(value: float, figure: int) -> None:
+    figures = [each for each in range(-5, 6) if is_met("best_return", float(each), value)]
+    assert figures == [figure]
 
 
 @pytest.mark.parametrize(
