@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import chain_values
-from babyrobot_levels.analysis.solver.optimum import TOLERANCE, solve
+from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values
+from babyrobot_levels.analysis.solver.linear import MAX_SWEEPS
+from babyrobot_levels.analysis.solver.optimum import MAX_ROUNDS, TOLERANCE, solve
 from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.mdp.compiler.things import compile_things
@@ -19,6 +21,9 @@ from babyrobot_levels.text.errors import LevelError
 
 MISTAKES = 0.1
 """How often the player of `fragility` takes any action."""
+
+ROUNDING = 1e-12
+"""What differs by no more than this share of the largest value is the same for `fragility`."""
 
 Needs = Mapping[str, frozenset[str]]
 """By the names of things that are needed: those of them that are needed to have it."""
@@ -111,47 +116,85 @@ def idle_things(solution: Solution) -> list[str]:
 # -- optimal policies, and mistakes ----------------------------------------------------------
 
 
-def optimal_states(solution: Solution) -> Flags:
-    """Return which states episodes of optimal policies come to, ties included, `[states]`."""
+def optimal_ends(solution: Solution) -> Flags:
+    """Return what episodes of optimal policies come to, ties included, `[2, states]`.
+
+    Number 0 are the states, and number 1 those at which a hit ends the episode.
+    """
     assert solution.level is not None
     mdp = solution.level.compile()
     best = solution.greedy.reshape(mdp.num_states, -1) & ~mdp.is_terminal[:, None]
-    happens = (mdp.probability > 0) & best[..., None] & ~ends_by_hit(mdp)
-    states, actions, outcomes = happens.nonzero()
-    ways = Graph(mdp.num_states, states, mdp.next_state[states, actions, outcomes])
+    states, actions, outcomes = ((mdp.probability > 0) & best[..., None]).nonzero()
+    target = mdp.next_state[states, actions, outcomes]
+    target += mdp.num_states * ends_by_hit(mdp)[states, actions, outcomes].astype(target.dtype)
+    found = Graph(2 * mdp.num_states, states, target).distances(mdp.start.nonzero()[0]) >= 0
+    optimal: Flags = found.reshape(2, -1)
+    return optimal
+
+
+def intended_states(solution: Solution) -> Flags:
+    """Return which states optimal policies come to where the robot moves as intended, `[states]`.
+
+    They are all of those that end soonest, and movers do whatever they can. Where none surely ends,
+    they are all optimal policies.
+    """
+    assert solution.level is not None
+    mdp = solution.level.compile()
+    best = solution.fastest if math.isfinite(solution.expected_steps) else solution.greedy
+    states, actions = best.reshape(mdp.num_states, -1).nonzero()
+    actions += solution.first_action
+    target, intended = mdp.next_state[states, actions], mdp.intended_next_state[states, actions]
+    sent = intended == mdp.num_states
+    begins = np.isin(np.arange(mdp.cells), np.flatnonzero(mdp.start) % mdp.cells)
+    cells = target % mdp.cells
+    happens = np.where(sent[:, None], begins[cells], cells == (intended % mdp.cells)[:, None])
+    happens &= mdp.probability[states, actions] > 0
+    # By chance alone the robot may never get there.
+    never = ~happens.any(axis=1) & ~sent
+    source = np.concatenate([states[happens.nonzero()[0]], states[never]])
+    ways = Graph(mdp.num_states, source, np.concatenate([target[happens], intended[never]]))
     found: Flags = ways.distances(mdp.start.nonzero()[0]) >= 0
     return found
 
 
+def _as_optimal(mdp: Mdp, optimal: Flags) -> tuple[Flags, Flags]:
+    """Return which outcomes lead to what is optimal, and which elsewhere; see `optimal_ends`."""
+    happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
+    leads = optimal[ends_by_hit(mdp).astype(int), mdp.next_state]
+    return happens & leads, happens & ~leads
+
+
 def lost_share(mdp: Mdp, optimal: Flags) -> float:
-    """Return the share, of the states that occur, from which no path leads to an optimal one.
+    """Return the share, of the states that occur, from which nothing optimal can be reached.
 
     Args:
         mdp: the tables of a level.
-        optimal: its optimal states, `[states]`.
+        optimal: what is optimal there, as `optimal_ends` has it.
     """
     paths = transitions(mdp)
     occurs = paths.distances(np.flatnonzero(mdp.start)) >= 0
-    lost = paths.reversed().distances(np.flatnonzero(optimal)) < 0
+    goals = optimal[0] | _as_optimal(mdp, optimal)[0].any(axis=(1, 2))
+    lost = paths.reversed().distances(np.flatnonzero(goals)) < 0
     return int((occurs & lost).sum()) / int(occurs.sum())
 
 
 def decisions_of(mdp: Mdp, optimal: Flags) -> int:
-    """Return in how many optimal states a valid action may lead elsewhere, or to a hit that ends.
+    """Return in how many optimal states a valid action may lead to what is not.
 
     Args:
         mdp: the tables of a level.
-        optimal: its optimal states, `[states]`.
+        optimal: what is optimal there, as `optimal_ends` has it.
     """
-    leaves = (mdp.probability > 0) & (~optimal[mdp.next_state] | ends_by_hit(mdp))
-    decides = ((mdp.action_mask > 0) & leaves.any(axis=2)).any(axis=1)
-    return int((decides & optimal & ~mdp.is_terminal).sum())
+    leaves = _as_optimal(mdp, optimal)[1].any(axis=2) & (mdp.action_mask > 0)
+    return int((leaves.any(axis=1) & optimal[0]).sum())
 
 
 def loss_by_mistakes(solution: Solution) -> float:
     """Return how much less is expected of a player who errs than of the optimal policy.
 
-    With probability `MISTAKES` the player takes any of the valid actions, each equally probable.
+    With probability `MISTAKES` the player takes any of the valid actions, each equally probable,
+    and else an optimal one: of all optimal policies, it is the one that loses least. Policy
+    iteration finds it, with sweeps of value iteration in between.
 
     Args:
         solution: the solution of a level, for all actions, with a finite return.
@@ -161,9 +204,28 @@ def loss_by_mistakes(solution: Solution) -> float:
         EpisodeTooLongError: on average, the player takes more than 10^10 steps.
     """
     assert solution.level is not None
-    space = space_of(solution.level, "all")
-    best, random = (read_policy(each, space) for each in (solution, "random"))
-    weights = (1 - MISTAKES) * best + MISTAKES * random
+    space, discount = space_of(solution.level, "all"), solution.discount
     model = space.model()
-    erring = chain_values(model.mixed(weights[model.states]), solution.discount, space)
-    return solution.expected_return - space.at_start(model, erring)
+    rows, values = np.arange(model.size), np.zeros(model.size)
+    best = solution.greedy.reshape(space.mdp.num_states, -1)[model.states]
+    at_random = MISTAKES * read_policy("random", space)[model.states]
+    policy = solution.policy.ravel()[model.states]
+    for _ in range(MAX_ROUNDS):
+        weights = at_random.copy()
+        weights[rows, policy] += 1 - MISTAKES
+        values = risen = chain_values(model.mixed(weights), discount, space)
+        finite, improved = np.isfinite(values), policy
+        slack = ROUNDING * np.abs(values[finite]).max(initial=0.0)
+        for _ in range(MAX_SWEEPS):
+            ahead = action_values(model, risen, discount)
+            optimal = np.where(best, ahead, -np.inf)
+            better = optimal.max(axis=1) > optimal[rows, improved] + slack
+            if not better.any():
+                break
+            improved = np.where(better, optimal.argmax(axis=1), improved)
+            mistaken = (at_random * np.where(at_random > 0, ahead, 0.0)).sum(axis=1)
+            risen = np.where(finite, (1 - MISTAKES) * optimal[rows, improved] + mistaken, values)
+        if (improved == policy).all():
+            break
+        policy = improved
+    return max(0.0, solution.expected_return - space.at_start(model, values))

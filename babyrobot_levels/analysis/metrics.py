@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,7 +43,7 @@ from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.mdp.tables import Flags, Mdp
+    from babyrobot_levels.mdp.tables import Flags
 
 
 def metrics(level: Any) -> Metrics:
@@ -130,8 +129,10 @@ class Metrics(Shown):
             if not math.isfinite(self.best_return):
                 return "the optimal return is infinite"
             return "after a mistake, returns are undefined, or episodes too long to compute"
-        if name == "difficulty" and self.success is not None:
+        if name == "difficulty" and (self.success is not None or self.best_return == math.inf):
             return "the best policy does not go to an exit"
+        if name == "success" and self.best_return == math.inf:
+            return "the optimal return is infinite"
         return "undefined, or episodes are too long to compute"
 
     def __repr__(self) -> str:
@@ -231,8 +232,9 @@ class Metrics(Shown):
     def _straightest(self) -> tuple[list[int], int | None]:
         if self.path_length is None:
             return [], None
-        start = self._starts[self._lengths.index(self.path_length)]
-        return straightest_path(self._steps, start, self.level.size)
+        ways = zip(self._starts, self._lengths, strict=True)
+        farthest = [start for start, length in ways if length == self.path_length]
+        return straightest_path(self._steps, farthest, self.level.size)
 
     @property
     def _cells(self) -> int:
@@ -274,14 +276,15 @@ class Metrics(Shown):
 
     @cached_property
     def detour(self) -> int | None:
-        """The number of steps that things add to the shortest path; None if there is no path.
+        """The number of steps that things and wind add to the shortest path; None if there is none.
 
-        It is `path_length` less that of the level with all doors and exits open, without movers.
+        It is `path_length` less that of the level with all doors and exits open, without movers and
+        without wind. It is below 0 where wind carries the robot.
         """
         if self.path_length is None:
             return None
         fields = (*(kind.field for kind in kinds.THINGS), "exit_needs")
-        bare = self.level.model_copy(update=dict.fromkeys(fields, ()))
+        bare = self.level.model_copy(update={**dict.fromkeys(fields, ()), "wind": None})
         for name in ("_things", "_mdp", "_digest"):
             bare.__dict__.pop(name, None)
         direct = Metrics(bare).path_length
@@ -311,24 +314,27 @@ class Metrics(Shown):
 
     @cached_property
     def success(self) -> float | None:
-        """The probability that the optimal policy reaches an exit; None without an exit."""
-        if self.solution is None or not self.level.exits:
+        """The probability that the optimal policy reaches an exit.
+
+        None without an exit, and if the optimal return is inf: a policy that earns as much need not
+        go to an exit, and may.
+        """
+        if self.solution is None or not self.level.exits or self.best_return == math.inf:
             return None
         found = self.solution.exit_probability
         return None if math.isnan(found) else found
 
     @cached_property
     def wet_share(self) -> float | None:
-        """The share of puddles among the cells of the optimal trajectory, both ends included.
+        """The share, of the states that optimal policies come to, in which there is a puddle.
 
-        It is the trajectory from each start without skids and other chance, until the episode is
-        over or a cell repeats.
+        They are those of all optimal policies without skids and other chance, both ends included.
         """
         if self.solution is None:
             return None
         wet = {y * self.level.size[0] + x for x, y in (puddle.at for puddle in self.level.puddles)}
-        cells = [state % self._cells for start in self._starts for state in self._trajectory(start)]
-        return sum(cell in wet for cell in cells) / len(cells)
+        states = np.flatnonzero(hardness.intended_states(self.solution))
+        return float(np.isin(states % self._cells, [*wet]).mean())
 
     @cached_property
     def difficulty(self) -> float | None:
@@ -385,26 +391,27 @@ class Metrics(Shown):
     def irreversible(self) -> float | None:
         """The share, of the states that can occur, from which the optimum is lost for ever.
 
-        From these no path leads to a state to which some optimal policy comes.
+        From these no path leads to a state, or to a hit, to which some optimal policy comes.
         """
-        found = self._optimal_states
+        found = self._optimal
         return None if found is None else hardness.lost_share(self.level.compile(), found)
 
     @cached_property
     def decisions(self) -> int | None:
         """In how many states that optimal policies come to a valid action may lead elsewhere.
 
-        Elsewhere is where no optimal policy comes to; and a hit that ends the episode.
+        Elsewhere is a state, or a hit that ends the episode, to which no optimal policy comes.
         """
-        found = self._optimal_states
+        found = self._optimal
         return None if found is None else hardness.decisions_of(self.level.compile(), found)
 
     @cached_property
     def fragility(self) -> float | None:
         """How much return a player loses who takes, in one of ten steps, any valid action.
 
-        It is the optimal expected return less that of this player, who follows the optimal policy
-        otherwise; inf if a mistake can cost for ever.
+        It is the optimal expected return less that of this player, who follows an optimal policy
+        otherwise: of all optimal policies, the one that loses least. It is inf if a mistake can
+        cost for ever.
         """
         try:
             return None if self._optimum is None else hardness.loss_by_mistakes(self._optimum)
@@ -418,8 +425,8 @@ class Metrics(Shown):
         return self.solution if is_finite else None
 
     @cached_property
-    def _optimal_states(self) -> Flags | None:
-        return None if self._optimum is None else hardness.optimal_states(self._optimum)
+    def _optimal(self) -> Flags | None:
+        return None if self._optimum is None else hardness.optimal_ends(self._optimum)
 
     # -- what is needed --------------------------------------------------------------------
 
@@ -455,32 +462,6 @@ class Metrics(Shown):
             return hardness.needs_of(self.level) if self._lengths else None
         except LevelError:
             return None
-
-    def _trajectory(self, start: int) -> list[int]:
-        """Return the states to which the optimal policy leads from a start without chance."""
-        assert self.solution is not None
-        mdp, policy = self.level.compile(), self.solution.policy.ravel()
-        states: dict[int, None] = {}
-        state = start
-        # The number of states stands for the starts, one of which has come already.
-        while state < mdp.num_states and state not in states:
-            states[state] = None
-            if policy[state] < 0:
-                break
-            action = policy[state] + self.solution.first_action
-            following = int(mdp.intended_next_state[state, action])
-            state = _arrived(mdp, state, action, following) if self.level.has_things else following
-        return list(states)
-
-
-def _arrived(mdp: Mdp, state: int, action: int, intended: int) -> int:
-    """Return the likeliest state after a step to the cell that it intends, with all things."""
-    outcomes = [
-        (chance, following)
-        for chance, following, _, _ in mdp.outcomes(state, action)
-        if following % mdp.cells == intended % mdp.cells
-    ]
-    return max(outcomes, key=itemgetter(0))[1] if outcomes else intended
 
 
 def _steps_to_exit(found: Evaluation | None) -> float | None:

@@ -127,17 +127,17 @@ class Poses(NamedTuple):
 
 
 def straightest_path(
-    steps: PossibleSteps, start: int, size: tuple[int, int]
+    steps: PossibleSteps, starts: Sequence[int], size: tuple[int, int]
 ) -> tuple[list[int], int]:
-    """Return the states of a shortest path from a state to an exit, and how often it turns.
+    """Return the states of a shortest path to an exit, and how often it turns.
 
-    Of all shortest paths it is one with the fewest turns. A turn is a step in another direction
-    (dx, dy) than the step before it; waiting for movers is not one.
+    Of all shortest paths from states at the same distance it is one with the fewest turns. A turn
+    is a step in another direction (dx, dy) than the step before it; waiting for movers is not one.
     """
-    layer: Layer | Poses = {(start, 0): (0, 0)}
+    layer: Layer | Poses = {(start, 0): (0, 0) for start in starts}
     # By steps: the states, and of which place in the list before each comes.
-    trail: list[tuple[Any, Any]] = [([start], [0])]
-    for left in range(steps.to_exit[start] - 1, -1, -1):
+    trail: list[tuple[Any, Any]] = [(starts, [0] * len(starts))]
+    for left in range(steps.to_exit[starts[0]] - 1, -1, -1):
         if isinstance(steps.successors, Rows) and len(trail[-1][0]) >= MANY_POSES:
             layer = _step_of_many(steps, layer, left, size)
             trail.append((layer.states, layer.before))

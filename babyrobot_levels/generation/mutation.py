@@ -158,14 +158,14 @@ class Mutant(Candidate):
 
     @property
     def path_length(self) -> int:
-        """The length of a shortest path without things; -1 if there is none."""
+        """The length of a shortest path without things and wind; -1 if there is none."""
         length = self.metrics.path_length
         return -1 if length is None else length - self.detour
 
     @property
     def detour(self) -> int:
-        """How many steps things add to it."""
-        return self.metrics.detour or 0 if self.level.has_things else 0
+        """How many steps things and wind add to it."""
+        return self.metrics.detour or 0
 
     @property
     def dead_ends(self) -> int:

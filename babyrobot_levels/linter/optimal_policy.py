@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.analysis.hardness import optimal_states
+from babyrobot_levels.analysis.hardness import optimal_ends
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
@@ -200,7 +200,7 @@ def best_episodes(level: Level) -> Facts:
     solution, mdp = solution_of(level), level.compile()
     if solution is None or not np.isfinite(solution.expected_return):
         raise ArithmeticError
-    return _facts(mdp, optimal_states(solution), solution.greedy.reshape(mdp.num_states, -1))
+    return _facts(mdp, optimal_ends(solution)[0], solution.greedy.reshape(mdp.num_states, -1))
 
 
 def _facts(mdp: Mdp, here: Flags, taken: Flags) -> Facts:

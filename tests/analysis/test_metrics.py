@@ -8,6 +8,7 @@ from collections import deque
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -273,9 +274,9 @@ def test_the_wet_share_is_that_of_the_best_way() -> None:
     assert brl.metrics(fields).wet_share == 0.25
     fields["puddles"] = [{"at": [x, 0]} for x in range(4)]
     assert brl.metrics(fields).wet_share == 1
-    # From all starts, one cell of six.
+    # From all starts, one cell of five.
     both = {"version": 1, "size": [5, 1], "start": [[0, 0], [4, 0]], "exit": [2, 0]}
-    assert brl.metrics({**both, "puddles": [{"at": [3, 0]}]}).wet_share == 1 / 6
+    assert brl.metrics({**both, "puddles": [{"at": [3, 0]}]}).wet_share == 1 / 5
     # Where there is a way around, the best one is dry.
     fields = {"version": 1, "size": [4, 2], "exit": [3, 0]}
     fields["puddles"] = [{"at": [1, 0], "size": "large"}, {"at": [2, 0], "size": "large"}]
@@ -567,6 +568,20 @@ def test_success_is_that_of_the_optimal_policy() -> None:
     assert brl.metrics("treasure-chests").success is None
 
 
+@pytest.mark.parametrize(("hole", "exit_"), [(0, 2), (2, 0)])
+def test_of_two_ends_that_are_as_good_and_as_near_the_exit_counts(hole: int, exit_: int) -> None:
+    fields = {"version": 1, "size": [3, 1], "start": [1, 0], "exit": [exit_, 0]}
+    level = brl.load({**fields, "areas": [{"at": [hole, 0], "ends": True}]})
+    assert brl.metrics(level).success == 1
+    assert brl.solve(level).policy[0, 1] == (brl.Action.EAST if exit_ == 2 else brl.Action.WEST)
+
+
+def test_with_an_infinite_return_it_may_lead_to_an_exit_or_not() -> None:
+    endless = brl.metrics({"version": 1, "size": [2, 1], "rewards": {"stay": 1}})
+    assert endless.success is None
+    assert endless.why_none("success") == "the optimal return is infinite"
+
+
 def test_states_are_those_that_occur() -> None:
     # The cell behind the exit never does.
     assert brl.metrics({"version": 1, "size": [4, 1], "exit": [2, 0]}).states == 3
@@ -610,6 +625,27 @@ def test_fragility_is_what_one_mistake_in_ten_steps_costs() -> None:
     # A mistake is to stay, every other time: a step more, which happens with probability 1/20.
     level = {"version": 1, "size": [2, 1], "rewards": {"stay": -4}}
     assert brl.metrics(level).fragility == pytest.approx(4 / 19)
+
+
+def test_of_all_optimal_policies_the_least_fragile_counts() -> None:
+    # Two ways of two steps lead to the exit, one of them beside a hole that costs 9.
+    hole = {"at": [2, 0], "ends": True, "reward": -9}
+    level = {"version": 1, "size": [3, 2], "exit": [1, 1], "areas": [hole]}
+    level["blocked"] = [{"at": [2, 1]}]
+    at_random = brl.load(level).compile().action_mask.reshape(2, 3, 5).astype(float)
+    at_random[:] = at_random / at_random.sum(axis=2, keepdims=True).clip(1)
+    losses = []
+    for policy in ([[2, 3, 0], [2, 0, 0]], [[3, 3, 0], [2, 0, 0]]):
+        erring = 0.9 * np.eye(5)[policy] + 0.1 * at_random
+        losses.append(-1 - brl.evaluate(level, erring).expected_return)
+    assert losses[1] < losses[0] - 0.01
+    assert brl.metrics(level).fragility == pytest.approx(losses[1])
+
+
+def test_a_hit_that_the_optimum_takes_is_no_mistake() -> None:
+    # The only way on is through the guard.
+    found = brl.metrics({"version": 1, "size": [3, 1], "movers": [{"path": [[1, 0]]}]})
+    assert (found.best_return, found.decisions, found.irreversible) == (-1, 0, 0)
 
 
 def test_things_of_no_use_are_distractors() -> None:

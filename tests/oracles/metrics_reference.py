@@ -7,13 +7,13 @@ probability, unless that step ends the episode by a hit.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 from oracles.things_reference import Cell, Configuration, Pair, Reference, Result
 
-THINGS = ("items", "doors", "switches", "movers", "exit_needs")
+THINGS = ("items", "doors", "switches", "movers", "exit_needs", "wind")
 SWEEPS = 120
 TOLERANCE = 2e-9
 """Which values are the same; actual ones that differ by less are rare."""
@@ -97,7 +97,7 @@ class SlowMetrics:
         return max(lengths)
 
     def detour(self) -> int | None:
-        """Return how many steps more there are than without doors, movers and needs."""
+        """Return how many steps more there are than without doors, movers, needs and wind."""
         kept = {name: value for name, value in self.fields.items() if name not in THINGS}
         length, direct = self.path_length(), SlowMetrics(kept).path_length()
         return None if length is None or direct is None else length - direct
@@ -194,45 +194,66 @@ class SlowMetrics:
         ahead = [self.expected(results, self.values) for results in self.level.results[pair]]
         return [action for action, value in enumerate(ahead) if value >= max(ahead) - TOLERANCE]
 
-    def optimal_states(self) -> set[Pair]:
-        """Return the states that some optimal policy comes to."""
-        found, waiting = {*self.starts}, [*self.starts]
+    @cached_property
+    def optimal(self) -> tuple[set[Pair], set[Pair]]:
+        """The states that some optimal policy comes to, and those at which a hit may end it."""
+        found, waiting, hits = {*self.starts}, [*self.starts], set[Pair]()
         table = self.level.results
         while waiting:
             pair = waiting.pop()
             for action in self.best_actions(pair) if pair in table else ():
                 for result in table[pair][action]:
-                    goes_there = not result.over or result.pair not in table
-                    if goes_there and result.pair not in found:
+                    if result.over and result.pair in table:
+                        hits.add(result.pair)
+                    elif result.pair not in found:
                         found.add(result.pair)
                         waiting.append(result.pair)
-        return found
+        return found, hits
+
+    def is_optimal(self, result: Result) -> bool:
+        """Return whether a step comes to what some optimal policy comes to as well."""
+        states, hits = self.optimal
+        return result.pair in (
+            hits if result.over and result.pair in self.level.results else states
+        )
 
     def irreversible(self) -> float:
-        """Return the share of states from which no path leads to one of an optimal policy."""
-        optimal, occurring = self.optimal_states(), self.occurring()
-        lost = [pair for pair in occurring if not self.from_some([pair]) & optimal]
+        """Return the share of states from which nothing can be reached that is optimal."""
+        table, occurring = self.level.results, self.occurring()
+        lost = [
+            pair
+            for pair in occurring
+            if pair not in self.optimal[0]
+            and not any(
+                self.is_optimal(result)
+                for each in self.from_some([pair])
+                for results in table.get(each, ())
+                for result in results
+            )
+        ]
         return len(lost) / len(occurring)
 
     def decisions(self) -> int:
         """Return in how many states of optimal policies a valid action may lead elsewhere."""
-        optimal, table = self.optimal_states(), self.level.results
+        table = self.level.results
         return sum(
-            any(
-                result.pair not in optimal or (result.over and result.pair in table)
+            not all(
+                self.is_optimal(result)
                 for action in self.level.allowed(self.level.state(pair))
                 for result in table[pair][action]
             )
-            for pair in optimal
+            for pair in self.optimal[0]
             if pair in table
         )
 
-    def fragility(self, policy: Mapping[Pair, int]) -> float:
-        """Return what a policy loses if one of ten steps is any valid one."""
-        return self.optimum() - self.expected_return(policy, mistakes=0.1)
+    def fragility(self) -> float:
+        """Return the least that optimal policies lose if one of ten steps is any valid one."""
+        return self.optimum() - self.expected_return(
+            {pair: self.best_actions(pair) for pair in self.level.results}, mistakes=0.1
+        )
 
-    def expected_return(self, policy: Mapping[Pair, int], mistakes: float) -> float:
-        """Return what is expected of a policy of which a share of the steps is any valid one."""
+    def expected_return(self, choices: Mapping[Pair, Sequence[int]], mistakes: float) -> float:
+        """Return what is expected of the best choices if a share of the steps is any valid one."""
         table = self.level.results
         valid = {pair: self.level.allowed(self.level.state(pair)) for pair in table}
         values = dict.fromkeys(table, 0.0)
@@ -242,7 +263,7 @@ class SlowMetrics:
                 for pair, results in table.items()
             }
             values = {
-                pair: (1 - mistakes) * ahead[pair][policy[pair]]
+                pair: (1 - mistakes) * max(ahead[pair][action] for action in choices[pair])
                 + mistakes * sum(ahead[pair][action] for action in valid[pair]) / len(valid[pair])
                 for pair in table
             }

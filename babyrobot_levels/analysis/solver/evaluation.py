@@ -105,14 +105,14 @@ def evaluation_of(
     chain = model.mixed(read_policy(policy, space)[model.states])
     values = chain_values(chain, discount, space)
     expected = space.at_start(model, values)
-    steps, success, _ = episode(chain, space)
+    steps, success = episode(chain)
     diverging = diverging_states(chain, expected, space)
     return Evaluation(
         values=space.spread(model, values),
         action_values=space.spread(model, action_values(model, values, discount)),
         expected_return=expected,
-        expected_steps=steps,
-        exit_probability=success,
+        expected_steps=space.at_start(model, steps),
+        exit_probability=probability(space.at_start(model, success)),
         discount=discount,
         actions=actions,
         diverging_cells=space.cells(diverging),
@@ -160,30 +160,29 @@ def action_values(model: Model, values: Floats, discount: float) -> Floats:
     return ahead
 
 
-def episode(
-    chain: Model, space: StateSpace, known: Floats | None = None
-) -> tuple[float, float, Floats]:
-    """Return the expected length of a chain's episodes and the probability to reach an exit.
+def episode(chain: Model, known: Floats | None = None) -> tuple[Floats, Floats]:
+    """Return a chain's expected steps to the end, and its chances to reach an exit, `[n]` each.
 
-    Episodes that are too long for floating point have the length inf and the probability nan. The
-    third is the expected steps to the end from each state, `[n]`: those that are known already, if
-    each state surely ends.
+    Where episodes are too long for floating point, steps are inf and chances nan.
+
+    Args:
+        chain: a model with one action.
+        known: the steps, where they are known already: each state surely ends.
     """
     if known is not None:
         ending = np.where(chain.next_state == chain.size, chain.probability, 0.0).sum(axis=(1, 2))
-        success = np.ones(chain.size)
-        if not np.array_equal(chain.success[:, 0], ending):
-            success = expected_sums(chain, chain.success[:, 0], 1.0, known)
-        return space.at_start(chain, known), probability(space.at_start(chain, success)), known
+        if np.array_equal(chain.success[:, 0], ending):
+            return known, np.ones(chain.size)
+        return known, expected_sums(chain, chain.success[:, 0], 1.0, known)
     ends = _may_reach(chain, chain.end)
     steps, success = np.zeros(chain.size), np.zeros(chain.size)
     columns = np.stack([np.ones(chain.size), chain.success[:, 0]], axis=1)[ends]
     try:
         steps[ends], success[ends] = expected_sums(chain.restrict(ends), columns, 1.0).T
     except EpisodeTooLongError:
-        return float("inf"), float("nan"), np.full(chain.size, np.inf)
+        return np.full(chain.size, np.inf), np.full(chain.size, np.nan)
     steps[_may_reach(chain, np.append(~ends, False))] = np.inf
-    return space.at_start(chain, steps), probability(space.at_start(chain, success)), steps
+    return steps, success
 
 
 def _may_reach(chain: Model, goals: Flags) -> Flags:

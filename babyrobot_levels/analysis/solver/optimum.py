@@ -7,6 +7,7 @@ end cannot be reached with probability one, costs are infinite. Policy iteration
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal, overload
 
@@ -36,10 +37,12 @@ from babyrobot_levels.analysis.solver.model import (
 )
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import (
+    EpisodeTooLongError,
     ExactSolution,
     Solution,
     check_discount,
     check_within,
+    probability,
 )
 from babyrobot_levels.analysis.solver.within import solve_within
 from babyrobot_levels.mdp.gridworld import world_of
@@ -124,23 +127,24 @@ def solve(
     greedy = np.zeros((mdp.num_states, ahead.shape[1]), bool)
     greedy[model.states] = _greedy(model, ahead, best)
     policy = np.full(mdp.num_states, -1)
-    policy[model.states] = found.policy
-    finite = np.isfinite(found.values)
-    chain, expected = model.under(found.policy), space.at_start(model, found.values)
-    steps, success, ahead_steps = episode(chain, space, optimum.steps)
+    finite, expected = np.isfinite(found.values), space.at_start(model, found.values)
+    steps, success = episode(model.under(found.policy), optimum.steps)
     fastest = np.zeros_like(greedy)
-    fastest[model.states] = _fastest(model, greedy[model.states], found.policy, ahead_steps)
+    fastest[model.states] = _fastest(model, greedy[model.states], found.policy, steps)
+    # Where no optimal policy surely ends, each of them is as good as the others.
+    endless = np.isinf(steps) & (found.values < np.inf)
+    rows = np.where(endless[:, None], greedy[model.states], fastest[model.states])
     if discount < 1:
-        # Where no optimal policy surely ends, each of them is as good as the others.
-        endless = model.states[np.isinf(ahead_steps)]
-        fastest[endless] = greedy[endless]
-    diverging = diverging_states(chain, expected, space)
+        fastest[model.states] = rows
+    chosen, success = _to_exits(model, rows, found.policy, success, space)
+    policy[model.states] = chosen
+    diverging = diverging_states(model.under(chosen), expected, space)
     solution = Solution(
         values=space.spread(model, found.values),
         action_values=space.spread(model, ahead),
         expected_return=expected,
-        expected_steps=steps,
-        exit_probability=success,
+        expected_steps=space.at_start(model, steps),
+        exit_probability=probability(space.at_start(model, success)),
         discount=discount,
         actions=actions,
         diverging_cells=space.cells(diverging),
@@ -244,6 +248,32 @@ def _fastest(model: Model, greedy: Flags, policy: Ints, steps: Floats) -> Flags:
     fastest: Flags = greedy & ends & (left <= (1 + TOLERANCE) * steps[:, None])
     fastest[np.arange(model.size), policy] = True
     return fastest
+
+
+def _to_exits(
+    model: Model, rows: Flags, policy: Ints, success: Floats, space: StateSpace
+) -> tuple[Ints, Floats]:
+    """Return a policy that reaches an exit as likely as any that takes some of the actions.
+
+    Args:
+        model: the states and actions.
+        rows: the actions that may be taken, `[n, actions]`.
+        policy: a policy of such actions; it is kept where none is likelier to reach an exit.
+        success: its chances to reach an exit, `[n]`.
+        space: the states.
+
+    Returns:
+        The policy, and its chances to reach an exit, `[n]`.
+    """
+    if (success == 1).all():
+        return policy, success
+    chances = model.with_rewards(np.where(rows, model.success, -np.inf))
+    if (chances.action_values(success, 1.0).max(axis=1) > success + TOLERANCE).any():
+        with suppress(EpisodeTooLongError):
+            found = _undiscounted(chances, space).found
+            better = found.values > success + TOLERANCE
+            return np.where(better, found.policy, policy), np.where(better, found.values, success)
+    return policy, success
 
 
 # -- loops without a discount --------------------------------------------------------------

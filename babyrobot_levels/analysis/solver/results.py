@@ -317,9 +317,9 @@ class Solution(Evaluation):
         policy: one optimal action for each cell, int64 `[height, width]`; -1 at blocked and
             terminal cells. The array carries its set of actions (`policy.actions`), which
             `evaluate` and everything else that takes a policy respects. Among optimal actions it
-            takes those that surely end the episode, and of these the fastest. Following any of the
-            greedy actions may earn less: where there is no discount and a step costs nothing, they
-            may lead round in circles.
+            takes those that surely end the episode, of these the fastest, and of these those most
+            likely to reach an exit. Following any of the greedy actions may earn less: where there
+            is no discount and a step costs nothing, they may lead round in circles.
         method: how it was found.
         iterations: how many policies were evaluated on the way, or rounds of sweeps were made.
         residual: the largest violation of Bellman's equation among finite values.
@@ -456,8 +456,8 @@ class Simulation(Result):
 
 
 def probability(value: float) -> float:
-    """Return a probability without the rounding errors that put it beyond 0 or 1."""
-    return min(1.0, max(0.0, value))
+    """Return a probability without the rounding errors that put it beyond 0 or 1; nan for nan."""
+    return min(max(value, 0.0), 1.0)
 
 
 # -- arguments -----------------------------------------------------------------------------
