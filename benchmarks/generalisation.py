@@ -499,9 +499,9 @@ def held_out_table(found: Mapping[str, Sequence[dict[str, Any]]]) -> str:
 
 
 def interval(shares: Any) -> str:
-    """Return the mean of shares `[runs, levels]`, with its bootstrap interval."""
+    """Return the mean of shares `[runs, levels]`, with its interval."""
     shares = np.array(shares)
-    known, ends = statistics_of(shares, np.zeros((*shares.shape, 2)), stratified=False)
+    known, ends = statistics_of(shares, np.zeros((*shares.shape, 2)), 0.0, stratified=False)
     return between(known["mean"], *ends["mean"])
 
 

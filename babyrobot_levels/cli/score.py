@@ -330,9 +330,11 @@ def _summary(scores: Scores) -> dict[str, str]:
     found = scores.summary
 
     def told(name: str, text: Callable[[float], str] = short) -> str:
-        ends = " to ".join(map(text, found.intervals[name]))
-        value = getattr(found, name)
-        return text(value) if math.isnan(value) else f"{text(value)} ({ends})"
+        value, (low, high) = getattr(found, name), found.intervals[name]
+        if math.isnan(high):
+            return text(value)
+        ends = f"at most {text(high)}" if math.isnan(low) else f"{text(low)} to {text(high)}"
+        return f"{text(value)} ({ends})"
 
     rows = {
         "levels": f"{found.levels:,}",

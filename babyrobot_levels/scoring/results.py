@@ -15,17 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.mdp.tables import Floats
-from babyrobot_levels.scoring.summaries import (
-    TAIL,
-    Improvement,
-    Summary,
-    improvement_of,
-    statistics_of,
-)
+from babyrobot_levels.scoring.intervals import interval
+from babyrobot_levels.scoring.summaries import Improvement, Summary, improvement_of, statistics_of
 from babyrobot_levels.text.files import write_bytes, write_text
 from babyrobot_levels.text.words import Telling
 
@@ -270,27 +264,29 @@ class Scores(Table[LevelScore]):
 def summary(runs: Scores | Sequence[Scores], *, stratified: bool = False) -> Summary:
     """Return the scores of several runs in a few numbers, such as of agents from several seeds.
 
-    The intervals are from 2,000 samples. Each draws runs, and levels, both with replacement: they
-    hold for agents that learned elsewhere, in other levels of the same kind. The stratified
-    bootstrap of Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical
-    Precipice (2021), draws runs within each level: it holds in these levels, for agents that
-    learned in each of them by itself.
+    The intervals hold for agents that learned elsewhere, in other levels of the same kind; the
+    stratified ones for agents that learned elsewhere, in these levels.
 
     Args:
         runs: the scores of a run, or of several in the same levels.
-        stratified: whether runs are drawn within each level, and levels are not drawn.
+        stratified: whether the intervals are for other runs in these levels, and not for others.
 
     Raises:
-        ValueError: there are no runs, or their levels differ, or a single run is stratified.
+        ValueError: there are no runs, their levels differ, or a single run is to be stratified.
     """
     runs = _runs_of(runs)
     if stratified and len(runs) < 2:
-        raise ValueError("only several runs can be drawn within each level; give two or more")
+        raise ValueError(
+            "of a single run, nobody knows how others differ in the same levels; give two or more"
+        )
     shares = _shares(runs)
     means = np.array([[(each.regret, each.success) for each in run] for run in runs])
     if not means.size:
         means = np.full((len(runs), 1, 2), math.nan)
-    known, intervals = statistics_of(shares, means, stratified=stratified)
+    ways = [each.optimum - each.random for each in runs[0]] or [math.nan]
+    # As for shares: twice as much as chance has, or as the highest that there is.
+    most_regret = 2.0 * float(np.max([*ways, *means[..., 0].ravel()]))
+    known, intervals = statistics_of(shares, means, most_regret, stratified=stratified)
     low = high = known["mean"]
     if not all(run.is_exact for run in runs):
         low, high = _interval_of(runs)
@@ -300,8 +296,8 @@ def summary(runs: Scores | Sequence[Scores], *, stratified: bool = False) -> Sum
 def improvement(ones: Scores | Sequence[Scores], others: Scores | Sequence[Scores]) -> Improvement:
     """Return the probability that one agent is better than another (Agarwal et al., 2021).
 
-    It is the statistic of Mann and Whitney in each level. The samples of its interval draw runs of
-    both, and levels.
+    It is the statistic of Mann and Whitney in each level. Its interval holds for other runs of
+    both, and for other levels of the same kind.
 
     Args:
         ones: the scores of the one agent: of a run, or of several.
@@ -368,13 +364,6 @@ def _written(text: str, path: str | os.PathLike[str] | None) -> str:
     return text
 
 
-_DRAWS = 4000
-"""How often weights are drawn: the ends vary by about 2 % of the width of the interval."""
-
-_APART = 500
-"""So many of the lowest and of the highest values are weighted alone; if there are more, those
-between them are in twice as many groups."""
-
 _MOST_SWEEPS, _MOST_WORK = 10_000, 500_000_000
 """After so many sweeps, or outcomes of all sweeps, extremes are bounded by those of rewards."""
 
@@ -398,40 +387,6 @@ class Played:
     def interval(self) -> tuple[float, float]:
         """Return a 95 % confidence interval of the expected return."""
         return interval(self.returns, self.lowest, self.highest)
-
-
-def interval(values: Floats, low: float, high: float) -> tuple[float, float]:
-    """Return a 95 % confidence interval of the mean that values are drawn from.
-
-    What a few episodes did not show can still happen: an agent that reaches the exit in one episode
-    of a hundred mostly fails thirty times in a row. So an interval has to know the range of
-    returns. This is the bound of Gaffke (2005); see Learned-Miller and Thomas, A new confidence
-    interval for the mean of a bounded random variable (2019), who conjecture that it always holds.
-    Of returns with two values, the lowest and the highest, it is that of Clopper and Pearson.
-
-    Args:
-        values: `[n]`, independent of each other.
-        low: the lowest value that there can be.
-        high: the highest.
-    """
-    distinct, counts = _grouped(*np.unique(values, return_counts=True))
-    random = np.random.default_rng(0)
-    weights = random.standard_gamma([*counts, 1.0], (_DRAWS, len(counts) + 1))
-    weights /= weights.sum(axis=1, keepdims=True)
-    known, unknown, mean = weights[:, :-1] @ distinct, weights[:, -1], float(values.mean())
-    least = float(np.quantile(known + unknown * low, TAIL))
-    most = float(np.quantile(known + unknown * high, 1 - TAIL))
-    return min(least, mean), max(most, mean)
-
-
-def _grouped(values: Floats, counts: NDArray[Any]) -> tuple[Floats, NDArray[Any]]:
-    """Return sorted values and how often they are there, with their means if they are many."""
-    if len(values) <= 4 * _APART:
-        return values, counts
-    inner = np.linspace(_APART, len(values) - _APART, 2 * _APART, endpoint=False).astype(int)
-    starts = np.concatenate([np.arange(_APART), inner, np.arange(-_APART, 0) + len(values)])
-    sizes = np.add.reduceat(counts, starts)
-    return np.add.reduceat(values * counts, starts) / sizes, sizes
 
 
 def extremes(space: StateSpace, limit: int, discount: float) -> tuple[float, float]:

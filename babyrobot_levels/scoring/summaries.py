@@ -1,15 +1,15 @@
-"""Scores of all levels, and of several runs, in a few numbers, with bootstrap intervals."""
+"""Scores of all levels, and of several runs, in a few numbers, with intervals that hold."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.scoring.intervals import interval, trimmed_interval, with_runs
 from babyrobot_levels.text.words import Telling
 
 SOLVED = 0.95
@@ -18,20 +18,11 @@ SOLVED = 0.95
 WORST = 0.1
 """The share of the levels that the worst tenth is made of."""
 
-TAIL = 0.025
-"""The chance that an interval of 95 % lies below what it is of, and that it lies above."""
-
 _NAMES = ("mean", "median", "iqm", "worst_tenth", "solved", "regret", "success")
 """The statistics that have intervals."""
 
-_DRAWS = 2000
-"""How many samples are drawn for an interval: its ends vary by about 3 % of its width."""
-
 _EQUAL = 1e-9
 """Shares that differ by less are equal."""
-
-_AT_ONCE = 1_000_000
-"""So many values are drawn at once, which bounds the memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +44,11 @@ class Summary(Telling):
             equal to it if all scores are exact.
         high: the upper end.
         runs: the number of runs.
-        intervals: the 95 % bootstrap intervals of `mean`, `median`, `iqm`, `worst_tenth`,
-            `solved`, `regret` and `success`, `(low, high)`, for other levels of the same kind and
-            other runs; nan of a single level in a single run.
+        intervals: the 95 % intervals of `mean`, `median`, `iqm`, `worst_tenth`, `solved`, `regret`
+            and `success`, `(low, high)`, for other levels of the same kind and other runs. An end
+            is nan if so few levels tell nothing of it: the lower one of `worst_tenth` with fewer
+            than about 35 levels, and both of a single level in a single run; those of
+            what is not finite, too, such as of an agent that never terminates.
     """
 
     __module__ = "babyrobot_levels"
@@ -81,7 +74,8 @@ class Improvement(Telling):
     Attributes:
         probability: the chance that a run of the one has a higher share of the optimum than a run
             of the other, in the same level, where equal shares count half; the mean over levels.
-        low: the lower end of its 95 % bootstrap interval.
+        low: the lower end of its 95 % interval, for other levels of the same kind and other runs;
+            nan of a single level in single runs.
         high: the upper end.
     """
 
@@ -93,40 +87,95 @@ class Improvement(Telling):
 
 
 def statistics_of(
-    shares: Floats, means: Floats, *, stratified: bool
+    shares: Floats, means: Floats, most_regret: float, *, stratified: bool
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
     """Return statistics of runs, and their intervals, by their names.
 
     Args:
         shares: `[runs, levels]`, of the levels that have shares.
         means: regrets and successes, `[runs, levels, 2]`.
+        most_regret: the most that a regret can be in levels of the same kind.
         stratified: see `brl.summary`.
     """
-    size, other = shares.shape, means.shape[:2]
-    ends = np.concatenate(
-        [
-            _ends(size, lambda *drawn: _of_shares(shares[drawn]), stratified=stratified),
-            _ends(other, lambda *drawn: _of_means(means[drawn]), stratified=stratified),
-        ],
-        axis=1,
+    groups = (
+        (shares, _of_shares, _share_ends),
+        (means, _of_means, lambda found: _mean_ends(found, most_regret)),
     )
-    known = [*_of_shares(shares).tolist(), *_of_means(means).tolist()]
-    return (
-        dict(zip(_NAMES, known, strict=True)),
-        dict(zip(_NAMES, map(tuple, ends.T.tolist()), strict=True)),
-    )
+    ends = [_ends(*group, stratified=stratified) for group in groups]
+    found = [*_of_shares(shares).tolist(), *_of_means(means).tolist()]
+    # Regrets and shares of success and of what is solved are not below 0, nor are shares above 1.
+    floor, ceiling = [-math.inf] * 4 + [0.0] * 3, [1.0] * 5 + [math.inf, 1.0]
+    # One nan for all, so that summaries of the same runs are equal.
+    within = np.clip(np.concatenate(ends, axis=1), floor, ceiling)
+    lows, highs = ([math.nan if math.isnan(end) else end for end in row] for row in within.tolist())
+    intervals = zip(lows, highs, strict=True)
+    return dict(zip(_NAMES, found, strict=True)), dict(zip(_NAMES, intervals, strict=True))
 
 
 def improvement_of(ones: Floats, others: Floats) -> Improvement:
     """Return the probability of improvement, of shares `[runs, levels]` and `[others, levels]`."""
     difference = ones[:, None] - others[None]
     wins = np.where(abs(difference) < _EQUAL, 0.5, difference > 0)
-    random = np.random.default_rng(0)
-    # How often each is drawn: of the runs, and of the levels.
-    counts = [random.multinomial(size, np.full(size, 1 / size), _DRAWS) for size in wins.shape]
-    drawn = np.einsum("di,dj,dij->d", *counts[:2], np.tensordot(counts[2], wins, (1, 2)))
-    low, high = np.quantile(drawn / wins.size, [TAIL, 1 - TAIL]).tolist()
-    return Improvement(float(wins.mean()), low, high)
+    by_level, samples = wins.mean(axis=(0, 1)), (wins.mean(axis=(1, 2)), wins.mean(axis=(0, 2)))
+    known = by_level.mean(keepdims=True)
+    ends = np.array(interval(by_level, 0.0, 1.0) if len(by_level) > 1 else (*known, *known))
+    ends = with_runs(known, ends[:, None], *(each[:, None] for each in samples))
+    low, high = np.clip(ends.ravel(), 0.0, 1.0).tolist() if wins.size > 1 else [math.nan] * 2
+    return Improvement(float(known[0]), low, high)
+
+
+def _ends(
+    values: Floats,
+    statistics: Callable[[Floats], Floats],
+    of_levels: Callable[[Floats], Floats],
+    *,
+    stratified: bool,
+) -> Floats:
+    """Return the ends of intervals for other levels and other runs, `[2, statistics]`.
+
+    Args:
+        values: `[runs, levels, …]`.
+        statistics: returns the statistics of such values.
+        of_levels: returns the ends of their intervals for other levels.
+        stratified: whether they are for other runs alone.
+    """
+    known, (runs, levels) = statistics(values), values.shape[:2]
+    if runs * levels == 1:
+        # A single value cannot tell how much others differ.
+        return np.full((2, len(known)), math.nan)
+    ends = np.stack([known, known]) if stratified or levels == 1 else of_levels(values)
+    with np.errstate(invalid="ignore"):
+        # What is not finite has ends that are nan.
+        return with_runs(known, ends, statistics(values[:, None]))
+
+
+def _share_ends(shares: Floats) -> Floats:
+    """Return the ends of the intervals of `_of_shares` for other levels, `[2, 5]`.
+
+    Shares are at most 1. How low they may be, nobody knows: as far below chance as the optimum is
+    above it, and twice as far from the optimum as the worst that there is.
+    """
+    lowest = 2.0 * min(0.0, float(shares.min())) - 1.0
+    by_level, solved = shares.mean(axis=0), (shares >= SOLVED).mean(axis=0)
+    ends = np.array(
+        [
+            interval(by_level, lowest, 1.0),
+            trimmed_interval(by_level[None], lowest, 1.0, 0.5, 0.5),
+            trimmed_interval(shares, lowest, 1.0, 0.25, 0.75),
+            trimmed_interval(shares, lowest, 1.0, 0.0, WORST),
+            interval(solved, 0.0, 1.0),
+        ]
+    ).T
+    # What is only as that bound is told by no level.
+    ends[0, ends[0] <= lowest + _EQUAL] = math.nan
+    known = _of_shares(shares)
+    return np.stack([np.minimum(ends[0], known), np.maximum(ends[1], known)])
+
+
+def _mean_ends(means: Floats, most_regret: float) -> Floats:
+    """Return the ends of the intervals of `_of_means` for other levels, `[2, 2]`."""
+    regrets, successes = means.mean(axis=0).T
+    return np.array([interval(regrets, 0.0, most_regret), interval(successes, 0.0, 1.0)]).T
 
 
 def _of_shares(shares: Floats) -> Floats:
@@ -147,30 +196,3 @@ def _of_means(values: Floats) -> Floats:
     """Return the means of values `[…, runs, levels, n]`: `[…, n]`."""
     found: Floats = values.mean(axis=(-3, -2))
     return found
-
-
-def _ends(size: tuple[int, int], of_drawn: Callable[..., Any], *, stratified: bool) -> Floats:
-    """Return the ends of the bootstrap intervals of several statistics, `[2, statistics]`.
-
-    Args:
-        size: the numbers of runs and levels.
-        of_drawn: returns statistics for the numbers of runs and levels in samples.
-        stratified: see `brl.summary`.
-    """
-    runs, levels = size
-    random = np.random.default_rng(0)
-    found: list[Any] = []
-    step = max(1, _AT_ONCE // (runs * levels))
-    for first in range(0, _DRAWS, step):
-        count = min(step, _DRAWS - first)
-        if stratified:
-            drawn = random.integers(runs, size=(count, runs, levels)), np.arange(levels)
-        else:
-            drawn = (
-                random.integers(runs, size=(count, runs, 1)),
-                random.integers(levels, size=(count, 1, levels)),
-            )
-        found.append(of_drawn(*drawn))
-    ends = np.quantile(np.concatenate(found), [TAIL, 1 - TAIL], axis=0)
-    # A single value cannot tell how much others differ.
-    return ends if runs * levels > 1 else np.full_like(ends, math.nan)
