@@ -114,8 +114,8 @@ def statistics_of(
 
 def improvement_of(ones: Floats, others: Floats) -> Improvement:
     """Return the probability of improvement, of shares `[runs, levels]` and `[others, levels]`."""
-    difference = ones[:, None] - others[None]
-    wins = np.where(abs(difference) < _EQUAL, 0.5, difference > 0)
+    one, other = ones[:, None], others[None]
+    wins = np.where(np.isclose(one, other, rtol=0.0, atol=_EQUAL), 0.5, one > other)
     by_level, samples = wins.mean(axis=(0, 1)), (wins.mean(axis=(1, 2)), wins.mean(axis=(0, 2)))
     known = by_level.mean(keepdims=True)
     ends = np.array(interval(by_level, 0.0, 1.0) if len(by_level) > 1 else (*known, *known))

@@ -171,6 +171,11 @@ def test_improvement_is_the_statistic_of_mann_and_whitney() -> None:
     assert same.low + same.high == pytest.approx(1, abs=0.02)
 
 
+def test_agents_that_never_terminate_are_equally_good() -> None:
+    endless = scores_of([0.7, -math.inf])
+    assert brl.improvement(endless, endless).probability == 0.5
+
+
 def test_runs_are_in_the_same_levels() -> None:
     with pytest.raises(ValueError, match="not in the same levels"):
         brl.summary([scores_of([0.5, 0.6]), scores_of([0.5])])
