@@ -118,7 +118,8 @@ Coordinate = Annotated[StrictInt, Field(ge=0, lt=MAX_SIZE), BeforeValidator(_who
 
 def _pair(what: str) -> Callable[[Any], Any]:
     def check(value: Any) -> Any:
-        if not isinstance(value, list | tuple) or len(value) != 2:
+        is_pair = isinstance(value, list | tuple) and len(value) == 2
+        if not is_pair or isinstance(value[0], list | tuple):
             raise PydanticCustomError("pair", "must be {what}", {"what": what})
         return value
 

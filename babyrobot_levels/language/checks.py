@@ -306,12 +306,13 @@ def _check_wind(level: LevelFields) -> Iterator[Issue]:
         count = level.size[0] if vertical else level.size[1]
         if strengths is not None and len(strengths) != count:
             line = "column" if vertical else "row"
+            fitting = [*strengths, *([0] * count)][:count]
             yield Issue(
                 "BR315",
                 ("wind", side),
                 f"`{side}` gives {len(strengths)} strength{'s' * (len(strengths) != 1)} "
                 f"for {count} {line}{'s' * (count != 1)}",
-                f"give one for each {line}",
+                f"give one for each {line}" + f", such as `{fitting}`" * (count <= 16),
             )
 
 

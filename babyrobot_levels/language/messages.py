@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeGuard, get_args, get_origin
 
@@ -10,11 +9,14 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, Forms
+from babyrobot_levels.language.cells import Puddle, PuddleType
 from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
 from babyrobot_levels.language.names import SLUG, VERSION
+from babyrobot_levels.language.rewriting import LONGEST, rewritten, takes
+from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.scalars import is_plain_string
-from babyrobot_levels.text.words import did_you_mean, nearest, shortened
+from babyrobot_levels.text.words import SHORT, did_you_mean, nearest, shortened
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
@@ -28,28 +30,30 @@ TYPES = {
     "dict_type": "a mapping",
     "model_type": "a mapping",
     "model_attributes_type": "a mapping",
+    "entries": "a list of mappings",
 }
 
 
 SAMPLES = {bool: "true", float: "1", int: "1", str: "name"}
 """Values of the plain types, for showing the form of what holds them."""
 
+NOT_OF_NUMBERS = ("size", "at", "rewards")
+"""Fields that mean more than one number, unless it is negative: a cost is a reward."""
+
 PLACES = ("at", "path")
 """Fields that entries need, though another may take their place."""
-
-ENTRY_KEYS = {
-    "puddles": ("size",),
-    "walls": ("side",),
-    "openings": ("side",),
-    "doors": ("side", "needs"),
-}
-"""What follows the cell in an entry that was written as a list."""
 
 SINGLES = {
     "one_of": "use `at: [x, y]` for a single cell",
     "exit_one_of": "use `exit: [x, y]` for a single cell",
 }
 """What to write in the place of a list with one entry, where it needs several."""
+
+BOOLEAN_KEY = (
+    "YAML 1.1 reads `on`, `off`, `yes` and `no` as this: put quotes around it, or let "
+    "`brl.load` read the file"
+)
+"""What to do about a key that is a boolean, as other libraries of YAML give it."""
 
 MISSING = {"count": "a suite has a `count` of mazes to grow, or lists `levels`"}
 """What to do about a missing field that another one can take the place of."""
@@ -83,7 +87,7 @@ OTHER_NAMES = {
     "map": "drawing layout ascii desc level tile",
     "count": "n num number num_level num_levels amount",
     # Of its parts.
-    "at": "po pos position cell location coord coordinate coordinates x y from",
+    "at": "po pos position cell location coord coordinate coordinates x y from row col column",
     "path": "to route waypoint",
     "side": "direction dir edge facing orientation",
     "needs": "key locked open requires required",
@@ -154,7 +158,6 @@ ELSEWHERE = (
     ("switch", "door", "a door is drawn between two cells, `/` or `-/-`"),
     ("switch", "mover guard", "movers are listed in `movers`"),
     ("switch", "warp", "warps are listed in `warps`"),
-    ("at size", "reward skid", "puddles of a size share it: `puddle_types: {small: {reward: -3}}`"),
     ("side", "from to between cells", "it has one cell and a side: `{at: [x, y], side: E}`"),
     ("path", "at pos position", "a mover has a `path` of cells, or walks `within` a rectangle"),
     ("ends", "rect rectangle", "an area has a corner and a size: `{at: [x, y], size: [2, 1]}`"),
@@ -172,9 +175,13 @@ FORMS = {
     "areas": "[{at: [x, y], reward: -10}]",
     "doors": "[{at: [x, y], side: E, needs: key}]",
     "movers": "[{path: [[0, 1], [1, 1]]}]",
+    "wind": "{north: [0, 1, 0]}",
     "theme": "{colors: {walls: blue}}",
 }
 """Values of fields of a level, as examples that say more than the types do."""
+
+AFTER = {"wind": ", with a strength for each column"}
+"""What is said after an example."""
 
 OTHER_CHOICES = {
     "depth-first": ("dfs", "recursive-backtracker", "recursive-backtracking", "backtracking"),
@@ -192,9 +199,6 @@ DIRECTIONS = {
     **dict.fromkeys(("left",), "W"),
 }
 """Other words for the sides of a cell."""
-
-_PERCENT = re.compile(r"[0-9]{1,3}(?:\.[0-9]{1,9})? ?%")
-_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+")
 
 
 def complaint(error: Any, model: type[BaseModel]) -> Complaint:
@@ -216,36 +220,18 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
             # `{step: -0,1}` is what YAML takes for `{step: -0, 1: }`.
             help_text = "write decimals with a point, such as `0.1`: a comma separates entries"
             return "BR201", f"unknown field `{shortened(field)}`", help_text
-        return _unknown(field, value, fields)
+        return _unknown(field, value, _around(error["loc"], model))
     if kind == "missing":
         help_text = beginning(model) if field == "version" else MISSING.get(field)
         return "BR202", f"missing field `{field}`", help_text
-    if is_form and (kind in TYPES or kind in ("pair", "literal_error")):
-        words = next(part.words for part in _parts(info) if isinstance(part, Forms))
-        message = f"must be {words}, not {show(value)}"
+    if kind in TYPES or kind == "pair" or (is_form and kind == "literal_error"):
+        words = TYPES.get(kind) or context.get("what", "")
+        code, guess = "BR203", ""
+        if is_form:
+            words = next(part.words for part in _parts(info) if isinstance(part, Forms))
         if kind == "literal_error":
-            message += _guess(value, _choices(context["expected"]))
-            return "BR204", message, _type_help(field, info, kind, value)
-        return "BR203", message, _type_help(field, info, kind, value)
-    if kind in TYPES:
-        help_text = _type_help(field, info, kind, value)
-        if names[:1] == ["legend"] and len(names) == 2:
-            help_text = _elsewhere(str(value), ("switch",)) or (
-                f"write `{field}: {{item: key}}`, with what the character stands for"
-            )
-        elif field == "size" and isinstance(value, list):
-            help_text = "write `{min: [5, 5], max: [8, 8]}` for sizes of a suite"
-        elif field == "splits":
-            help_text = "write `splits: {train: 0.8, test: 0.2}`"
-        elif field == "at" and isinstance(value, list) and "one_of" in fields:
-            help_text = "give several cells as `one_of: [[x, y], [x, y]]`"
-        elif help_text is None and info is not None and TYPES[kind] in ("a list", "a mapping"):
-            sample = _sample_of(info)
-            is_entry = isinstance(error["loc"][-1], int)
-            help_text = f"write `{sample[1:-1] if is_entry else f'{field}: {sample}'}`"
-        return "BR203", f"must be {TYPES[kind]}, not {show(value)}", help_text
-    if kind == "pair":
-        return "BR203", f"must be {context['what']}, not {show(value)}", None
+            code, guess = "BR204", _guess(value, _choices(context["expected"]))
+        return code, f"must be {words}, not {show(value)}{guess}", _form_help(error, model)
     if kind in ("literal_error", "enum"):
         return _choice(field, context["expected"], value)
     if kind in ("greater_than_equal", "greater_than", "less_than_equal", "less_than"):
@@ -281,13 +267,17 @@ def fields_around(location: Sequence[str | int], model: type[BaseModel]) -> dict
         location: the location.
         model: what the whole file should be.
     """
-    names = _names(location)
+    around = _around(location, model)
+    return {} if around is None else _fields(around)
+
+
+def _around(location: Sequence[str | int], model: type[BaseModel]) -> type[BaseModel] | None:
     around: type[BaseModel] | None = model
-    for name in names[:-1]:
+    for name in _names(location)[:-1]:
         fields = {} if around is None else _fields(around)
         if name in fields:
             around = next((part for part in _parts(fields[name]) if _is_model(part)), None)
-    return {} if around is None else _fields(around)
+    return around
 
 
 def _names(location: Sequence[str | int]) -> list[str]:
@@ -347,9 +337,9 @@ def show(value: Any) -> str:
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list | tuple):
-        if len(value) <= 3 and all(isinstance(item, int | float | str) for item in value):
-            return "`[" + ", ".join(shortened(item) for item in value) + "]`"
-        return f"a list of {len(value)}" if value else "an empty list"
+        if not value or len(value) > SHORT or len(text := flow(value)) > SHORT:
+            return f"a list of {len(value)}" if value else "an empty list"
+        return f"`{text}`"
     if isinstance(value, str):
         if not value:
             return "an empty text"
@@ -362,20 +352,55 @@ def _named(value: Any) -> str:
     return f"`{shortened(value)}`" if value != "" else "an empty text"
 
 
-def _unknown(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> Complaint:
+def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint:
     """Return what a field that does not exist may be meant to be."""
-    message = f"unknown field `{shortened(field)}`"
+    message, fields = f"unknown field `{shortened(field)}`", _fields(model) if model else {}
     word = field.lower().replace("-", "_")
-    if (text := _elsewhere(word, fields)) is not None:
+    if (text := _elsewhere(word, fields) or _of_puddles(word, value, model)) is not None:
         return "BR201", message, text
+    if field in ("True", "False"):
+        return "BR201", message, BOOLEAN_KEY
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
+    if inner := _inner(word, value, fields):
+        return "BR201", message + inner[0], inner[1]
     other = _other_name(word, fields) or next(iter(nearest(field, fields, 1)), None)
-    if other is None:
+    if other is None or model is None:
         metrics = "`expect` takes the metrics that `babyrobot show` shows"
         if "states" in fields:
             return "BR201", message, metrics + ", and `lint`" * ("lint" in fields)
         return "BR201", message, known
-    return "BR201", f"{message}; did you mean `{other}`?", known or _example(other, value, fields)
+    written = _each_side(value) if other == "side" else _written(other, value, model)
+    form = f"write `{other}: {_form(other, fields)}`"
+    help_text = written or (form if other == "at" else known or form)
+    return "BR201", f"{message}; did you mean `{other}`?", help_text
+
+
+def _of_puddles(word: str, value: Any, model: type[BaseModel] | None) -> str | None:
+    """Return where a property of a puddle is given."""
+    if model is not Puddle or word not in PuddleType.model_fields:
+        return None
+    is_percent = word == "skid" and isinstance(value, int | float) and 1 < value <= 100
+    given = f"{word}: {flow(value / 100 if is_percent else value)}"
+    return f"puddles of a size share it: `puddle_types: {{small: {{{given}}}}}`"
+
+
+def _inner(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> tuple[str, str] | None:
+    """Return what is meant by two words, such as `exit_reward`, and how that is written."""
+    first, _, second = word.rpartition("_")
+    for outer, inner in ((first, second), (second, first)):
+        field = next((each for each in (outer, f"{outer}s") if each in fields), None)
+        annotation = fields[field].annotation if field else None
+        part = next(filter(_is_model, (annotation, *get_args(annotation))), None)
+        if not inner or part is None or get_origin(annotation) is tuple:
+            continue
+        known = _fields(part)
+        if (text := _elsewhere(inner, known)) is not None:
+            return "", text
+        name = inner if inner in known else _other_name(inner, known)
+        if name and takes(part, name, value):
+            meant = f"write `{field}: {{{name}: {flow(value)}}}`"
+            return f"; did you mean `{field}`?", meant
+    return None
 
 
 def _elsewhere(word: str, fields: Collection[str]) -> str | None:
@@ -387,18 +412,32 @@ def _elsewhere(word: str, fields: Collection[str]) -> str | None:
     return None
 
 
-def _example(field: str, value: Any, fields: Mapping[str, FieldInfo]) -> str:
-    """Return how a field is written, with the value that another one got if it fits."""
-    example = FORMS.get(field) or _sample_of(fields[field])
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    is_pair = isinstance(value, list) and [*map(type, value)] == [int, int]
-    if (is_number and example[0].isdigit()) or (is_pair and example == "[x, y]"):
-        example = show(value).strip("`")
-    if is_number and (value < 0 or field != "rewards"):  # A cost is a negative reward.
-        example = re.sub(r"(?<=: )-?\d+(?=}$)", f"{value:g}", example)
-    if field == "exit" and isinstance(value, list) and not is_pair:
-        example = "[[x, y], [x, y]]"
-    return f"write `{field}: {example}`"
+def _written(field: str, value: Any, model: type[BaseModel]) -> str | None:
+    """Return how the value of a field is written that was given by another name, if it fits."""
+    if isinstance(value, str | bool) or value in ([], {}):
+        return None
+    if isinstance(value, int | float) and value >= 0 and field in NOT_OF_NUMBERS:
+        return None
+    fits = takes(model, field, value) and len(f"{value}") <= LONGEST
+    meant = value if fits else rewritten(value, field, model)
+    return None if meant is None else f"write `{field}: {flow(meant)}`"
+
+
+def _form(field: str, fields: Mapping[str, FieldInfo]) -> str:
+    return FORMS.get(field) or _sample_of(fields[field])
+
+
+def _each_side(value: Any) -> str | None:
+    """Return how an entry is written for each of several sides, if a value names such ones."""
+    names = list(value.upper()) if isinstance(value, str) and len(value) < 5 else value
+    if (
+        not isinstance(names, list)
+        or not 1 < len(names) < 5
+        or not {*map(str, names)} <= {*SIDES, *SIDE_NAMES}
+    ):
+        return None
+    entries = ", ".join(f"{{at: …, side: {name}}}" for name in names)
+    return f"write an entry for each side: `{entries}`"
 
 
 def _other_name(word: str, fields: Mapping[str, FieldInfo]) -> str | None:
@@ -411,59 +450,67 @@ def _other_name(word: str, fields: Mapping[str, FieldInfo]) -> str | None:
     return None
 
 
-def _type_help(field: str, info: FieldInfo | None, kind: str, value: Any) -> str | None:
+def _form_help(error: Any, model: type[BaseModel]) -> str | None:
+    """Return how to write a value that has a wrong form."""
+    names, value = _names(error["loc"]), error["input"]
+    field = names[-1] if names else ""
+    around = _around(error["loc"], model)
+    info = {} if around is None else _fields(around)
+    special = _special_help(field, names, value, info)
+    if special is not None or around is None or field not in info:
+        return special
+    is_entry = isinstance(error["loc"][-1], int)
+    meant = rewritten(value, field, around, is_entry)
+    if meant is not None:
+        shown = flow(meant) if is_entry else f"{field}: {flow(meant)}"
+        return f"write `{shown}`{AFTER.get(field, '')}"
+    if TYPES.get(error["type"]) not in ("a list", "a mapping", "a list of mappings"):
+        return None
+    sample = _sample_of(info[field])
+    if not is_entry:
+        return f"write `{field}: {_form(field, info)}`{AFTER.get(field, '')}"
+    is_cell = _is_cell(value) and "at: [x, y]" in sample
+    return f"write `{(sample.replace('[x, y]', flow(value), 1) if is_cell else sample)[1:-1]}`"
+
+
+def _is_cell(value: Any) -> bool:
+    return isinstance(value, list) and [*map(type, value)] == [int, int]
+
+
+def _special_help(
+    field: str, names: Sequence[str], value: Any, fields: Mapping[str, FieldInfo]
+) -> str | None:
+    """Return what to do about a value of a wrong form that no other form mends."""
     if field == "exit" and (value is None or value is False):
         return "write `exit: none` for a level without an exit"
     if value is None:
-        if COLOR_CHECK in _parts(info):
+        if COLOR_CHECK in _parts(fields.get(field)):
             return "put quotes around a colour that begins with `#`, or remove the field"
         return "give it a value, or remove the field"
-    if field == "version":
-        return "write three numbers, such as `version: 1.0.0`"
-    if kind == "bool_type" and _is_word(value, "yes", "no", "on", "off"):
-        return "write `true` or `false`"
-    if isinstance(value, str) and _PERCENT.fullmatch(value):
-        return f"write `{float(value[:-1]) / 100:g}`, between 0 and 1"
-    if kind == "float_type" and isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
-        return f"write `{value.replace(',', '.')}`, with a decimal point"
-    if field == "maze" and (_is_word(value, "random") or type(value) is int):
-        return f"write `maze: {{seed: {value}}}`"
-    if field == "max_steps" and (_is_word(value, "none", "inf", "infinity", ".inf", "unlimited")):
-        return "leave it out for episodes without a limit"
-    if field == "tags" and isinstance(value, str):
-        return f"write `tags: [{value}]`"
-    if field == "color" and type(value) is int:
-        return f'put quotes around a colour: `"#{value:06}"`'
+    if names[:1] == ["legend"] and len(names) == 2:
+        return _elsewhere(str(value), ("switch",)) or (
+            f"write `{field}: {{item: key}}`, with what the character stands for"
+        )
+    if field == "at" and isinstance(value, list) and [*map(type, value)].count(list) > 1:
+        if "one_of" in fields:
+            return "give several cells as `one_of: [[x, y], [x, y]]`"
+        entries = ", ".join(f"{{at: {flow(each)}}}" for each in value[:3])
+        return f"write an entry for each cell: `{entries}`"
     if field in ("start", "exit") and _is_word(value, "random"):
         other = "start: " if field == "start" else "exit_one_of: "
         return f"list the cells of which each reset draws one: `{other}[[x, y], [x, y]]`"
-    if field == "skid" and value is True:
-        return "write `skid: 0.2`, how likely the robot skids"
-    if field == "map" and isinstance(value, list):
-        return "draw it below `map: |`, or convert a map of FrozenLake with `babyrobot import`"
-    if field == "hit" and isinstance(value, int | float):
-        return f"write `hit: {{reward: {value}}}`"
-    if kind.startswith("model_") and any(
-        "at" in _fields(part) for part in _parts(info) if _is_model(part)
-    ):
-        return _entry_help(field, value)
-    return None
-
-
-def _entry_help(field: str, value: Any) -> str | None:
-    """Return how to write an entry of a list that was given in short."""
-    if not isinstance(value, list) or len(value) < 2:
-        return None
-    if not all(type(number) is int for number in value[:2]):
-        return None
-    at, rest = f"at: [{value[0]}, {value[1]}]", value[2:]
-    keys = ENTRY_KEYS.get(field, ())
-    if not rest:
-        return f"write `{{{at}, side: N}}`" if "side" in keys else f"write `{{{at}}}`"
-    if len(rest) != len(keys) or any(isinstance(each, list | dict) for each in rest):
-        return None
-    others = ", ".join(f"{key}: {each}" for key, each in zip(keys, rest, strict=True))
-    return f"write `{{{at}, {others}}}`"
+    if field == "max_steps" and (_is_word(value, "none", "inf", "infinity", ".inf", "unlimited")):
+        return "leave it out for episodes without a limit"
+    return {
+        "version": "write three numbers, such as `version: 1.0.0`",
+        "splits": "write `splits: {train: 0.8, test: 0.2}`",
+        "skid": "write `skid: 0.2`, how likely the robot skids"
+        if value is True or _is_word(value, "yes", "on")
+        else None,
+        "map": "draw it below `map: |`, or convert a map of FrozenLake with `babyrobot import`"
+        if isinstance(value, list)
+        else None,
+    }.get(field)
 
 
 def _is_word(value: Any, *words: str) -> bool:
@@ -485,7 +532,10 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
         guess = f"; did you mean `{side}`?" if side else ""
     guess = guess or _guess(value, names)
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
-    return "BR204", f"must be {shown}, not {show(value)}{guess}", None
+    help_text = _each_side(value) if field == "side" else None
+    if isinstance(value, list) and len(value) == 1:
+        help_text = f"write `{field}: {shortened(value[0])}`"
+    return "BR204", f"must be {shown}, not {show(value)}{'' if help_text else guess}", help_text
 
 
 def _guess(value: Any, names: Sequence[str]) -> str:

@@ -109,7 +109,7 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
         return model.model_validate(data), []
     except ValidationError as error:
         details: Sequence[Any] = [d for d in error.errors(include_url=False) if _is_fault(d)]
-    issues = _issues(details[:MAX_PROBLEMS], model)
+    issues = _issues([*_joined(details, data)][:MAX_PROBLEMS], model)
     if len(details) > MAX_PROBLEMS:
         return None, issues
     if not any(_issues_of(detail) for detail in details):
@@ -148,6 +148,27 @@ def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
         location = Key(route) if is_key else route
         issues.append(Issue(code, location, f"{subject}{message}", help_text))
     return issues
+
+
+def _joined(details: Sequence[Any], data: Any) -> Iterator[Any]:
+    """Yield the details; of a list of plain values, where it has entries of its own, a single one.
+
+    `blocked: [1, 1]` is one cell, and not two entries that are wrong.
+    """
+    plain: dict[Route, bool] = {}
+    for detail in details:
+        around, is_first = _route(detail["loc"][:-1]), False
+        if detail["type"].startswith("model_") and isinstance(detail["loc"][-1], int):
+            whole = data
+            for segment in around:
+                whole = whole[segment]
+            is_first = around not in plain
+            if is_first:
+                plain[around] = not any(isinstance(each, list | dict) for each in whole)
+            if is_first and plain[around]:
+                yield {**detail, "type": "entries", "loc": around, "input": whole}
+        if not plain.get(around):
+            yield detail
 
 
 def _misnamed(details: Sequence[Any], model: type[BaseModel]) -> dict[Any, set[str | None]]:
