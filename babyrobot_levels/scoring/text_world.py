@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -21,7 +20,7 @@ from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.sights import SIGHTS, Narrator
-from babyrobot_levels.render.words.happenings import bump, changes, hitter
+from babyrobot_levels.render.words.happenings import happenings
 from babyrobot_levels.render.words.phrases import counted
 from babyrobot_levels.scoring.plays import Play, play_of
 from babyrobot_levels.text.words import Telling
@@ -268,7 +267,6 @@ class TextWorld(Telling):
             self.invalid += 1
             return self._over()
         values, before = self._stage.values, self.state
-        possible = bool(self._env.action_masks()[action])
         _, reward, self._ended, _, info = self._env.step(int(action))
         after, left = self.state, self.within - len(self._moves)
         lost, luck = values.graded(
@@ -294,28 +292,19 @@ class TextWorld(Telling):
         self._moves.append(move)
         self.done = self._ended or left == 1
         self.is_success = self._ended and bool(values.space.exits[after])
-        told = [*self._told(action, before, info, possible=possible)]
+        told = [
+            *happenings(
+                self.level,
+                before,
+                action,
+                after,
+                skidded=info["skidded"],
+                target_reached=info["target_reached"],
+                hit=info.get("hit", False),
+            )
+        ]
         told.append(self._count())
         return "\n".join([" ".join(told), self.look()])
-
-    def _told(
-        self, action: Action, before: int, info: dict[str, Any], *, possible: bool
-    ) -> Iterator[str]:
-        """Yield what happened in a step, as sentences."""
-        level, mdp, after = self.level, self.level.compile(), self.state
-        then, now = (level.configuration(mdp.configuration(state)) for state in (before, after))
-        if info["skidded"]:
-            yield "The robot skids."
-        elif not possible:
-            yield bump(level, mdp, before, action, then)
-        elif not info["target_reached"]:
-            yield "The glass throws the robot back."
-        else:
-            way = action.name.lower()
-            yield "The robot waits." if action is Action.STAY else f"The robot moves {way}."
-        yield from changes(level, then, now)
-        if info.get("hit"):
-            yield f"The {hitter(level, mdp, before, action, after)} hits the robot!"
 
     def _count(self) -> str:
         limit, steps = self.within, len(self._moves)

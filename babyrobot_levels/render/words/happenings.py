@@ -16,6 +16,43 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.tables import Mdp
 
 
+def happenings(
+    level: GridWorld,
+    before: int,
+    action: int,
+    after: int,
+    *,
+    skidded: bool,
+    target_reached: bool,
+    hit: bool,
+) -> Iterator[str]:
+    """Yield what happened in a step, a sentence each.
+
+    Args:
+        level: the level.
+        before: the state before the step, as in `level.compile()`.
+        action: the action, an `Action`.
+        after: the state after it.
+        skidded: whether chance took the robot somewhere else.
+        target_reached: whether it is where the action leads without chance.
+        hit: whether a mover hit it.
+    """
+    mdp = level.compile()
+    then, now = (level.configuration(mdp.configuration(state)) for state in (before, after))
+    if skidded:
+        yield "The robot skids."
+    elif not mdp.action_mask[before, action]:
+        yield bump(level, mdp, before, action, then)
+    elif not target_reached:
+        yield "The glass throws the robot back."
+    else:
+        way = Action(action).name.lower()
+        yield "The robot waits." if action == Action.STAY else f"The robot moves {way}."
+    yield from changes(level, then, now)
+    if hit:
+        yield f"The {hitter(level, mdp, before, action, after)} hits the robot!"
+
+
 def changes(level: GridWorld, then: Configuration, now: Configuration) -> Iterator[str]:
     """Yield what has changed since a configuration, a sentence each; not where movers are."""
     yield from (f"Took the {spoken([name])}." for name in now.held if name not in then.held)
