@@ -13,6 +13,7 @@ from support.places import DOCS, ROOT
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import COMMANDS
+from babyrobot_levels.extensions import sight
 
 # The pages of the rules are added by docs/conf.py, those of the interface by its first page.
 FOUND = {*DOCS.glob("*.md"), *ROOT.glob("*.md"), *(ROOT / "notebooks").glob("*.ipynb")}
@@ -47,6 +48,7 @@ def test_the_reference_has_every_public_name_once() -> None:
     public = [name for name in brl.__all__ if name != "__version__"]
     assert {module: sorted(names) for module, names in named.items()} == {
         "babyrobot_levels": public,
+        "babyrobot_levels.extensions.sight": sorted(sight.__all__),
         "babyrobot_levels.jax": sorted(public_names_of_jax()),
     }
 

@@ -120,7 +120,7 @@ def solve(
             raise ValueError("exact values are those without a limit of steps; leave `within` out")
         return solve_within(space, discount, limit)
     model, mdp = space.model(), space.mdp
-    optimum = _discounted(model, discount) if discount < 1 else _undiscounted(model, space)
+    optimum = _discounted(model, discount) if discount < 1 else undiscounted(model, space)
     found = optimum.found
     ahead = action_values(model, found.values, discount)
     best = ahead.max(axis=1, initial=-np.inf)
@@ -166,7 +166,7 @@ def solve(
 
 
 @dataclass(frozen=True, eq=False)
-class _Optimum:
+class Optimum:
     """What is found of a model; `steps` are those to the end, `[n]`, where they are known."""
 
     found: Iterated
@@ -174,16 +174,26 @@ class _Optimum:
     steps: Floats | None
 
 
-def _discounted(model: Model, discount: float) -> _Optimum:
+def _discounted(model: Model, discount: float) -> Optimum:
     _, towards_end = attractor(model, model.end, model.allowed)
     policy = np.where(towards_end >= 0, towards_end, model.reward.argmax(axis=1))
     found = iterate_policies(model, policy, discount)
     policy, steps = prefer_ending(model, found.values, found.policy, discount)
     core = Core(model, np.arange(model.size), policy)
-    return _Optimum(replace(found, policy=policy), core, steps)
+    return Optimum(replace(found, policy=policy), core, steps)
 
 
-def _undiscounted(model: Model, space: StateSpace) -> _Optimum:
+def undiscounted(model: Model, space: StateSpace) -> Optimum:
+    """Return the optimum of a model without a discount.
+
+    Args:
+        model: the model, whose `states` are states of the level.
+        space: the states of the level, which errors name.
+
+    Raises:
+        UndefinedReturnError: it may be optimal to stay in a loop in which rewards cancel out.
+        EpisodeTooLongError: it takes too long to end.
+    """
     loops = find_loops(model)
     unbounded, policy = loops.positive, loops.action.copy()
     if unbounded.any():
@@ -214,13 +224,13 @@ def _undiscounted(model: Model, space: StateSpace) -> _Optimum:
         raise space.undefined_return(model, unclear)
     ends = steps if core.size == model.size else None
     found = replace(found, values=values, policy=policy)
-    return _Optimum(found, Core(core, inside, core_policy), ends)
+    return Optimum(found, Core(core, inside, core_policy), ends)
 
 
 def most_expected(model: Model, rewards: Floats, space: StateSpace) -> Floats:
     """Return the most that can be expected of other rewards, `[n, actions]`, from each state."""
     other = model.with_rewards(np.where(model.allowed, rewards, -np.inf))
-    return _undiscounted(other, space).found.values
+    return undiscounted(other, space).found.values
 
 
 def _greedy(model: Model, ahead: Floats, best: Floats) -> Flags:
@@ -270,7 +280,7 @@ def _to_exits(
     chances = model.with_rewards(np.where(rows, model.success, -np.inf))
     if (chances.action_values(success, 1.0).max(axis=1) > success + TOLERANCE).any():
         with suppress(EpisodeTooLongError):
-            found = _undiscounted(chances, space).found
+            found = undiscounted(chances, space).found
             better = found.values > success + TOLERANCE
             return np.where(better, found.policy, policy), np.where(better, found.values, success)
     return policy, success

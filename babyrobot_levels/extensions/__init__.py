@@ -1,0 +1,1 @@
+"""What can be done with levels beyond the core: a folder each, which stands alone."""
