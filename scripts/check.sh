@@ -84,9 +84,10 @@ ray)
 storm)
     make_venv .venv-storm
     # verifiers pins the lowest version of mcp; the tests with other libraries have the highest.
-    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb,verifiers]" hatchling hypothesis pytest stormpy==2.0.0
+    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb,verifiers]" hatchling hypothesis matplotlib pomdp-toolkit==0.0.4 pytest stormpy==2.0.0
     PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
     beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm \
+        tests/extensions/sight/test_readers.py \
         tests/assistants/test_server.py tests/language_agents/test_verifiers.py
     exit
     ;;

@@ -52,6 +52,7 @@ SLOW = {
 
 LIBRARIES = {
     "assistants/test_server.py",
+    "extensions/sight/test_readers.py",
     "in_otter",
     "jax_levels",
     "language_agents",

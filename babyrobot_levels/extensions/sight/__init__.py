@@ -4,6 +4,7 @@ from babyrobot_levels.extensions.sight.model import PartialModel, TooLargeError
 from babyrobot_levels.extensions.sight.policy import SightPolicy
 from babyrobot_levels.extensions.sight.sights import NAMES
 from babyrobot_levels.extensions.sight.solve import SightSolution, sight_cost, solve_sight
+from babyrobot_levels.extensions.sight.writers import write_drn, write_pomdp, write_prism
 
 __all__ = [
     "NAMES",
@@ -13,4 +14,7 @@ __all__ = [
     "TooLargeError",
     "sight_cost",
     "solve_sight",
+    "write_drn",
+    "write_pomdp",
+    "write_prism",
 ]
