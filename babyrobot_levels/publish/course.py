@@ -18,8 +18,8 @@ from babyrobot_levels.library.search_path import data_folder
 from babyrobot_levels.publish.gallery import gallery
 from babyrobot_levels.publish.packing import pack
 from babyrobot_levels.publish.schools import (
-    GITHUB_CLASSROOM,
     classroom50,
+    github_classroom,
     gradescope,
     prairielearn,
     scorm,
@@ -172,7 +172,7 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
         yield lambda: write_zip(teacher / "gradescope.zip", gradescope(course))
         yield lambda: write_zip(teacher / "classroom50.zip", classroom50(course))
         yield lambda: write_zip(teacher / "prairielearn.zip", prairielearn(course, title))
-        yield lambda: write_text(teacher / "github-classroom.yml", GITHUB_CLASSROOM)
+        yield lambda: write_text(teacher / "github-classroom.yml", github_classroom())
 
 
 def _save(make: Callable[[], Sheet], path: Path) -> None:

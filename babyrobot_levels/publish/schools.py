@@ -11,78 +11,30 @@ from xml.etree import ElementTree
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.packs.build import Course
-from babyrobot_levels.render.templates import html, put_together
+from babyrobot_levels.render.templates import html, put_together, static
 from babyrobot_levels.text.errors import DISTRIBUTION
 from babyrobot_levels.text.files import PACK_FILE
 
 _PYTHON = "3.13"
 
-_SETUP = f"""\
-#!/usr/bin/env bash
-set -e
-apt-get update
-apt-get install -y python3 python3-venv
-# The Python of the system may be too old.
-python3 -m venv /autograder/uv
-/autograder/uv/bin/pip install uv
-export UV_PYTHON_INSTALL_DIR=/autograder/python
-/autograder/uv/bin/uv venv --python {_PYTHON} /autograder/venv
-# A wheel that was put into this archive, else the release.
-wheels=(/autograder/source/*.whl)
-[ -e "${{wheels[0]}}" ] || wheels=({DISTRIBUTION})
-/autograder/uv/bin/uv pip install --python /autograder/venv/bin/python3 "${{wheels[@]}}"
-"""
 
-_RUN = """\
-#!/usr/bin/env bash
-/autograder/venv/bin/python3 /autograder/source/grade.py
-"""
+def _text(name: str, **values: str) -> str:
+    """Return a file of the folder `static/schools`, filled in."""
+    path = f"publish/static/schools/{name}.jinja"
+    return html(path, distribution=DISTRIBUTION, python=_PYTHON, **values)
 
-GITHUB_CLASSROOM = f"""\
-# Put this into the repository of the assignment as .github/workflows/classroom.yml
-name: Autograding Tests
-on: [push, workflow_dispatch]
-permissions:
-  checks: write
-  actions: read
-  contents: read
-jobs:
-  run-autograding-tests:
-    runs-on: ubuntu-latest
-    if: github.actor != 'github-classroom[bot]'
-    steps:
-      - uses: actions/checkout@v4
-      - uses: actions/setup-python@v5
-        with:
-          python-version: "{_PYTHON}"
-      - run: pip install {DISTRIBUTION}
-      - id: course
-        shell: python
-        run: |
-          import base64, json, os
-          import babyrobot_levels as brl
 
-          if __name__ == "__main__":
-              found = brl.grade_functions(".")
-              print(found)
-              result = json.dumps(found.to_github_classroom()).encode()
-              with open(os.environ["GITHUB_OUTPUT"], "a") as output:
-                  print("result=" + base64.b64encode(result).decode(), file=output)
-      - uses: classroom-resources/autograding-grading-reporter@v1
-        env:
-          COURSE_RESULTS: ${{{{ steps.course.outputs.result }}}}
-        with:
-          runners: course
-"""
-"""The workflow of an assignment of GitHub Classroom, which runs in a copy of the students' code."""
+def github_classroom() -> str:
+    """Return the workflow of an assignment, which runs in a copy of the students' code."""
+    return _text("github-classroom.yml")
 
 
 def gradescope(course: Course) -> Mapping[str, bytes]:
     """Return the files of an autograder for Gradescope."""
     results = "/autograder/results/results.json"
     return {
-        "setup.sh": _SETUP.encode(),
-        "run_autograder": _RUN.encode(),
+        "setup.sh": _text("setup.sh").encode(),
+        "run_autograder": static("publish/static/schools/run_autograder").encode(),
         "grade.py": _autograder("/autograder/submission", results, "to_gradescope"),
         **_files_of(course),
     }
@@ -123,32 +75,7 @@ def prairielearn(course: Course, title: str) -> Mapping[str, bytes]:
 
 def _autograder(code: str, results: str, method: str) -> bytes:
     """Return a script that grades the files in the folder `code`."""
-    script = f"""\
-#!/usr/bin/env python3
-import importlib.util
-import json
-import subprocess
-import sys
-from pathlib import Path
-
-HERE = Path(__file__).parent
-
-if __name__ == "__main__":
-    if importlib.util.find_spec("babyrobot_levels") is None:
-        # A wheel that was put beside this file, else the release.
-        wheels = [*map(str, HERE.glob("*.whl"))] or ["{DISTRIBUTION}"]
-        # Not the `pip` of a student, whose folder this may run in.
-        pip = [sys.executable, "-P", "-m", "pip", "install", "--quiet"]
-        subprocess.run([*pip, *wheels], check=True)
-        importlib.invalidate_caches()
-    import babyrobot_levels as brl
-
-    found = brl.grade_functions(HERE / "course", "{code}")
-    results = Path("{results}")
-    results.parent.mkdir(parents=True, exist_ok=True)
-    results.write_text(json.dumps(found.{method}()))
-"""
-    return script.encode()
+    return _text("grade.py", code=code, results=results, method=method).encode()
 
 
 def _files_of(course: Course) -> Mapping[str, bytes]:
