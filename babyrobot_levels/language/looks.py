@@ -1,7 +1,9 @@
 """How a level looks: themes and display."""
 
+import json
 import re
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, StrictStr, StringConstraints, WithJsonSchema
@@ -9,41 +11,9 @@ from pydantic_core import PydanticCustomError
 
 from babyrobot_levels.language.base import Flag, Model, Number, Once, form, forms
 
-_TABLE = """
-aliceblue f0f8ff antiquewhite faebd7 aqua 00ffff aquamarine 7fffd4 azure f0ffff beige f5f5dc
-bisque ffe4c4 black 000000 blanchedalmond ffebcd blue 0000ff blueviolet 8a2be2 brown a52a2a
-burlywood deb887 cadetblue 5f9ea0 chartreuse 7fff00 chocolate d2691e coral ff7f50
-cornflowerblue 6495ed cornsilk fff8dc crimson dc143c cyan 00ffff darkblue 00008b darkcyan 008b8b
-darkgoldenrod b8860b darkgray a9a9a9 darkgreen 006400 darkgrey a9a9a9 darkkhaki bdb76b
-darkmagenta 8b008b darkolivegreen 556b2f darkorange ff8c00 darkorchid 9932cc darkred 8b0000
-darksalmon e9967a darkseagreen 8fbc8f darkslateblue 483d8b darkslategray 2f4f4f
-darkslategrey 2f4f4f darkturquoise 00ced1 darkviolet 9400d3 deeppink ff1493 deepskyblue 00bfff
-dimgray 696969 dimgrey 696969 dodgerblue 1e90ff firebrick b22222 floralwhite fffaf0
-forestgreen 228b22 fuchsia ff00ff gainsboro dcdcdc ghostwhite f8f8ff gold ffd700
-goldenrod daa520 gray 808080 green 008000 greenyellow adff2f grey 808080 honeydew f0fff0
-hotpink ff69b4 indianred cd5c5c indigo 4b0082 ivory fffff0 khaki f0e68c lavender e6e6fa
-lavenderblush fff0f5 lawngreen 7cfc00 lemonchiffon fffacd lightblue add8e6 lightcoral f08080
-lightcyan e0ffff lightgoldenrodyellow fafad2 lightgray d3d3d3 lightgreen 90ee90 lightgrey d3d3d3
-lightpink ffb6c1 lightsalmon ffa07a lightseagreen 20b2aa lightskyblue 87cefa
-lightslategray 778899 lightslategrey 778899 lightsteelblue b0c4de lightyellow ffffe0 lime 00ff00
-limegreen 32cd32 linen faf0e6 magenta ff00ff maroon 800000 mediumaquamarine 66cdaa
-mediumblue 0000cd mediumorchid ba55d3 mediumpurple 9370db mediumseagreen 3cb371
-mediumslateblue 7b68ee mediumspringgreen 00fa9a mediumturquoise 48d1cc mediumvioletred c71585
-midnightblue 191970 mintcream f5fffa mistyrose ffe4e1 moccasin ffe4b5 navajowhite ffdead
-navy 000080 oldlace fdf5e6 olive 808000 olivedrab 6b8e23 orange ffa500 orangered ff4500
-orchid da70d6 palegoldenrod eee8aa palegreen 98fb98 paleturquoise afeeee palevioletred db7093
-papayawhip ffefd5 peachpuff ffdab9 peru cd853f pink ffc0cb plum dda0dd powderblue b0e0e6
-purple 800080 rebeccapurple 663399 red ff0000 rosybrown bc8f8f royalblue 4169e1
-saddlebrown 8b4513 salmon fa8072 sandybrown f4a460 seagreen 2e8b57 seashell fff5ee sienna a0522d
-silver c0c0c0 skyblue 87ceeb slateblue 6a5acd slategray 708090 slategrey 708090 snow fffafa
-springgreen 00ff7f steelblue 4682b4 tan d2b48c teal 008080 thistle d8bfd8 tomato ff6347
-turquoise 40e0d0 violet ee82ee wheat f5deb3 white ffffff whitesmoke f5f5f5 yellow ffff00
-yellowgreen 9acd32
-"""
+_KNOWN = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
 
-_WORDS = _TABLE.split()
-
-NAMED = dict(zip(_WORDS[::2], _WORDS[1::2], strict=True))
+NAMED: dict[str, str] = _KNOWN["colors"]
 """The named colours of CSS with their digits: Pillow, which has them, is slow to import."""
 
 NAMES = (*NAMED, "transparent")
@@ -217,101 +187,18 @@ ThemeLike = Annotated[
 ]
 
 
-def _theme(padding: float, wall_width: float, /, **colors: str) -> Theme:
+def _theme(*, colors: dict[str, str], widths: dict[str, float]) -> Theme:
     # They are valid: to check them at each start would take longer than to check a level.
-    widths = Widths.model_construct(padding=padding, walls=wall_width, border=wall_width)
-    return Theme.model_construct(colors=Colors.model_construct(None, **colors), widths=widths)
+    return Theme.model_construct(
+        colors=Colors.model_construct(None, **colors), widths=Widths.model_construct(None, **widths)
+    )
 
 
 BUILTIN_THEMES: dict[str, Theme] = {
     "default": Theme.model_construct(
         set(), colors=Colors.model_construct(), widths=Widths.model_construct()
     ),
-    "black_orange": _theme(
-        3.0,
-        6.0,
-        base="#1e1e1e",
-        lines="#707070",
-        start="#007acc",
-        exit="#e51914",
-        border="#cc5500",
-        walls="#cc5500",
-        arrows="#cccccc",
-        text_bg="rgba(40,40,40,0.85)",
-        text_fg="#cccccc",
-        blocked="#6e6e6e",
-        puddle="#3b9ddd",
-        robot="#b9c4cf",
-    ),
-    "blue_green": _theme(
-        3.0,
-        6.0,
-        base="#beb8eb",
-        lines="#5e5c6c",
-        start="#1b69ae",
-        exit="#0b5563",
-        border="#5e5c6c",
-        walls="#5e5c6c",
-        arrows="#0a4d5a",
-        text_bg="rgba(40,40,40,0.85)",
-        text_fg="#cccccc",
-        blocked="#656279",
-        puddle="#38699d",
-        robot="#4a5568",
-    ),
-    "green": _theme(
-        3.0,
-        6.0,
-        base="#588157",
-        lines="#84a98c",
-        start="#d6dfc4",
-        start_text="#1f3329",
-        exit="#1e3234",
-        border="#1f3329",
-        walls="#1f3329",
-        arrows="#1e3234",
-        text_bg="rgba(40,40,40,0.85)",
-        text_fg="#cccccc",
-        blocked="#1f3323",
-        puddle="#bfe3fa",
-        robot="#d5dbe1",
-    ),
-    "high_contrast": _theme(
-        4.0,
-        7.0,
-        base="#000000",
-        lines="#7f7f7f",
-        start="#ffb000",
-        start_text="#000000",
-        exit="#00d68f",
-        exit_text="#000000",
-        border="#8c8c8c",
-        walls="#ffffff",
-        arrows="#ffff00",
-        text_bg="#000000",
-        text_fg="#ffffff",
-        blocked="#7f7f7f",
-        puddle="#5ab0ff",
-        robot="#f2f2f2",
-    ),
-    "print": _theme(
-        3.0,
-        5.0,
-        base="#ffffff",
-        lines="#9a9a9a",
-        start="#949494",
-        start_text="#000000",
-        exit="#000000",
-        exit_text="#ffffff",
-        border="#000000",
-        walls="#000000",
-        arrows="#000000",
-        text_bg="#ffffff",
-        text_fg="#000000",
-        blocked="#595959",
-        puddle="#8e8e8e",
-        robot="#4d4d4d",
-    ),
+    **{name: _theme(**theme) for name, theme in _KNOWN["themes"].items()},
 }
 """The built-in themes: four in the colours of PyPI `babyrobot`, one of high contrast, for
 projectors, and one for paper, in greys."""
