@@ -9,6 +9,8 @@ Arial and Liberation Sans, with which pictures are shown elsewhere, have the wid
 
 from __future__ import annotations
 
+import json
+import pathlib
 import re
 import unicodedata
 import zlib
@@ -61,69 +63,17 @@ ACCENTS = dict(
 )
 """Combining characters, and those of the font that look like them."""
 
-_REGULAR = {
-    191: "'",
-    222: "ijlł‘’‚",
-    260: "|¦",
-    278: " !,./:;I[\\]ft\xa0·ÌÍÎÏìíîïı",
-    333: "()-`r¡¨\xad¯²³´¸¹ˆ˜“”„‹›ˇ˘˙˚˝˛",
-    334: "{}",
-    350: "•",
-    355: '"',
-    365: "º",
-    370: "ª",
-    389: "*",
-    400: "°",
-    469: "^",
-    500: "Jcksvxyzçýÿšž",
-    537: "¶",
-    584: "+<=>~¬±×÷−",
-    611: "FTZ¿ßøŽ",
-    667: "&ABEKPSVXYÀÁÂÃÄÅÈÉÊËÝÞŠŸ",
-    722: "CDHNRUwÇÐÑÙÚÛÜ",
-    737: "©®",
-    778: "GOQÒÓÔÕÖØ",
-    833: "Mm",
-    834: "¼½¾",
-    889: "%æ",
-    944: "Wœ",
-    1000: "ÆŒ—…‰™",
-    1015: "@",
-}
-_BOLD = {
-    238: "'",
-    278: " ,./I\\ijlł\xa0·ÌÍÎÏìíîïı‘’‚",
-    280: "|¦",
-    333: "!()-:;[]`ft¡¨\xad¯²³´¸¹ˆ˜‹›ˇ˘˙˚˝˛",
-    350: "•",
-    365: "º",
-    370: "ª",
-    389: "*r{}",
-    400: "°",
-    474: '"',
-    500: "zž“”„",
-    584: "+<=>^~¬±×÷−",
-    611: "?FLŁTZbdghnopquµ¿ßðñòóôõöøùúûüþŽ",
-    667: "EPSVXYÈÉÊËÝÞŠŸ",
-    722: "&ABCDHKNRUÀÁÂÃÄÅÇÐÑÙÚÛÜ",
-    737: "©®",
-    778: "GOQwÒÓÔÕÖØ",
-    833: "M",
-    834: "¼½¾",
-    889: "%mæ",
-    944: "Wœ",
-    975: "@",
-    1000: "ÆŒ—…‰™",
-}
 _USUAL = 556
 """The width of all other characters of the encoding, digits among them."""
 
 
-def _widths(table: Mapping[int, str]) -> dict[str, int]:
-    return {character: width for width, those in table.items() for character in those}
+def _widths(table: Mapping[str, str]) -> dict[str, int]:
+    return {character: int(width) for width, those in table.items() for character in those}
 
 
-_WIDTHS = {False: _widths(_REGULAR), True: _widths(_BOLD)}
+_TABLES = json.loads(pathlib.Path(__file__).with_name("helvetica.json").read_text("utf-8"))
+_WIDTHS = {False: _widths(_TABLES["regular"]), True: _widths(_TABLES["bold"])}
+"""The widths of characters in thousandths of the font size, regular and bold."""
 
 
 @lru_cache(maxsize=1024)
