@@ -23,7 +23,7 @@ from babyrobot_levels.parallel.executor import Failure
 from babyrobot_levels.publish.gallery import MAZE_SEED, TILE_SIDE, Progress, title_of
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.templates import static
+from babyrobot_levels.render.templates import as_html, html, static
 from babyrobot_levels.scoring.sent import Item, received, sent
 from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.suites.suite import Levels, Suite, named_levels
@@ -231,41 +231,18 @@ def _card(made: Dataset, title: str, terms: str | None, recipe: str) -> str:
     about["configs"] = [{"config_name": "default", "data_files": files}]
     lines = [f"| `{name}` | {kind} | {text} |" for name, (kind, text) in columns().items()]
     sizes = [f"- `{split}`: {size:,} levels" for split, size in made.splits.items()]
-    origin = f"""
-## How they were made
-
-The levels are from this suite:
-
-```yaml
-{recipe}```
-"""
-    return f"""---
-{emit(about)}---
-
-# {one_line(title)}
-
-Levels of grid worlds, which the Python package `babyrobot-levels` loads as exact Markov decision
-processes and as Gymnasium environments. Written by {program()}.
-
-{chr(10).join(sizes)}
-
-```python
-import babyrobot_levels as brl
-from datasets import load_dataset
-
-row = load_dataset("PATH OR NAME OF THIS DATA SET", split="{next(iter(made.splits))}")[0]
-env = brl.loads(row["level"]).make()
-```
-
-## Columns
-
-| column | type | content |
-|---|---|---|
-{chr(10).join(lines)}
-
-Metrics that need the optimal policy are null in levels of more than {MAX_SOLVED:,} states, as are
-those that are undefined, and those of items, doors and guards in levels without them.
-{origin if recipe else ""}"""
+    texts = {
+        "about": emit(about),
+        "title": one_line(title),
+        "made_by": program(),
+        "sizes": "\n".join(sizes),
+        "first": next(iter(made.splits)),
+        "columns": "\n".join(lines),
+        "most": f"{MAX_SOLVED:,}",
+        "recipe": recipe,
+    }
+    marked = {name: as_html(text) for name, text in texts.items()}
+    return html("publish/static/dataset.md.jinja", **marked)
 
 
 def _croissant(folder: Path, made: Dataset, title: str, terms: str | None) -> dict[str, Any]:

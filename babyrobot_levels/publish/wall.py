@@ -14,7 +14,7 @@ from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.play import program
 from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.render.page import common_data, common_module, icon_svg
-from babyrobot_levels.render.templates import embedded_json, html, put_together
+from babyrobot_levels.render.templates import embedded_json, html, put_together, static
 
 DIFFICULTIES = (("easy", 5), ("medium", 7), ("hard", math.inf))
 """The words for difficulties, each with the difficulty below which it applies."""
@@ -278,25 +278,10 @@ _SHAPES = {
 }
 """The shapes of each icon, in a square of 24 by 24."""
 
-_STYLE = """\
-.icon {
-  flex: none;
-  display: inline-block;
-  width: 1.1rem;
-  height: 1.1rem;
-  background: currentColor;
-  -webkit-mask: var(--shape) center / contain no-repeat;
-  mask: var(--shape) center / contain no-repeat;
-  print-color-adjust: exact;
-  -webkit-print-color-adjust: exact;
-}
-@media (forced-colors: active) { .icon { forced-color-adjust: none; background: CanvasText; } }
-"""
-
 
 def icons_style() -> str:
     """Return the style sheet of the icons."""
-    return _STYLE + "".join(
+    return static("publish/static/icons.css") + "".join(
         f".i-{name} {{ --shape: url('data:image/svg+xml,{_svg(shapes)}'); }}\n"
         for name, shapes in _SHAPES.items()
     )
