@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,14 +15,12 @@ from babyrobot_levels.analysis.solver.occupancy import occupancy
 from babyrobot_levels.analysis.solver.policies import StateSpace, read_policy, space_of
 from babyrobot_levels.analysis.solver.results import TURNS, EpisodeTooLongError, Solution
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats
 from babyrobot_levels.render.page_agent import Difference, PageAgent
 from babyrobot_levels.render.page_format import rounded
+from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.words.phrases import counted, limited, percent
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.scene.layout import Overlay
 
 MAX_DIFFERENCES = 30
 """The most states in which an agent differs that a page lists."""

@@ -177,14 +177,12 @@ def _goes_on(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
     if not level.has_things:
         return np.ones(mdp.num_states, np.bool_)
     steps = transitions(mdp).distances(np.flatnonzero(mdp.start > 0))
-    goes_on: NDArray[np.bool_] = (steps >= 0) & ~mdp.is_terminal
-    return goes_on
+    return (steps >= 0) & ~mdp.is_terminal
 
 
 def _states(mdp: Mdp, numbers: Ints, cells: Ints) -> Ints:
     """Return the states of some cells in some configurations, one configuration after the other."""
-    states: Ints = (numbers[:, None] * mdp.cells + cells).ravel()
-    return states
+    return (numbers[:, None] * mdp.cells + cells).ravel()
 
 
 def _rows(mdp: Mdp, states: Ints, codes: Ints) -> NDArray[np.float64]:

@@ -241,8 +241,7 @@ def _invalid_table(why: str) -> ComparisonError:
 def _reached(mdp: Mdp) -> Flags:
     """Return the states that an episode reaches, without the terminal ones, `[states]`."""
     steps = transitions(mdp).distances(np.flatnonzero(mdp.start > 0))
-    reached: Flags = (steps >= 0) & ~mdp.is_terminal
-    return reached
+    return (steps >= 0) & ~mdp.is_terminal
 
 
 def _ends(tables: Mdp | _Tables, count: int) -> Flags:

@@ -10,19 +10,10 @@ import numpy as np
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import PuddleTypes
-from babyrobot_levels.mdp.graph import (
-    MANY,
-    Graph,
-    Rows,
-    Successors,
-    counts,
-    differs,
-    distances,
-)
-from babyrobot_levels.mdp.grid import ALL_SIDES, BIT
+from babyrobot_levels.mdp.graph import MANY, Graph, Rows, Successors, counts, differs, distances
+from babyrobot_levels.mdp.grid import ALL_SIDES, BIT, Grid
 
 if TYPE_CHECKING:
-    from babyrobot_levels.mdp.grid import Grid
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.mdp.tables import Ints
 

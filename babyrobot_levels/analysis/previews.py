@@ -9,18 +9,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.pictures import FORMATS, SUFFIXES
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
 from babyrobot_levels.language.metric_names import NEEDS, SOLVED
 from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TablesTooLargeError
-from babyrobot_levels.mdp.gridworld import LevelLike, world_of
+from babyrobot_levels.mdp.gridworld import GridWorld, LevelLike, world_of
 from babyrobot_levels.text.words import no_format
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _MAKERS = {name: each.make for name, each in FORMATS.items() if each.make is not None}
 _HEIGHT = 720

@@ -6,18 +6,14 @@ import re
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 from babyrobot_levels.language.share_code import encode
-from babyrobot_levels.mdp.gridworld import LevelLike, world_of
+from babyrobot_levels.mdp.gridworld import GridWorld, LevelLike, world_of
 from babyrobot_levels.render.page import link_fragment, without_panels
 from babyrobot_levels.render.page_format import TooLargeError
 from babyrobot_levels.text.errors import warn
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 NO_BLANKS = re.compile(r"[^\s#]+")
 """What an address is made of, to which a level is appended behind `#`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import operator
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from gymnasium import error
@@ -20,14 +20,12 @@ from babyrobot_levels.envs.observations.base import DEFAULT_RADIUS, Observation
 from babyrobot_levels.envs.observations.planes import DTYPES
 from babyrobot_levels.envs.observations.views import MAX_RADIUS
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
+from babyrobot_levels.mdp.configurations import Values
 from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import did_you_mean
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.configurations import Values
-    from babyrobot_levels.mdp.tables import Mdp
 
 MAX_IMAGE_SIDE = 4096
 

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.engine.tables import Ints
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.suite import Suite
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine import draws as engine_draws
-    from babyrobot_levels.envs.engine.tables import Ints
-    from babyrobot_levels.library.level import Level
 
 Draws = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -210,8 +210,7 @@ class PrioritizedSampler:
         else:
             highest = scores.max()
             priority = scores / highest if highest > 0 else np.ones(scores.size)
-        powers: NDArray[np.float64] = priority ** (1 / self._temperature)
-        return powers
+        return priority ** (1 / self._temperature)
 
 
 def _normalised(weights: NDArray[np.float64]) -> NDArray[np.float64]:

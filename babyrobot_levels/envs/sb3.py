@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,7 @@ except ImportError as fault:
         f"babyrobot_levels.envs.sb3 needs Stable-Baselines3: {how_to_install('sb3')}"
     ) from fault
 
-if TYPE_CHECKING:
-    from babyrobot_levels.envs.single import LevelLike
+from babyrobot_levels.envs.single import LevelLike
 
 _Indices = None | int | Iterable[int]
 _Step = tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium import error
+from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import (
@@ -27,21 +28,12 @@ from babyrobot_levels.envs.observations.base import Extent
 from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.observations.views import VIEW_PLANES
-from babyrobot_levels.envs.rendering import (
-    RENDER_MODES,
-    RenderedEnv,
-    show_wrapped_environments,
-)
+from babyrobot_levels.envs.rendering import RENDER_MODES, RenderedEnv, show_wrapped_environments
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
 from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.tables import Event, events_of, hits_of
-
-if TYPE_CHECKING:
-    from gymnasium.envs.registration import EnvSpec
-
-    from babyrobot_levels.mdp.tables import Mdp, Outcome
+from babyrobot_levels.mdp.tables import Event, Mdp, Outcome, events_of, hits_of
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 

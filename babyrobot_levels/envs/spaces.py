@@ -11,14 +11,13 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.engine.tables import masks_at
+from babyrobot_levels.envs.engine.tables import Words, masks_at
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, Turn
+from babyrobot_levels.mdp.tables import Mdp
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.state import EnvStates
-    from babyrobot_levels.envs.engine.tables import Words
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.tables import Mdp
 
 
 class ActionSet(NamedTuple):

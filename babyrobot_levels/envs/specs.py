@@ -142,8 +142,7 @@ def _given_to_make() -> dict[str, Any] | None:
     caller = sys._getframe(2)
     if caller.f_globals is not vars(registration):
         return None
-    given: dict[str, Any] | None = caller.f_locals.get("env_spec_kwargs")
-    return given
+    return caller.f_locals.get("env_spec_kwargs")
 
 
 def _own_limit(given: Mapping[str, Any]) -> int | None:

@@ -339,8 +339,7 @@ def _outcomes(part: Part, exits: NDArray[np.bool_]) -> NDArray[np.uint8]:
 def _mask_bits(state_info: NDArray[np.uint64], num_actions: int) -> NDArray[np.uint8]:
     """Return action masks as bits, uint8 `[states]`."""
     masks = state_info.view(info_dtype(num_actions))["mask"]
-    bits: NDArray[np.uint8] = np.packbits(masks.view(np.uint8), axis=1, bitorder="little")[:, 0]
-    return bits
+    return np.packbits(masks.view(np.uint8), axis=1, bitorder="little")[:, 0]
 
 
 def build(

@@ -144,8 +144,7 @@ def regret(
     _, returns = _evaluate(params, *given)
     if best is None:
         best = optimum(params, discount=discount, within=within).returns
-    difference: Array = best - returns
-    return difference
+    return best - returns
 
 
 def positive_advantage(
@@ -174,8 +173,7 @@ def positive_advantage(
         ValueError: an argument has another shape or value.
     """
     given = _checked(params, policy), _factors(params, discount), _limits(params, within)
-    mean: Array = _positive_advantage(params, *given)
-    return mean
+    return _positive_advantage(params, *given)
 
 
 def random_policy(params: EnvParams) -> Array:

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from pydantic import PrivateAttr, model_validator
 
 from babyrobot_levels.language.checks import issues_of
+from babyrobot_levels.language.drawing import Drawing
 from babyrobot_levels.language.expectations import decimals_in
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import Figure
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.drawing import Drawing
-    from babyrobot_levels.text.document import Document
-    from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.source import SourceFile
 
 
 class LevelSpec(LevelFields):

@@ -9,13 +9,7 @@ from pydantic import Field, StrictStr, StringConstraints, model_validator
 
 from babyrobot_levels.language.base import Flag, Integer, Model, Number, Slug, Text, form, forms
 from babyrobot_levels.language.names import VERSION
-from babyrobot_levels.language.suite import (
-    MAX_COUNT,
-    Share,
-    SuiteFields,
-    SuiteTexts,
-    wrong_shares,
-)
+from babyrobot_levels.language.suite import MAX_COUNT, Share, SuiteFields, SuiteTexts, wrong_shares
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import InvalidDocument
 from babyrobot_levels.text.files import RESERVED

@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.drawing import mark_of
-from babyrobot_levels.language.geometry import (
-    Cell,
-    Route,
-    is_inside,
-    off_the_grid,
-    show_cell,
-)
+from babyrobot_levels.language.geometry import Cell, Route, is_inside, off_the_grid, show_cell
 from babyrobot_levels.language.kinds import NAMED, NEEDED, Kind
 from babyrobot_levels.language.things import DRAWN_NAMES, Item, Mover, as_names
 from babyrobot_levels.text.diagnostics import Issue, Key, Location

@@ -11,11 +11,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from babyrobot_levels import mdp
 from babyrobot_levels.language.cells import Maze
-from babyrobot_levels.language.documents import (
-    check_document,
-    error_in_mapping,
-    level_from_mapping,
-)
+from babyrobot_levels.language.documents import check_document, error_in_mapping, level_from_mapping
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.mdp.grid import (

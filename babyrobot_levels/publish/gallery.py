@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from babyrobot_levels.analysis import pictures
 from babyrobot_levels.analysis.guides import guide_of
+from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
@@ -28,6 +29,7 @@ from babyrobot_levels.publish.wall import ASSETS, wall_html
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.raster import reduced, to_png
 from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.scoring.sent import Item, received, sent
 from babyrobot_levels.suites.batch import FolderError
@@ -42,10 +44,6 @@ from babyrobot_levels.text.files import (
     written_folder,
 )
 from babyrobot_levels.text.source import with_schema
-
-if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.results import Solution
-    from babyrobot_levels.render.scene.shapes import Scene
 
 FORMAT = 1
 """The version of the format of `gallery.json`."""

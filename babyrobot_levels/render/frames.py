@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_layers, overlay_shapes
 from babyrobot_levels.render.scene.layout import CELL, STRIP, AtHand, Layout, Overlay, layout_of
@@ -17,19 +18,12 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, shifted, toned
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
-from babyrobot_levels.render.situation import (
-    STANDING,
-    Pose,
-    Situation,
-    place_of,
-    situation_of,
-)
+from babyrobot_levels.render.situation import STANDING, Pose, Situation, place_of, situation_of
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.raster import Translucent
 
     Patch = tuple[slice, slice, NDArray[np.uint8]]

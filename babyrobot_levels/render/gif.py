@@ -14,9 +14,11 @@ from PIL import Image
 from PIL.GifImagePlugin import getdata
 
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.frames import Backdrops
-from babyrobot_levels.render.raster import composite, to_rgb, translucent
+from babyrobot_levels.render.raster import Progress, composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout, Overlay, layout_of, panel_width
@@ -37,9 +39,7 @@ from babyrobot_levels.render.svg import number
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from babyrobot_levels.language.looks import Theme
-    from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.raster import Progress, Translucent
+    from babyrobot_levels.render.raster import Translucent
 
 MAX_SIDE = 800
 """The largest width and height of an animation without a given scale."""

@@ -30,6 +30,7 @@ from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
 from babyrobot_levels.mdp.actions import HEADINGS, Action
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.page_agent import PageAgent, agent_data
@@ -47,12 +48,7 @@ from babyrobot_levels.render.page_format import (
     short,
 )
 from babyrobot_levels.render.page_things import Marks, things_data
-from babyrobot_levels.render.scene.build import (
-    build_scene,
-    floor_shapes,
-    ground_layer,
-    sign_shapes,
-)
+from babyrobot_levels.render.scene.build import build_scene, floor_shapes, ground_layer, sign_shapes
 from babyrobot_levels.render.scene.heat import BAR_STEPS, STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.panels import sample_shapes
@@ -72,7 +68,6 @@ from babyrobot_levels.text.errors import LevelError
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 PLAY_VERSIONS = (1, 2)
 """The versions of play parts that a page reads: 2 is for levels with things or a heading."""

@@ -18,15 +18,11 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.grid import door_name, door_sides
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.page_format import BAR, Group, Palette, length, pack
-from babyrobot_levels.render.scene.build import (
-    Lengths,
-    arrow_lengths,
-    arrow_shapes,
-    number_form,
-)
+from babyrobot_levels.render.scene.build import Lengths, arrow_lengths, arrow_shapes, number_form
 from babyrobot_levels.render.scene.heat import (
     Heat,
     legend_bar,
@@ -45,9 +41,7 @@ from babyrobot_levels.render.scene.things import Piece, mover_shapes, pieces, th
 from babyrobot_levels.render.situation import look_of, situation_at
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.geometry import Cell
     from babyrobot_levels.mdp.configurations import Configuration
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 
 class Marks:

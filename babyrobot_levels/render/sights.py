@@ -14,6 +14,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
 from babyrobot_levels.render.situation import look_of
 from babyrobot_levels.render.text import PLAIN_ROBOT, TextPainter
@@ -24,7 +25,6 @@ from babyrobot_levels.render.words.rules import Rule, rules_of, spoken
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
-    from babyrobot_levels.mdp.configurations import Configuration
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 SIGHTS = ("map", "view", "words")

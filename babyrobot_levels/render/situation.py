@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.things import Mover
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.mdp.ground import build_ground
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.things import Mover
     from babyrobot_levels.mdp.configurations import Configuration
     from babyrobot_levels.mdp.gridworld import GridWorld
 

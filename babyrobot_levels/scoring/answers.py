@@ -251,8 +251,7 @@ class _Task:
     def counts(self) -> Flags:
         """Which states of the model are graded, `[n]`: not those that no episode reaches."""
         space = self.problem.space
-        found: Flags = ~space.without_value[self.problem.model.states]
-        return found
+        return ~space.without_value[self.problem.model.states]
 
     def optimum_at(self, discount: float) -> Solution:
         """Return the optimum for a discount."""
@@ -494,8 +493,7 @@ class _Policies(_Task):
 
     def wrong_actions(self, weights: Floats) -> Flags:
         """Return which actions a policy takes that are not optimal, `[n, actions]`."""
-        found: Flags = (weights > 0) & ~self.greedy & self.counts[:, None]
-        return found
+        return (weights > 0) & ~self.greedy & self.counts[:, None]
 
     def endless(self, weights: Floats) -> Flags:
         """Return from which states a policy surely never ends, `[n]`."""

@@ -17,12 +17,7 @@ from typing import Any
 
 from babyrobot_levels.library.packs.build import Course, read_course
 from babyrobot_levels.render.words.phrases import name_of
-from babyrobot_levels.scoring.answers import (
-    GradedAnswer,
-    grade_agent,
-    grade_policy,
-    grade_values,
-)
+from babyrobot_levels.scoring.answers import GradedAnswer, grade_agent, grade_policy, grade_values
 from babyrobot_levels.scoring.results import Table, plain
 from babyrobot_levels.scoring.student import Answer, answers
 from babyrobot_levels.text.files import is_file

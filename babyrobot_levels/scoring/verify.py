@@ -16,10 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.distribution import (
-    ReturnDistribution,
-    open_loop_distribution,
-)
+from babyrobot_levels.analysis.solver.distribution import ReturnDistribution, open_loop_distribution
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.envs.arguments import start_states

@@ -18,14 +18,7 @@ from babyrobot_levels.language.validation import validate
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.parallel import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor
-from babyrobot_levels.suites.batch import (
-    Batch,
-    Generated,
-    Original,
-    Target,
-    is_pattern,
-    is_title,
-)
+from babyrobot_levels.suites.batch import Batch, Generated, Original, Target, is_pattern, is_title
 from babyrobot_levels.suites.sources import name_pattern
 from babyrobot_levels.suites.suite import Levels, Suite, load_suite, named_levels
 

@@ -18,18 +18,8 @@ from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.language.documents import check_suite, error_in_mapping, suite_from_mapping
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
-from babyrobot_levels.language.suite_list import (
-    MAX_ENTRIES,
-    AnySuite,
-    SuiteEntry,
-    SuiteListFields,
-)
-from babyrobot_levels.library.catalogue import (
-    find,
-    find_suite,
-    is_suite_file,
-    load,
-)
+from babyrobot_levels.language.suite_list import MAX_ENTRIES, AnySuite, SuiteEntry, SuiteListFields
+from babyrobot_levels.library.catalogue import find, find_suite, is_suite_file, load
 from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.library.search_path import (
     GALLERY,

@@ -24,19 +24,8 @@ from babyrobot_levels.library.catalogue import (
 )
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import GALLERY, gallery_place, pack_places, yaml_files
-from babyrobot_levels.suites.members import (
-    Member,
-    OpenedSuite,
-    open_suite,
-    suite_of_mapping,
-)
-from babyrobot_levels.suites.sources import (
-    Bounds,
-    Groups,
-    GrownLevels,
-    Numbers,
-    groups_of,
-)
+from babyrobot_levels.suites.members import Member, OpenedSuite, open_suite, suite_of_mapping
+from babyrobot_levels.suites.sources import Bounds, Groups, GrownLevels, Numbers, groups_of
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelNotFoundError
 from babyrobot_levels.text.files import is_file, is_folder

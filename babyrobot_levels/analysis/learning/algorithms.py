@@ -285,8 +285,7 @@ class _Sampler:
 def _cumulated(chances: Floats) -> Floats:
     """Return the chances added up along the last axis, to exactly 1 in spite of rounding."""
     sums = np.cumsum(chances, axis=-1)
-    total: Floats = sums / sums[..., -1:]
-    return total
+    return sums / sums[..., -1:]
 
 
 # -- temporal-difference control -------------------------------------------------------------

@@ -296,8 +296,7 @@ def iterate_policies(model: Model, policy: Ints, discount: float) -> Iterated:
 
 
 def _rewards(model: Model, policy: Ints) -> Floats:
-    rewards: Floats = model.reward[np.arange(model.size), policy]
-    return rewards
+    return model.reward[np.arange(model.size), policy]
 
 
 def scale_of(model: Model, values: Floats) -> float:

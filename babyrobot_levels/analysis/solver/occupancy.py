@@ -106,8 +106,7 @@ def _reached(chain: Model, begin: Floats) -> Flags:
     edges = np.flatnonzero(chain.probability > 0)
     source, target = edges // chain.probability.shape[2], chain.next_state.ravel()[edges]
     graph = Graph(chain.size + 1, source, target)
-    reached: Flags = graph.distances(np.flatnonzero(begin).tolist())[:-1] >= 0
-    return reached
+    return graph.distances(np.flatnonzero(begin).tolist())[:-1] >= 0
 
 
 def _add_ends(table: Floats, space: StateSpace, weights: Floats, discount: float) -> None:

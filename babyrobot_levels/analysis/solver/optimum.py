@@ -13,11 +13,7 @@ from typing import Any, Literal, overload
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import (
-    action_values,
-    diverging_states,
-    episode,
-)
+from babyrobot_levels.analysis.solver.evaluation import action_values, diverging_states, episode
 from babyrobot_levels.analysis.solver.linear import (
     ZERO,
     Iterated,

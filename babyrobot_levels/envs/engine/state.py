@@ -10,13 +10,7 @@ import numpy as np
 from numpy import empty, ndarray
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.engine.tables import (
-    Flags,
-    Floats,
-    Ints,
-    Span,
-    Words,
-)
+from babyrobot_levels.envs.engine.tables import Flags, Floats, Ints, Span, Words
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.draws import Draws

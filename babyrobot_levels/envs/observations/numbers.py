@@ -105,8 +105,7 @@ class NumericObserver(RowObserver):
         configuration, heading = np.divmod(rest, extent.headings)
         y, x = np.divmod(cell, width)
         if self._name == "index":
-            index: Ints = (rest * extent.size[1] + y) * extent.size[0] + x
-            return index
+            return (rest * extent.size[1] + y) * extent.size[0] + x
         columns = [x, y]
         if self._name == "walls":
             columns += [*self._open_sides(configuration, cell)]

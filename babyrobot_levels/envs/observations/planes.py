@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, lru_cache, partial
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
@@ -17,16 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
 from babyrobot_levels.language.base import SIDE_NAMES, SIDES
 from babyrobot_levels.language.cells import shifts
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
+from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import door_sides, grid_with_doors
 from babyrobot_levels.mdp.tables import Flags
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.geometry import Cell
-    from babyrobot_levels.mdp.configurations import Configuration
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]

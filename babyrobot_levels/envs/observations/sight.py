@@ -11,16 +11,12 @@ cells that are not blocked, either each sees the other or none does.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.mdp.grid import BIT
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.grid import BIT, Grid
 
 _EAST, _SOUTH, _SOUTH_EAST, _SOUTH_WEST, _CLEAR = range(5)
 """What a line of sight can meet, by cell: the ways to other cells, and the cell itself.

@@ -5,28 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
-from babyrobot_levels.envs.observations.planes import (
-    closed_doors,
-    ground_of,
-    held_pictures,
-    placed,
-)
+from babyrobot_levels.envs.observations.planes import closed_doors, ground_of, held_pictures, placed
 from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
+from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import grid_with_doors
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.configurations import Configuration
 
 Bits = NDArray[np.uint8]
 """Zeros and ones."""

@@ -9,24 +9,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import logger
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import check_choice, whole_number
-from babyrobot_levels.envs.engine.draws import OwnDraws, SharedDraws
-from babyrobot_levels.envs.observations.base import LevelCache
+from babyrobot_levels.envs.engine.draws import Draws, OwnDraws, SharedDraws
+from babyrobot_levels.envs.engine.tables import Ints, Tables
+from babyrobot_levels.envs.observations.base import Extent, LevelCache
 from babyrobot_levels.envs.specs import LevelSpec, as_spec
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
-    from gymnasium.envs.registration import EnvSpec
-
-    from babyrobot_levels.envs.engine.draws import Draws
     from babyrobot_levels.envs.engine.state import EnvStates
-    from babyrobot_levels.envs.engine.tables import Ints, Tables
-    from babyrobot_levels.envs.observations.base import Extent
     from babyrobot_levels.render.frames import FramePainter
 
 SETTABLE = ("np_random", "render_mode")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium import error
@@ -28,24 +28,16 @@ from babyrobot_levels.envs.arguments import (
 )
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
-from babyrobot_levels.envs.engine.tables import masks_at
+from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables, masks_at
 from babyrobot_levels.envs.observations import make_batch_observer
 from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.rendering import RENDER_FPS
+from babyrobot_levels.envs.samplers import Sampler
+from babyrobot_levels.envs.single import LevelLike
 from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
-from babyrobot_levels.envs.suite import make_suite_serializable, suite_and_split
-from babyrobot_levels.envs.vector.levels import (
-    ChangingVectorEnv,
-    checked_levels,
-    checked_numbers,
-)
-
-if TYPE_CHECKING:
-    from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
-    from babyrobot_levels.envs.samplers import Sampler
-    from babyrobot_levels.envs.single import LevelLike
-    from babyrobot_levels.envs.suite import SuiteLike
+from babyrobot_levels.envs.suite import SuiteLike, make_suite_serializable, suite_and_split
+from babyrobot_levels.envs.vector.levels import ChangingVectorEnv, checked_levels, checked_numbers
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 

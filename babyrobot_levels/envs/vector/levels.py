@@ -9,24 +9,27 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import limits_of, start_states
 from babyrobot_levels.envs.engine.plain import make_engine
+from babyrobot_levels.envs.engine.state import Engine
 from babyrobot_levels.envs.engine.tables import (
+    Ints,
     Part,
     Room,
     Span,
+    Tables,
     build_tables,
     empty_tables,
     needed,
     part_of,
     write_part,
 )
-from babyrobot_levels.envs.observations.base import Extent
+from babyrobot_levels.envs.observations.base import BatchObserver, Extent
 from babyrobot_levels.envs.samplers import (
     DrawnLevels,
     ExchangedLevels,
@@ -34,6 +37,7 @@ from babyrobot_levels.envs.samplers import (
     GrownMazes,
     checked_sampler,
 )
+from babyrobot_levels.envs.spaces import ActionSet, BatchActions
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.envs.vector.base import RenderedVectorEnv, SeededVectorEnv
 from babyrobot_levels.library.catalogue import load
@@ -41,12 +45,6 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.configurations import largest_radices
 from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Suite
-
-if TYPE_CHECKING:
-    from babyrobot_levels.envs.engine.state import Engine
-    from babyrobot_levels.envs.engine.tables import Ints, Tables
-    from babyrobot_levels.envs.observations.base import BatchObserver
-    from babyrobot_levels.envs.spaces import ActionSet, BatchActions
 
 KEPT_STATES = 2**19
 """Levels of a suite are kept as long as they have no more states than this together."""

@@ -14,15 +14,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.shapes import Scene, screen_scale
 from babyrobot_levels.render.svg import to_svg
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 Bundle = dict[str, Any]
 """The same content by MIME types; a front end shows the one that it prefers."""

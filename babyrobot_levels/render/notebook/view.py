@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.notebook.html import (
     HTML,
     MARKDOWN,
@@ -50,7 +51,6 @@ if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
     from IPython.display import DisplayHandle
 
-    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 
 STEP_SECONDS = 0.25

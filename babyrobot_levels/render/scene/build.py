@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, TypedDict, Unpack
+from typing import NamedTuple, TypedDict, Unpack
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.heat import Heat, never_shapes
@@ -48,9 +49,6 @@ from babyrobot_levels.render.scene.texts import (
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 from babyrobot_levels.render.situation import STANDING, Pose, effects_of, place_of, situation_of
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 LAYERS = ("base", "heat", "grid", "things", "underlay", "robot", "movers", "overlay", "text")
 """The layers of a picture, from the bottom up."""

@@ -6,22 +6,18 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.language.looks import is_color
 from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, Turn, drawn_policy
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import configuration_words, initial_configuration, occurring
 from babyrobot_levels.render.scene.layout import Note, Overlay
 from babyrobot_levels.render.scene.texts import short
 from babyrobot_levels.text.words import did_you_mean
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from babyrobot_levels.mdp.gridworld import GridWorld
-
 
 KEYS = (
     "values",
@@ -287,8 +283,7 @@ def cells_of(given: Any, key: str, level: GridWorld, *, deep: bool = False) -> l
     shape = shape_of(given, len(expected[0]))
     if shape not in expected:
         raise ValueError(_shape_message(key, shape, expected) + _of_things(level))
-    rows: list[list[Any]] = given.tolist() if hasattr(given, "tolist") else [*map(list, given)]
-    return rows
+    return given.tolist() if hasattr(given, "tolist") else [*map(list, given)]
 
 
 def _of_things(level: GridWorld) -> str:

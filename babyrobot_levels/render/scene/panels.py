@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from babyrobot_levels.language.cells import Puddle, Rectangle, Wall, Wind
 from babyrobot_levels.language.kinds import KIND
@@ -51,9 +51,6 @@ from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import mover_shapes, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 from babyrobot_levels.render.situation import Effects, effects_of, situation_of
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _NEEDLE = "#e5484d"
 

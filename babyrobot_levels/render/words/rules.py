@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from itertools import compress, islice
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.language.cells import Skid, Told, Warp, as_skid, shifts
+from babyrobot_levels.language.cells import Area, Skid, Told, Warp, as_skid, shifts
 from babyrobot_levels.language.kinds import NEEDED
+from babyrobot_levels.language.things import Door, Item, Mover
 from babyrobot_levels.mdp.grid import door_name
 from babyrobot_levels.mdp.ground import rows_of
 from babyrobot_levels.render.situation import End, effects_of
@@ -20,8 +21,6 @@ from babyrobot_levels.render.words import phrases
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.cells import Area
-    from babyrobot_levels.language.things import Door, Item, Mover
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _PROPERTIES = ("color", "label", "reward", "skid", "ends")
