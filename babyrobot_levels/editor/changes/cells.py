@@ -90,8 +90,6 @@ def _paint_ground(draft: Draft, brush: str, cells: list[Cell], fields: Entry) ->
             _paint_blocked(draft, cells)
         case "area":
             _paint_area(draft, cells, fields)
-        case _:
-            raise RefusedError(f"the brush {brush!r} does not paint yet")
 
 
 def _cells_of(level: Level, gesture: Paint) -> list[Cell]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from babyrobot_levels.editor.changes import cells, fields, frame, walls
-from babyrobot_levels.editor.changes.draft import Draft, RefusedError
+from babyrobot_levels.editor.changes.draft import Draft
 from babyrobot_levels.editor.gestures import (
     Fill,
     Gesture,
@@ -58,8 +58,6 @@ def change(draft: Draft, gesture: Gesture) -> None:
             frame.blow(draft, gesture)
         case Resolve():
             frame.resolve(draft)
-        case _:
-            raise RefusedError(f"`{gesture.do}` is not known yet")
 
 
 # -- mazes -------------------------------------------------------------------------------
