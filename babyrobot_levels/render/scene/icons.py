@@ -21,6 +21,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     circle,
     curve,
+    outline,
     placed,
     polygon,
     polyline,
@@ -193,12 +194,7 @@ _PICTURES: dict[str, Callable[[str, Spot], Iterator[Shape]]] = {
 
 def padlock_shapes(color: str, spot: Spot) -> Iterator[Shape]:
     """Yield a padlock."""
-    shackle: Commands = (
-        ("M", (-6.5, -1)),
-        ("L", (-6.5, -6)),
-        ("C", (-6.5, -14.5, 6.5, -14.5, 6.5, -6)),
-        ("L", (6.5, -1)),
-    )
+    shackle = outline("M-6.5 -1 L-6.5 -6 C-6.5 -14.5 6.5 -14.5 6.5 -6 L6.5 -1")
     yield from spot.wire(shackle, color, 3.2)
     yield spot.fill(shackle, INK)
     yield spot.line(shackle, color, 3.2)
@@ -217,18 +213,10 @@ def figure_shapes(kind: str, color: str, spot: Spot, look: Cell = (0, 0)) -> Ite
 
 def _guard(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
     """Yield a ghost with two large eyes."""
-    body: Commands = (
-        ("M", (-15, 15.5)),
-        ("L", (-15, -2)),
-        ("C", (-15, -22.5, 15, -22.5, 15, -2)),
-        ("L", (15, 15.5)),
-        ("C", (12.5, 15.5, 12, 10.5, 10, 10.5)),
-        ("C", (8, 10.5, 7.5, 15.5, 5, 15.5)),
-        ("C", (2.5, 15.5, 2, 10.5, 0, 10.5)),
-        ("C", (-2, 10.5, -2.5, 15.5, -5, 15.5)),
-        ("C", (-7.5, 15.5, -8, 10.5, -10, 10.5)),
-        ("C", (-12, 10.5, -12.5, 15.5, -15, 15.5)),
-        ("Z", ()),
+    body = outline(
+        "M-15 15.5 L-15 -2 C-15 -22.5 15 -22.5 15 -2 L15 15.5"
+        " C12.5 15.5 12 10.5 10 10.5 C8 10.5 7.5 15.5 5 15.5 C2.5 15.5 2 10.5 0 10.5"
+        " C-2 10.5 -2.5 15.5 -5 15.5 C-7.5 15.5 -8 10.5 -10 10.5 C-12 10.5 -12.5 15.5 -15 15.5 Z"
     )
     yield from spot.body(body, color)
     shine = curve((-11.4, -4.0), (-10.6, -11.4), (-4.4, -13.6))

@@ -23,6 +23,7 @@ from babyrobot_levels.render.scene.shapes import (
     circle,
     cubic,
     curve,
+    outline,
     polygon,
     polyline,
     rounded,
@@ -95,16 +96,8 @@ def _marks(effects: Effects) -> Iterator[tuple[Cell, Figure, float, int]]:
 
 def _chest(spot: Spot) -> Iterator[Path]:
     """Yield a closed chest: wood with two bands and a lock of metal."""
-    outline: Commands = (
-        ("M", (-16, 13)),
-        ("L", (-16, -5)),
-        ("C", (-16, -10, -13, -14, -8, -14)),
-        ("L", (8, -14)),
-        ("C", (13, -14, 16, -10, 16, -5)),
-        ("L", (16, 13)),
-        ("Z", ()),
-    )
-    yield from spot.body(outline, _WOOD)
+    chest = outline("M-16 13 L-16 -5 C-16 -10 -13 -14 -8 -14 L8 -14 C13 -14 16 -10 16 -5 L16 13 Z")
+    yield from spot.body(chest, _WOOD)
     bands = [
         polygon([(side * 11.5, -13.2), (side * 7.5, -14), (side * 7.5, 13), (side * 11.5, 13)])
         for side in (-1, 1)

@@ -7,6 +7,7 @@ colour's own alpha.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -162,6 +163,12 @@ def scaled(
 QUARTER = 0.5523
 """A quarter of a circle is the cubic curve with controls this share of the radius away, to a
 thousandth of the radius."""
+
+
+def outline(text: str) -> Commands:
+    """Return a path that is written as in SVG, with blanks between its numbers."""
+    steps = re.findall(r"([MLCZ])([^MLCZ]*)", text)
+    return tuple((letter, tuple(map(float, numbers.split()))) for letter, numbers in steps)
 
 
 def polyline(points: Iterable[Point]) -> Commands:
