@@ -49,6 +49,12 @@ def test_the_search_stops_at_a_gap_at_beliefs_and_in_time() -> None:
     assert solve_sight("ice-rink", blind, seconds=0).beliefs == 0
 
 
+def test_a_limit_of_steps_is_the_most_that_is_visited() -> None:
+    for within in (1, 2):
+        found = solve_sight("ice-rink", blind, discount=1, within=within, beliefs=50)
+        assert found._search.found.visits.sum() == pytest.approx(within)
+
+
 def test_an_interrupt_ends_it() -> None:
     def interrupt(*bounds: float) -> None:
         raise KeyboardInterrupt

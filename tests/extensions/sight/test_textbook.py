@@ -8,6 +8,7 @@ import pytest
 from extensions.sight.cases import blind, walls
 
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.sight.sights import Sensor
 from babyrobot_levels.extensions.sight.solve import solve_sight
 
 STEPS = {"step": -1, "exit": -1}
@@ -47,6 +48,15 @@ def test_a_maze_of_which_one_sees_the_walls(drawing: str, steps: float) -> None:
     found = solve_sight(level, walls, actions="moves")
     assert found.is_exact
     assert found.upper == pytest.approx(-steps, abs=1e-12)
+    check_few(level, walls, -steps)
+
+
+def check_few(level: brl.Level, sight: Sensor, optimum: float) -> None:
+    """Check that bounds are on both sides of an optimum, however few beliefs are explored."""
+    for beliefs in range(12):
+        few = solve_sight(level, sight, actions="moves", beliefs=beliefs)._search.found
+        assert few.lower <= optimum + 1e-9
+        assert few.upper >= optimum - 1e-9
 
 
 def grid(side: int) -> brl.Level:
@@ -64,6 +74,7 @@ def test_a_grid_of_which_one_sees_nothing_but_the_exit() -> None:
     found = solve_sight(grid(3), blind, actions="moves")
     assert found.is_exact
     assert found.upper == pytest.approx(-2.875, abs=1e-12)
+    check_few(grid(3), blind, -2.875)
 
 
 def t_maze(length: int) -> brl.Level:
