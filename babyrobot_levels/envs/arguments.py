@@ -25,7 +25,7 @@ from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.configurations import Values
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import did_you_mean, meant
 
 MAX_IMAGE_SIDE = 4096
 
@@ -143,7 +143,7 @@ def checked_observation(**options: Unpack[ObservationOptions]) -> Observation:
         return _PLAIN
     given = {**_DEFAULTS, **options}
     for name in given.keys() - _DEFAULTS.keys():
-        raise TypeError(f"unexpected option {name!r}{did_you_mean(name, _DEFAULTS)}")
+        raise TypeError(f"unexpected option {name!r}{meant(name, _DEFAULTS, {})}")
     observation = given["observation"]
     names = checked_names(observation)
     check_choice("planes_dtype", given["planes_dtype"], DTYPES)

@@ -24,7 +24,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError
 
 from babyrobot_levels.language.names import SLUG
-from babyrobot_levels.text.words import Telling, no_attribute
+from babyrobot_levels.text.words import Telling, no_attribute, no_item
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -81,6 +81,9 @@ class Model(Telling, BaseModel, metaclass=_Telling):
         # Most models are only parts of a level, whose validator has theirs built in.
         defer_build=True,
     )
+
+    if not TYPE_CHECKING:
+        __getitem__ = no_item
 
     def __dir__(self) -> list[str]:
         """Return what the model itself has; the many names of pydantic are no part of it."""

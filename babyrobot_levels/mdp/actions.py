@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any, Protocol, Self
 
-from babyrobot_levels.text.words import TellingEnum
+from babyrobot_levels.text.words import ATTRIBUTES, TellingEnum, meant
 
 
 class _Named(IntEnum, metaclass=TellingEnum):
@@ -14,9 +14,16 @@ class _Named(IntEnum, metaclass=TellingEnum):
     def __str__(self) -> str:
         return self.name.lower()
 
+    def __format__(self, spec: str) -> str:
+        return format(int(self) if spec[-1:].isalpha() else str(self), spec)
+
     @classmethod
-    def _missing_(cls, value: object) -> Self | None:
-        return {str(each): each for each in cls}.get(str(value).lower())
+    def _missing_(cls, value: object) -> Self:
+        words = {str(each): each for each in cls}
+        if found := words.get(str(value).lower()):
+            return found
+        told = meant(str(value), [each.name for each in cls], ATTRIBUTES).lower()
+        raise ValueError(f"there is no {cls.__name__.lower()} {value!r}{told}")
 
 
 class Action(_Named):

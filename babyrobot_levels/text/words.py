@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from enum import EnumType
 from functools import wraps
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -165,13 +165,17 @@ MAX_LENGTH = 64
 """Longer texts are not compared, which would take long."""
 
 
-def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
+FEW = 24
+"""So many names are listed where none of them is like the one that was given."""
+
+
+def nearest(name: str, known: Iterable[str], count: int = 3, likeness: float = 0.6) -> list[str]:
     """Return up to `count` of the known names that look like `name`, the likeliest first."""
     if len(name) > MAX_LENGTH:
         return []
     by_folded = {candidate.casefold(): candidate for candidate in known}
     folded = name.casefold()
-    matches = difflib.get_close_matches(folded, list(by_folded), n=count, cutoff=0.6)
+    matches = difflib.get_close_matches(folded, list(by_folded), n=count, cutoff=likeness)
     if not matches and len(folded) > 2:
         # Abbreviations are unlike the whole word.
         matches = [candidate for candidate in by_folded if candidate.startswith(folded)][:count]
@@ -285,7 +289,17 @@ def meant(name: str, known: Collection[str], others: Mapping[str, str]) -> str:
         own, _, written = ours.partition(" -> ")
         if own in known and folded in words.casefold().split():
             return f"; did you mean `{written.format(name) or own}`?"
-    return did_you_mean(name, known)
+    if found := nearest(name, known, 1, 0.62):
+        return f"; did you mean `{found[0]}`?"
+    theirs = [
+        word
+        for ours in others
+        if ours.partition(" -> ")[0] in known
+        for word in others[ours].split()
+    ]
+    if alike := [each for each in nearest(name, theirs, 1, 0.8) if each.casefold() != folded]:
+        return meant(alike[0], known, others)
+    return f"; there are {', '.join(known)}" if 0 < len(known) <= FEW else ""
 
 
 def no_attribute(owner: Any, name: str) -> AttributeError:
@@ -316,6 +330,19 @@ class Telling:
             raise no_attribute(self, name)
 
 
+def no_item(owner: Any, name: Any) -> NoReturn:
+    """Raise the error that an object is asked for an entry and has attributes, with the one meant.
+
+    Raises:
+        TypeError: always.
+    """
+    told = ""
+    if isinstance(name, str):
+        names = [each for each in dir(owner) if not each.startswith("_")]
+        told = f"; did you mean `.{name}`?" if name in names else meant(name, names, ATTRIBUTES)
+    raise TypeError(f"{type(owner).__name__!r} object is not subscriptable{told}")
+
+
 class TellingEnum(EnumType):
     """The class of enumerations that tell which member is meant, and whose members are words."""
 
@@ -340,7 +367,8 @@ def telling(function: Callable[P, T]) -> Callable[P, T]:
     @wraps(function)
     def checked(*args: P.args, **given: P.kwargs) -> T:
         for name in given:
-            if name not in known and (name in textbooks or not takes_more):
+            is_like = name in textbooks or nearest(name, known, 1, 0.85)
+            if name not in known and (is_like or not takes_more):
                 raise TypeError(unexpected(function.__name__, name, known))
         try:
             return function(*args, **given)

@@ -75,7 +75,7 @@ MISTAKES = (
     ("brl.score('final-maze', np.zeros(3))", "an array [5, 8] of actions"),
     ("brl.rollout('maze', 'bst')", "no agent 'bst'; did you mean `best`"),
     ("brl.generate('small-maze', count=2)", "called 'small-maze'; did you mean 'small-mazes'?"),
-    ("brl.generate(cout=2)", "unknown field `cout`; did you mean `count`?"),
+    ("brl.generate(cout=2)", "argument 'cout'; did you mean `count`?"),
     ("brl.preview('maze', 'x.jpg')", "no format 'jpg', but svg, pdf, png, gif, html"),
     ("brl.load('maze').to_png(scale=-1)", "scale must be above 0 and at most 100, not -1"),
     ("brl.load('maze').to_svg(theme='dark')", "known themes: default, black_orange"),
@@ -84,6 +84,14 @@ MISTAKES = (
         "brl.load('maze').to_svg(policy='greedy')",
         "no agent 'greedy'; an agent is `best`",
     ),
+    ("brl.solve('maze', gama=0.9)", "argument 'gama'; did you mean `discount`?"),
+    ("brl.score('maze', 'best', episode=3)", "argument 'episode'; did you mean `episodes`?"),
+    ("brl.score('maze', 'best', workers=3)", "'workers'; there are observation, image_size,"),
+    ("brl.load('maze')['size']", "is not subscriptable; did you mean `.size`?"),
+    ("brl.evaluate('maze', 'best')['mean']", "did you mean `expected_return`?"),
+    ("brl.Action('up')", "there is no action 'up'; did you mean `north`?"),
+    ("brl.Action(9)", "no action 9; there are stay, north, east, south, west"),
+    ("brl.preview('maze', values='best')", "`brl.evaluate(level, policy)` has those of a policy"),
     ("brl.load('maze').with_maze_seed('x')", "must be an integer, not 'x'"),
 )
 
@@ -94,6 +102,10 @@ def test_each_call_says_what_is_meant(call: str, told: str) -> None:
     with pytest.raises(Exception) as caught:  # noqa: PT011
         eval(call, SCOPE)
     assert told in str(caught.value)
+
+
+def test_actions_are_words_and_numbers_in_formatted_text() -> None:
+    assert f"{brl.Action(3):>6}|{brl.Action(3)}|{brl.Action(3):2d}" == " south|south| 3"
 
 
 def public() -> Iterator[tuple[Any, set[str]]]:

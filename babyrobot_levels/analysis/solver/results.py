@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from html import escape
-from typing import TYPE_CHECKING, Any, NoReturn, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 from babyrobot_levels.text.errors import BabyRobotError
-from babyrobot_levels.text.words import Telling
+from babyrobot_levels.text.words import Telling, no_item
 
 TURNS = "turns"
 """The set of actions of a robot that turns, which are `Turn`s and not `Action`s."""
@@ -147,10 +147,7 @@ class Result(Telling):
                 value.flags.writeable = False
 
     if not TYPE_CHECKING:
-
-        def __getitem__(self, name: Any) -> NoReturn:
-            told = f"; did you mean `.{name}`?" if isinstance(name, str) else ""
-            raise TypeError(f"{type(self).__name__!r} object is not subscriptable{told}")
+        __getitem__ = no_item
 
 
 class StateResult(Shown, Result):

@@ -323,7 +323,9 @@ def _shape_message(key: str, shape: tuple[int, ...], expected: Sequence[tuple[in
     height, width = expected[0][:2]
     must = " or ".join(map(str, expected))
     text = f"`{key}` has the shape {shape}; for this level it must be {must}"
-    if shape[:1] == (height * width,):
+    if not shape:
+        text += "; `brl.evaluate(level, policy)` has those of a policy"
+    elif shape[:1] == (height * width,):
         text += f"; reshape it with `.reshape{(height, width, *shape[1:])}`"
     elif shape[:2] == (width, height):
         text += "; arrays are indexed by [y, x]"
