@@ -40,6 +40,7 @@ from babyrobot_levels.language.metric_names import (
 from babyrobot_levels.mdp.graph import MANY
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.words import no_item
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -85,6 +86,9 @@ class Metrics(Shown):
     __module__ = "babyrobot_levels"
 
     level: GridWorld
+
+    if not TYPE_CHECKING:
+        __getitem__ = no_item
 
     def _html(self) -> str:
         from babyrobot_levels.render.notebook.html import beside, facts

@@ -88,7 +88,8 @@ def preview(
     chosen = format or ("svg" if file is None else SUFFIXES.get(suffix, suffix.removeprefix(".")))
     if chosen not in _MAKERS:
         told = "; the drawing as text is `level.draw()`" * (chosen in FORMATS)
-        raise ValueError(no_format(chosen, _MAKERS) + told)
+        name = format or suffix.removeprefix(".")
+        raise ValueError(no_format(name, _MAKERS) + told)
     world = world_of(level)
     if maze_seed is not None or world.has_random_maze:
         world = world.with_maze_seed(maze_seed or 0)

@@ -12,7 +12,7 @@ from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, Forms
 from babyrobot_levels.language.cells import Puddle, PuddleType
 from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
-from babyrobot_levels.language.names import SLUG, VERSION
+from babyrobot_levels.language.names import SLUG, VERSION, slug
 from babyrobot_levels.language.rewriting import LONGEST, rewritten, takes
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.scalars import is_plain_string
@@ -49,11 +49,16 @@ SINGLES = {
 }
 """What to write in the place of a list with one entry, where it needs several."""
 
-BOOLEAN_KEY = (
-    "YAML 1.1 reads `on`, `off`, `yes` and `no` as this: put quotes around it, or let "
-    "`brl.load` read the file"
+_BOOLEAN = (
+    "YAML 1.1 reads `on`, `off`, `yes` and `no` as this: put quotes around it, or let `brl.load` "
+    "read the file"
 )
-"""What to do about a key that is a boolean, as other libraries of YAML give it."""
+NO_FIELDS = {
+    "True": _BOOLEAN,
+    "False": _BOOLEAN,
+    "<<": "YAML 1.2 has no merge keys: write the fields out",
+}
+"""What to do about keys that other versions of YAML make or know."""
 
 MISSING = {"count": "a suite has a `count` of mazes to grow, or lists `levels`"}
 """What to do about a missing field that another one can take the place of."""
@@ -160,7 +165,12 @@ ELSEWHERE = (
     ("switch", "warp", "warps are listed in `warps`"),
     ("side", "from to between cells", "it has one cell and a side: `{at: [x, y], side: E}`"),
     ("path", "at pos position", "a mover has a `path` of cells, or walks `within` a rectangle"),
-    ("ends", "rect rectangle", "an area has a corner and a size: `{at: [x, y], size: [2, 1]}`"),
+    ("ends", "rect rectangle to from until", "an area has a corner and a size: "
+     "`{at: [x, y], size: [2, 1]}`"),
+    ("ends", "type kind", "what it is follows from its `reward`, `skid` and `ends`"),
+    ("once", "toggles opens closes controls door doors target", "it stands with the door: "
+     "`doors: [{…, needs: name}]`"),
+    ("count", "metric metrics", "each metric is a field of its own: `difficulty: 3..5`"),
     ("path", "from to", "list all cells of its way: `path: [[0, 1], [1, 1]]`, `back: true`"),
     ("path", "speed velocity", "a mover makes one step in each step of the robot"),
 )  # fmt: skip
@@ -223,6 +233,8 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         return _unknown(field, value, _around(error["loc"], model))
     if kind == "missing":
         help_text = beginning(model) if field == "version" else MISSING.get(field)
+        if len(names) > 1 and field in fields:
+            help_text = f"add `{field}: {_form(field, fields)}`"
         return "BR202", f"missing field `{field}`", help_text
     if kind in TYPES or kind == "pair" or (is_form and kind == "literal_error"):
         words = TYPES.get(kind) or context.get("what", "")
@@ -358,8 +370,8 @@ def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint
     word = field.lower().replace("-", "_")
     if (text := _elsewhere(word, fields) or _of_puddles(word, value, model)) is not None:
         return "BR201", message, text
-    if field in ("True", "False"):
-        return "BR201", message, BOOLEAN_KEY
+    if field in NO_FIELDS:
+        return "BR201", message, NO_FIELDS[field]
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
     if inner := _inner(word, value, fields):
         return "BR201", message + inner[0], inner[1]
@@ -371,7 +383,7 @@ def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint
         return "BR201", message, known
     written = _each_side(value) if other == "side" else _written(other, value, model)
     form = f"write `{other}: {_form(other, fields)}`"
-    help_text = written or (form if other == "at" else known or form)
+    help_text = written or (form if other in ("at", "size") else known or form)
     return "BR201", f"{message}; did you mean `{other}`?", help_text
 
 
@@ -576,12 +588,10 @@ def _pattern(pattern: str, root: str, value: Any) -> Complaint:
     if pattern == SLUG:
         message = f"must be lower-case letters and digits joined by `-`, not {show(value)}"
         if root in NAMING:
-            return "BR207", message, "use a name such as `red-key`"
-        return (
-            "BR207",
-            message,
-            "use a name such as `first-maze`; `title` and `description` take any text",
-        )
+            return "BR207", message, f"use a name such as `{slug(str(value)) or 'red-key'}`"
+        known = slug(str(value)) or "first-maze"
+        help_text = f"use a name such as `{known}`; `title` and `description` take any text"
+        return "BR207", message, help_text
     if pattern == VERSION:
         return (
             "BR207",

@@ -53,7 +53,7 @@ def takes(model: type[BaseModel], field: str, value: Any) -> bool:
 def _readings(value: Any) -> Iterator[Any]:
     """Yield what a value may be meant to be, in forms that fields have, the likeliest first."""
     if isinstance(value, bool):
-        yield {"seed": 1}
+        yield from ({"seed": 1}, {"show": value}) if value else ({"show": value},)
     elif isinstance(value, int | float):
         yield from ({"seed": value}, {"reward": value}, [value])
         yield {"step": value} if value < 0 else {"step": -1, "exit": value}
@@ -112,5 +112,7 @@ def _of_mapping(mapping: dict[str, Any]) -> Iterator[Any]:
     for names in _CORNERS:
         if mapping.keys() == {*names}:
             yield [mapping[name] for name in names]
+    if "at" in mapping or len(mapping) == 1:
+        yield mapping.get("at", next(iter(mapping.values())))
     yield [mapping]
     yield [{"name": name, "at": at} for name, at in mapping.items()]

@@ -114,6 +114,9 @@ def _missing_space(problem: str, lines: Sequence[str], line: int) -> Words | Non
         if found is not None:
             message = "missing space after `:`"
             return Words(message, "add a space after `:`", place=(number, found.end()))
+        if found := re.match(r" *([a-z_]+) ?= ?(\S.{0,60})", text):
+            told = f"write `{found[1]}: {found[2].strip()}`"
+            return Words("`=` stands where `:` belongs", told, place=(number, found.end(1) + 1))
     return None
 
 
@@ -408,6 +411,8 @@ def _looks_like_agent(given: Any) -> bool:
 
 def no_format(name: str, known: Iterable[str]) -> str:
     """Return the message that there is no format of a name."""
+    if not name:
+        return f"the name of the file has no suffix that tells the format: {', '.join(known)}"
     return f"there is no format {name!r}, but {', '.join(known)}{did_you_mean(name, known)}"
 
 

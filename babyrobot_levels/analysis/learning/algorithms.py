@@ -11,6 +11,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterator
 from functools import partial
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -409,6 +410,10 @@ def _trials(
     return Learning(Trials, trials())
 
 
+def _is_share(value: Any) -> bool:
+    return isinstance(value, Real) and bool(0 <= float(value) <= 1)
+
+
 class _Agent:
     """Acts in a level's environment and learns action values, `[states, actions]`.
 
@@ -418,9 +423,9 @@ class _Agent:
     def __init__(
         self, problem: Problem, step_size: float, epsilon: float, seed: int, initial: float
     ):
-        if not 0 < step_size <= 1:
+        if not _is_share(step_size) or step_size == 0:
             raise ValueError(f"step_size must be above 0 and at most 1, not {step_size!r}")
-        if not 0 <= epsilon <= 1:
+        if not _is_share(epsilon):
             raise ValueError(f"epsilon must be from 0 to 1, not {epsilon!r}")
         self.problem, self._step_size, self._epsilon = problem, step_size, epsilon
         space = problem.space
