@@ -102,6 +102,24 @@ def test_warps_without_names_are_told_once() -> None:
     assert "warp: leads to [3, 0]" in told(level(size=[4, 2], warps=warps[:1]))
 
 
+def test_a_warp_pays_as_the_cell_to_which_it_leads_and_its_own_cell_when_it_is_entered() -> None:
+    mud = {"areas": [{"at": [1, 0], "reward": -7}]}
+    warp: dict[str, Any] = {"at": [1, 0], "to": [3, 0]}
+    assert "warp: leads to [3, 0]" in told(level(size=[4, 2], warps=[warp], **mud))
+    warp["when"] = "leave"
+    expected = "warp: entering it costs 7, every move leads to [3, 0]"
+    assert expected in told(level(size=[4, 2], warps=[warp], **mud))
+
+
+def test_areas_and_warps_are_told_that_have_puddles_in_them() -> None:
+    wet = {"size": [4, 2], "puddles": [{"at": [1, 0]}]}
+    mud = {"at": [1, 0], "size": [2, 1], "reward": -7, "label": "mud"}
+    assert "mud: costs 7" in told(level(**wet, areas=[mud]))
+    assert "warp: leads to [3, 0]" in told(level(**wet, warps=[{"at": [1, 0], "to": [3, 0]}]))
+    ends = told(level(**wet, areas=[mud | {"ends": True}]))
+    assert {"mud: ends the episode, costs 7", "mud: ends the episode, costs 2"} <= {*ends}
+
+
 def test_texts_of_strangers_are_short_and_printable() -> None:
     label = "\x1b[31m" + "x" * 10_000
     areas = [{"at": [x, 0], "reward": -2 - x, "label": f"{x}{label}"} for x in range(1, 40)]

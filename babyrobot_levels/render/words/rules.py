@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import compress, islice
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -55,7 +55,8 @@ class Ground:
 def grounds_of(level: GridWorld) -> Iterator[Ground]:
     """Yield the kinds of ground that areas and warps make, in the order of their first cells.
 
-    Exits, blocked cells and puddles are left out, except for puddles in which episodes end.
+    Exits, blocked cells and puddles are left out, except for puddles with a warp, and those in
+    which episodes end.
     """
     if not (level.areas or level.warps):
         return
@@ -72,16 +73,18 @@ def grounds_of(level: GridWorld) -> Iterator[Ground]:
     left_out = bytearray(level.grid().blocked_cells)
     for x, y in level.exits:
         left_out[y * width + x] = 1
-    places: dict[tuple[int, ...], list[int]] = {}
+    wet = {puddle.at[1] * width + puddle.at[0]: puddle.size for puddle in level.puddles}
+    places: dict[tuple[tuple[int, ...], str], list[int]] = {}
     for cell, kind in enumerate(zip(*layers, strict=True)):
         if not left_out[cell] and any(number >= 0 for number in kind):
-            places.setdefault(kind, []).append(cell)
-    told = effects_of(level).ends
-    wet = {y * width + x for x, y in (puddle.at for puddle in level.puddles)}
-    for kind, found in places.items():
-        *areas, last = kind
+            places.setdefault((kind, wet.get(cell, "")), []).append(cell)
+    told = effects_of(level).ends if any(area.ends for area in level.areas) else {}
+    for ((*areas, last), puddle), found in places.items():
         ground = _ground(level, tuple(found), areas, last, told)
-        if ground.end or ground.cells[0] not in wet:
+        if puddle:
+            reward = getattr(level.puddle_types, puddle).reward
+            ground = replace(ground, reward=reward, skid=None)
+        if ground.end or ground.warp or not puddle:
             yield ground
 
 
@@ -241,12 +244,16 @@ def _grounds(level: GridWorld, grounds: list[Ground], drawn: bool) -> Rules:
 
 def _effects(level: GridWorld, ground: Ground, *, arrows: bool) -> Iterator[str]:
     """Yield what a kind of ground does that no other ground does."""
-    warp, reward = ground.warp, ground.reward
-    if warp is not None and warp.reward is not None:
-        reward = warp.reward
+    step, reward = level.rewards.step, ground.reward
+    warp = ground.warp if ground.end is None else None
+    if warp is not None:
+        # Without a reward of its own, it pays what the cell pays to which it leads.
+        reward = step if warp.reward is None else warp.reward
+        if warp.when == "leave" and ground.reward != step:
+            yield f"entering it {phrases.reward(ground.reward)}"
     if ground.end is not None:
         yield "ends the episode"
-    if ground.end is not None or reward != level.rewards.step:
+    if ground.end is not None or reward != step:
         yield phrases.reward(reward)
     if warp is not None:
         moves = "every move " if warp.when == "leave" else ""
