@@ -295,7 +295,8 @@ def _policy(level: Level, found: Solution) -> str:
     shown = actions_shown(found, number)
     painter = TextPainter(level, plain=True, overlay=replace(overlay, actions=shown, caption=""))
     lines = painter.lines(None, configuration=number, held=False)
-    return "\n".join([*lines, *painter.explained()])
+    legend = painter.explained(caption=overlay.caption, configuration=number)
+    return "\n".join([*lines, *legend])
 
 
 def _finding(found: Diagnostic) -> Finding:

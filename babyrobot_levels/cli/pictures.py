@@ -20,6 +20,7 @@ from babyrobot_levels.cli.inputs import configuration_of
 from babyrobot_levels.cli.parallel import Report
 from babyrobot_levels.render.terminal import colors_of, room_of
 from babyrobot_levels.render.text import WIDEST, TextPainter, number_lines
+from babyrobot_levels.render.words.rules import MOST
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
@@ -148,16 +149,20 @@ def solution_of(
 _ALL_LINES = 1 << 30
 """More lines than any picture has: terminals scroll."""
 
+_COLUMNS = 100
+"""How long the lines of a legend are where there is no terminal."""
 
-def text_picture(level: Level, *, plain: bool = False, configuration: int | None = None) -> str:
-    """Return the level for standard output."""
-    if not plain and takes_pictures():
-        return _picture(level, None, configuration)
-    if configuration is None:
-        return level.draw()
-    return _joined(
-        TextPainter(level, plain=True).lines(None, configuration=configuration, held=False)
-    )
+
+def text_picture(
+    level: Level,
+    *,
+    plain: bool = False,
+    configuration: int | None = None,
+    all_rules: bool = False,
+) -> str:
+    """Return the level for standard output, and what the marks mean."""
+    plain = plain or not takes_pictures()
+    return _text(level, None, configuration, plain=plain, all_rules=all_rules)
 
 
 def solution_text(
@@ -168,6 +173,7 @@ def solution_text(
     policy: bool,
     plain: bool = False,
     configuration: int | None = None,
+    all_rules: bool = False,
 ) -> str:
     """Return values and policy of a solution for standard output.
 
@@ -181,30 +187,21 @@ def solution_text(
         policy: whether to show the optimal actions.
         plain: whether to use ASCII in any case.
         configuration: what is where; None is where episodes begin.
+        all_rules: whether to tell all rules, however many there are.
     """
     from babyrobot_levels.analysis.shown import actions_shown, overlay_given
 
     number = shown_configuration(level, configuration)
-    told = overlay_given(level, {"values": solution}).at(number)
-    overlay = replace(
-        told,
-        values=_values(solution, number) if values else None,
-        actions=actions_shown(solution, number) if policy else None,
-        caption="",
-    )
     plain = plain or not takes_pictures()
-    if not plain:
-        text = _picture(level, overlay, number)
-    elif policy:
-        painter = TextPainter(level, plain=True, overlay=replace(overlay, values=None))
-        text = _joined(painter.lines(None, configuration=number, held=False))
-    else:
-        text = text_picture(level, plain=True, configuration=configuration)
+    overlay = replace(
+        overlay_given(level, {"values": solution}).at(number),
+        values=_values(solution, number) if values and not plain else None,
+        actions=actions_shown(solution, number) if policy else None,
+    )
+    below = ""
     if plain and values and level.size[0] <= WIDEST:
-        text += "\n" + values_text(solution, number, overlay.never)
-    marks = TextPainter(level, plain=plain, overlay=replace(overlay, caption=told.caption))
-    explained = _joined(marks.explained())
-    return text + (explained and "\n" + explained)
+        below = "\n" + values_text(solution, number, overlay.never)
+    return _text(level, overlay, number, plain=plain, below=below, all_rules=all_rules)
 
 
 def values_text(
@@ -226,20 +223,55 @@ def _values(solution: Solution, configuration: int | None) -> Rows[float | None]
     return [[None if math.isnan(value) else value for value in row] for row in rows]
 
 
-def _picture(level: Level, overlay: Overlay | None, configuration: int | None) -> str:
-    """Return a picture in colour: the whole level if the terminal is wide enough, else a part."""
-    painter, colors = TextPainter(level, overlay=overlay), colors_of(sys.stdout)
-    room = None
-    if sys.stdout.isatty():
-        columns, lines = room_of(sys.stdout)
-        width = level.size[0]
-        has_arrows = overlay is not None and overlay.actions is not None
-        if 4 * width + 1 > columns and 2 * width + 1 <= columns and not has_arrows:
-            return _joined(painter.blocks(configuration=configuration, colors=colors))
-        is_cut = 4 * width + 1 > columns
-        room = os.terminal_size((columns, max(1, lines - 2) if is_cut else _ALL_LINES))
-    shown = painter.lines(None, configuration=configuration, colors=colors, held=False, room=room)
-    return _joined(shown)
+def _text(
+    level: Level,
+    overlay: Overlay | None,
+    configuration: int | None,
+    *,
+    plain: bool,
+    below: str = "",
+    all_rules: bool = False,
+) -> str:
+    """Return a drawing, what is to stand below it, and its legend."""
+    # The caption is a part of the legend.
+    caption, drawn = "", None
+    if overlay is not None:
+        caption, drawn = overlay.caption, replace(overlay, caption="")
+    painter, colors = TextPainter(level, plain=plain, overlay=drawn), colors_of(sys.stdout)
+    by_color = not plain and _is_small(level, drawn)
+    colors = 0 if plain else colors
+    is_shown = sys.stdout.isatty()
+    columns, height = room_of(sys.stdout) if is_shown else (_COLUMNS, _ALL_LINES)
+    legend = painter.explained(
+        caption=caption,
+        configuration=configuration,
+        colors=colors,
+        columns=columns,
+        most=None if all_rules else MOST,
+        by_color=by_color,
+    )
+    if by_color:
+        lines = painter.blocks(configuration=configuration, colors=colors)
+    else:
+        if 4 * level.size[0] + 1 <= columns:
+            height = _ALL_LINES
+        room = os.terminal_size((columns, max(height // 2, height - len(legend) - 3)))
+        lines = painter.lines(
+            None,
+            configuration=configuration,
+            colors=colors,
+            held=False,
+            room=room if is_shown and not plain else None,
+        )
+    return _joined(lines) + below + ("\n" + _joined(legend) if legend else "")
+
+
+def _is_small(level: Level, overlay: Overlay | None) -> bool:
+    """Return whether a level is too wide for a terminal but as blocks of colour."""
+    columns = room_of(sys.stdout).columns if sys.stdout.isatty() else sys.maxsize
+    has_arrows = overlay is not None and overlay.actions is not None
+    width = level.size[0]
+    return 2 * width + 1 <= columns < 4 * width + 1 and not has_arrows
 
 
 def _joined(lines: Iterable[str]) -> str:

@@ -380,10 +380,18 @@ class _Game:
         picture = self._painter.lines(
             self._shown(), heading=heading, colors=self._colors, held=False, room=size
         )
+        free = room.lines - len(picture) - len(above) - len(below) - 4
+        legend = self._legend(room.columns - 2) if free > 0 else []
+        if 0 < len(legend) <= free:
+            picture += ["", *legend]
         if len(picture) + len(above) + len(below) + 3 <= room.lines:
             # There is room for empty lines.
             above, below = [*above, ""], ["", *below[:-1], "", below[-1]]
         return [*above, *(" " + line for line in picture), *below][: room.lines]
+
+    def _legend(self, columns: int) -> list[str]:
+        number = self._mdp.configuration(self._state) if self._level.has_things else None
+        return self._painter.explained(configuration=number, colors=self._colors, columns=columns)
 
     def _keys(self, width: int) -> str:
         """Return what the keys do, in the longest of the forms that fit."""

@@ -163,7 +163,9 @@ def preview(
     rules: Annotated[
         bool,
         typer.Option(
-            "--rules", help="Show the rules of the level in words; pages have them in any case."
+            "--rules",
+            help="Show the rules of the level in words, all of them; pages and drawings in the "
+            "terminal have them in any case, the first 20.",
         ),
     ] = False,
     held: Annotated[
@@ -297,8 +299,9 @@ def preview(
         shown = _prepared(level, theme, coordinates, maze_seed, several=not one)
         if is_text:
             check_policy(chosen, policy)
-            text = _text(shown, values=values, policy=policy is not None, held=held, plain=plain)
-            return text + (_rules_text(shown) if rules else "")
+            return _text(
+                shown, values=values, policy=policy is not None, held=held, plain=plain, rules=rules
+            )
         if agent is None:
             return picture(shown, chosen.name, asked | pages, report)
         with blamed(agent):
@@ -370,13 +373,6 @@ def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | by
             continue
 
 
-def _rules_text(level: Level) -> str:
-    """Return the rules of a level, for below its drawing."""
-    from babyrobot_levels.render.words.rules import rules_of
-
-    return "\n" + "".join(f"{rule.text}\n" for rule in rules_of(level))
-
-
 def _check_for(option: str, chosen: PictureFormat, *, given: bool, name: str = "") -> None:
     """Refuse an option that the format does not have."""
     name = name or f"--{option}"
@@ -438,10 +434,12 @@ def _prepared(
     return level
 
 
-def _text(level: Level, *, values: bool, policy: bool, held: str | None, plain: bool) -> str:
+def _text(
+    level: Level, *, values: bool, policy: bool, held: str | None, plain: bool, rules: bool
+) -> str:
     configuration = None if held is None else configuration_of(level, held)
     if not (values or policy):
-        return text_picture(level, plain=plain, configuration=configuration)
+        return text_picture(level, plain=plain, configuration=configuration, all_rules=rules)
     plain = plain or not takes_pictures()
     if values and plain and level.size[0] > WIDEST:
         note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
@@ -452,6 +450,7 @@ def _text(level: Level, *, values: bool, policy: bool, held: str | None, plain: 
         policy=policy,
         plain=plain,
         configuration=configuration,
+        all_rules=rules,
     )
 
 

@@ -6,6 +6,7 @@ only sentences about the cells beside it (`words`).
 
 from __future__ import annotations
 
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
@@ -18,10 +19,10 @@ from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
 from babyrobot_levels.render.situation import look_of
 from babyrobot_levels.render.text import PLAIN_ROBOT, TextPainter
-from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER, drawing_without_things
+from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.describe import around, goal_of, way_to_exit
-from babyrobot_levels.render.words.rules import Rule, rules_of, spoken
+from babyrobot_levels.render.words.rules import Rule, mover_names, rules_of, spoken, ways_of
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
@@ -125,7 +126,9 @@ class Narrator:
                 "movers move in each step, after the robot, which meets those that are in its "
                 "cell then, and those with which it has changed places"
             )
-        yield from self._ways()
+        paths = sys.maxsize if self._sight == "map" else 0
+        walks = zip(level.movers, ways_of(level, longest=paths), strict=True)
+        yield from (way for mover, way in walks if mover.within is not None or paths)
 
     def _precedence(self) -> str:
         """Return which of several rewards counts."""
@@ -143,24 +146,11 @@ class Narrator:
         order = [f"that of {what}" for what in told] + ["that of the cell in which it ends"]
         return f"a step has one reward, the first that applies: {', else '.join(order)}"
 
-    def _ways(self) -> Iterator[str]:
-        """Yield where movers go."""
-        for mover, name in zip(self._level.movers, self._mover_names(), strict=True):
-            if mover.within is not None:
-                (x, y), (columns, rows) = mover.within.at, mover.within.size
-                yield (
-                    f"{name} stays in columns {x} to {x + columns - 1} and rows {y} to "
-                    f"{y + rows - 1}: in each step it stays or goes to a cell beside it, each "
-                    "equally often"
-                )
-            elif self._sight == "map":
-                yield f"{name} walks {phrases.cells(mover.phases)}, and again from the first cell"
-
     def _signs(self) -> dict[str, str]:
         """Return what the characters of drawings mean."""
         level = self._level
-        drawing = drawing_without_things(level)
-        used = {sign for row in drawing.cells for sign in row}
+        symbols = self._painter.symbols
+        used = {sign for row in symbols for sign in row}
         signs = {PLAIN_ROBOT: "the robot"}
         if level.exits:
             signs[d.EXIT] = "the exit" if len(level.exits) == 1 else "an exit"
@@ -170,7 +160,7 @@ class Narrator:
         known[d.BLOCKED] = "a blocked cell"
         signs |= {sign: words for sign, words in known.items() if sign in used}
         for rule in self._rules:
-            found = {drawing.cells[y][x] for x, y in self._cells(rule)}
+            found = {symbols[y][x] for x, y in self._cells(rule)}
             is_own = len(found) == 1 and not found & {d.PLAIN, *known}
             if is_own and rule.sample.startswith("cell:"):
                 signs.setdefault(found.pop(), _a(self._grounds[rule.cells[0]][0]))
@@ -264,23 +254,11 @@ class Narrator:
         if here := self._contents(cell, now):
             yield f"here: {listed(here)}"
 
-    def _mover_names(self) -> list[str]:
-        """Return what movers are called: by their names, else by their kinds and numbers."""
-        pictures = Counter(mover.picture for mover in self._level.movers)
-        return [
-            f"the {spoken([mover.name])}"
-            if mover.name
-            else f"{mover.picture} {number}"
-            if pictures[mover.picture] > 1
-            else f"the {mover.picture}"
-            for number, mover in enumerate(self._level.movers, 1)
-        ]
-
     def _movers(self, now: Configuration, is_told: Callable[[Cell], bool]) -> Iterator[str]:
         """Yield where movers are, and where those on a path go next."""
         level = self._level
         phases = now.values[level.things().static :]
-        movers = zip(level.movers, self._mover_names(), now.movers, phases, strict=True)
+        movers = zip(level.movers, mover_names(level), now.movers, phases, strict=True)
         for mover, name, at, phase in movers:
             if not is_told(at):
                 continue

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 import os
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence, Set
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat, Scale
 from babyrobot_levels.render.scene.layout import AtHand, Overlay, Rows, layout_of
-from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.slots import Slots, standing_cells
 from babyrobot_levels.render.scene.texts import Form, form_of
 from babyrobot_levels.render.situation import place_of, situation_of
 from babyrobot_levels.render.terminal import RESET, cut_out
+from babyrobot_levels.render.text_legend import Entry, legend_of, marked_symbols
 from babyrobot_levels.render.text_plan import (
     USUAL,
     WINDS,
@@ -28,10 +31,10 @@ from babyrobot_levels.render.text_plan import (
     escape,
     held_line,
     marks_of,
-    symbols_of,
     unicode_lines,
     with_marks,
 )
+from babyrobot_levels.render.words.rules import MOST, Rule, rules_of
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -62,14 +65,12 @@ class _Drawn(NamedTuple):
     Attributes:
         lines: its lines.
         cells: where its cells are.
-        taken: the cells whose symbol is an arrow.
         fills: the colours of cells that have a value.
         below: the lines below it.
     """
 
     lines: list[str]
     cells: TextCells
-    taken: frozenset[Cell]
     fills: Mapping[Cell, Rgb]
     below: list[str]
 
@@ -78,13 +79,13 @@ class TextPainter:
     """Draws a level as text, one picture for each state of the robot.
 
     Starts, exits and a legend's characters are shown as in the language's drawing; puddles are
-    rings, warps double arrows (`↻` to the start), wind single ones. Every character takes one
-    column, and every cell as many as in that drawing.
+    rings, warps double arrows (`↻` to the start), wind single ones, and other cells with effects of
+    their own are letters. Every character takes one column, and every cell as many as in that
+    drawing. `explained` says what they mean, and what is not drawn.
 
-    In colour, values and visits are the backgrounds of cells, with numbers where they fit, and
-    arrows are beside the symbols of cells. Without colour, arrows take the place of symbols, and
-    numbers are below the drawing. Notes and the lines of panels are always below. The rest of an
-    overlay is shown by pictures only.
+    Arrows are beside the symbols of cells. In colour, values and visits are the backgrounds of
+    cells, with numbers where they fit; without colour, numbers are below the drawing. Notes and the
+    lines of panels are always below. The rest of an overlay is shown by pictures only.
 
     Args:
         level: the level; a maze needs a seed.
@@ -134,8 +135,7 @@ class TextPainter:
             robot = place[0], place[1]
         drawn = self._at(configuration, heading, colors, room and room.columns)
         situation = situation_of(self._level, configuration)
-        taken = drawn.taken | ({robot} if robot else frozenset())
-        marks = marks_of(self._level, situation, plain=self._plain, taken=taken, cells=drawn.cells)
+        marks = marks_of(self._level, situation, plain=self._plain, robot=robot, cells=drawn.cells)
         shown = marks
         if robot is not None:
             mark = TextMark(self._robots[-1 if heading is None else heading])
@@ -210,24 +210,25 @@ class TextPainter:
 
     def _lined(self, overlay: Overlay) -> _Drawn:
         """Return the picture without colours: arrows in the cells, numbers below."""
-        symbols: Symbols = [list(row) for row in self._drawing.cells]
         arrows = self._arrows_of(overlay)
-        if overlay.actions is None and not self._plain:
-            symbols = symbols_of(self._level, self._drawing)
+        cells = self._cells_of(TextCells(3, 0, 2) if arrows else USUAL, arrows)
+        symbols = self._symbols_of(overlay)
         for x, y in overlay.never:
             symbols[y][x] = self.never if symbols[y][x] == " " else symbols[y][x]
-        for (x, y), arrow in arrows.items():
-            symbols[y][x] = arrow
-        if self._plain:
-            lines = ascii_lines(self._drawing, symbols)
-        else:
-            lines = unicode_lines(self._drawing, [[f" {each} " for each in row] for row in symbols])
+        contents = [
+            [
+                _content(symbol, arrows[x, y], "", cells) if (x, y) in arrows else f" {symbol} "
+                for x, symbol in enumerate(row)
+            ]
+            for y, row in enumerate(symbols)
+        ]
+        lines = (ascii_lines if self._plain else unicode_lines)(self._drawing, contents)
         below = [
             *_table(overlay.values, overlay.precision),
             *_table(overlay.visits, _decimals(overlay)),
         ]
         below += _texts_below(overlay, self.never)
-        return _Drawn(lines, USUAL, frozenset(arrows), {}, below)
+        return _Drawn(lines, cells, {}, below)
 
     def _painted(self, overlay: Overlay, colors: int, columns: int | None) -> _Drawn:
         """Return the picture in colours: values are backgrounds, with numbers where they fit."""
@@ -235,21 +236,20 @@ class TextPainter:
         slots = Slots(self._level, layout, overlay)
         heat = Heat(self._level, layout, overlay, slots)
         values = heat.visits if overlay.values is None else heat.values
-        arrows = {
-            cell: arrow for cell, arrow in self._arrows_of(overlay).items() if cell in slots.acting
-        }
+        arrows = self._arrows_of(overlay)
         form = form_of(values.values(), overlay.precision)
         numbers = {cell: _value_text(value, form) for cell, value in values.items()}
         longest = max(map(len, numbers.values()), default=0)
         # A blank between arrow and number is left out where that lets the numbers fit.
         fitting = (
-            TextCells(longest + more, 0)
+            TextCells(longest + more, 0, more - 1)
             for more in ((3, 2) if arrows else (2,))
             if columns is None or (longest + more + 1) * self._level.size[0] < columns
         )
         cells = next(fitting, None) if numbers else None
         if cells is None:
-            numbers, cells = {}, TextCells(3, 0) if arrows or values else USUAL
+            numbers, cells = {}, TextCells(3, 0, 2) if arrows or values else USUAL
+        cells = self._cells_of(cells, {**arrows, **values})
         contents = [
             [
                 _content(symbol, arrows.get((x, y), ""), numbers.get((x, y), ""), cells)
@@ -257,7 +257,7 @@ class TextPainter:
                 else symbol.center(cells.width)
                 for x, symbol in enumerate(row)
             ]
-            for y, row in enumerate(symbols_of(self._level, self._drawing))
+            for y, row in enumerate(self._symbols_of(overlay))
         ]
         for x, y in overlay.never:
             if contents[y][x].isspace():
@@ -268,50 +268,129 @@ class TextPainter:
             below += _table(overlay.visits, _decimals(overlay))
         below += _texts_below(overlay, self.never)
         lines = unicode_lines(self._drawing, contents)
-        return _Drawn(lines, cells, frozenset(), fills, below)
+        return _Drawn(lines, cells, fills, below)
+
+    def _cells_of(self, cells: TextCells, filled: Mapping[Cell, object]) -> TextCells:
+        """Return where cells are of which some have more than a symbol."""
+        width, height = self._level.size
+        whole = ((x, y) for x in range(width) for y in range(height))
+        return cells._replace(centred=frozenset(whole).difference(filled))
+
+    @cached_property
+    def _rules(self) -> tuple[Rule, ...]:
+        return rules_of(self._level, drawn=False)
+
+    @cached_property
+    def symbols(self) -> Symbols:
+        """The symbols of the cells."""
+        return marked_symbols(self._level, self._drawing, self._rules, plain=self._plain)
+
+    def _symbols_of(self, overlay: Overlay) -> Symbols:
+        """Return the symbols in a picture: arrows of wind would be read as those of a policy."""
+        hidden = "" if overlay.actions is None else WINDS
+        return [[" " if each in hidden else each for each in row] for row in self.symbols]
 
     @property
     def never(self) -> str:
         """The character of a cell in which no robot can be."""
         return _PLAIN_NEVER if self._plain else _NEVER
 
-    def explained(self) -> list[str]:
-        """Return what the marks of a policy mean, as far as there are any."""
+    def explained(
+        self,
+        *,
+        caption: str = "",
+        configuration: int | None = None,
+        colors: int = 0,
+        columns: int = 100,
+        most: int | None = MOST,
+        by_color: bool = False,
+    ) -> list[str]:
+        """Return what the marks of the picture mean, and what it does not show.
+
+        Args:
+            caption: what the values and the policy are of.
+            configuration: what is where; None is the level as a whole.
+            colors: how many colours the terminal shows.
+            columns: how long lines may be, at least 40.
+            most: how many lines, and how many parts that are not drawn, are told; None for all.
+            by_color: whether the picture is that of `blocks`, which has only colours.
+        """
+        drawn = self._at(configuration, None, colors, None)
+        situation = situation_of(self._level, configuration)
+        marks = marks_of(self._level, situation, plain=self._plain, cells=drawn.cells)
+        symbols = self._symbols_of(self._overlay)
+        found = legend_of(
+            self._level, situation, self._rules, symbols, marks, drawn.cells,
+            plain=self._plain,
+        )  # fmt: skip
+        palette = self._palette(drawn, None, marks, colors) if colors else None
+        if by_color and palette is not None:
+            found = found.by_color(palette)
+        entries, not_drawn = found.entries[:most], found.not_drawn[:most]
+        if more := len(found.entries) - len(entries) + len(found.not_drawn) - len(not_drawn):
+            not_drawn.append(f"and {more:,} further rules, which `babyrobot preview --rules` tells")
+        lines: list[str] = []
+        for entry in (*self._of_policy(caption), *entries):
+            lines += _legend_lines(entry, palette, max(columns, 40))
+        if not_drawn:
+            text = f"not drawn: {'; '.join(not_drawn)}"
+            lines += textwrap.wrap(text, max(columns, 40), subsequent_indent=" " * 11)
+        return lines
+
+    def _of_policy(self, caption: str) -> Iterator[Entry]:
+        """Yield what the marks of a policy mean, as far as there are any."""
         overlay, blocked = self._overlay, self._level.grid().blocked_cells
         arrows, width = self._arrows_of(overlay), self._level.size[0]
         stay, moves = self._arrows[0], self._arrows[1:]
-        lines = {}
         if arrows:
-            lines[" ".join(moves)] = "an optimal action, also where there are several"
+            yield Entry(
+                ((" ".join(moves), None),), "an optimal action, also where there are several"
+            )
         if stay in arrows.values():
-            lines[stay] = "stay"
-        if overlay.caption:
-            mark, _, words = overlay.caption.replace("hatched:", self.never).partition(" ")
-            lines[mark] = words
+            yield Entry(((stay, None),), "stay")
+        if caption:
+            mark, _, words = caption.replace("hatched:", self.never).partition(" ")
+            yield Entry(((mark, None),), words)
         taken = {*arrows, *overlay.never}
         free = (divmod(cell, width)[::-1] for cell, is_wall in enumerate(blocked) if not is_wall)
         if arrows and not taken.issuperset(free):
-            lines["others"] = "the episode is over, or no robot can be there"
-        return [f"{mark:7}  {words}" for mark, words in lines.items()]
+            yield Entry((("others", None),), "the episode is over, or no robot can be there")
 
     def _arrows_of(self, overlay: Overlay) -> dict[Cell, str]:
         """Return the arrow of each cell that has one.
 
-        A cell shows one action, the one with the highest number: moves before `stay`.
+        A cell in which robots act shows one action, the one with the highest number: moves before
+        `stay`.
         """
         return {
             (x, y): self._arrows[max(actions)]
             for y, row in enumerate(overlay.actions or ())
             for x, actions in enumerate(row)
-            if actions
+            if actions and (x, y) in self._acting
         }
+
+    @cached_property
+    def _acting(self) -> frozenset[Cell]:
+        return standing_cells(self._level)[0]
+
+
+def _legend_lines(entry: Entry, palette: Palette | None, columns: int) -> Iterator[str]:
+    """Yield the lines of an entry, its marks in the colours that they have in the picture."""
+    length, shown = -1, []
+    for mark, place in entry.marks:
+        code = ""
+        if palette is not None and place is not None:
+            code = escape(*palette.style(*place, mark), palette.count)
+            mark = f" {mark} "
+        length += len(mark) + 1
+        shown.append(f"{code}{mark}{RESET if code else ''}")
+    first, *rest = textwrap.wrap(entry.words, columns - 9) or [""]
+    yield f"{' '.join(shown)}{' ' * (7 - length)}  {first}"
+    yield from (f"{'':9}{line}" for line in rest)
 
 
 def _content(symbol: str, arrow: str, number: str, cells: TextCells) -> str:
     """Return the text of a cell: its symbol, its arrow and its number."""
-    if arrow and symbol in WINDS:
-        # It would read as another arrow of the policy.
-        symbol = " "
     if arrow:
         return f"{symbol}{arrow}{number:>{cells.width - 2}}"
     return f"{symbol}{number:>{cells.width - 2}} "

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
+from operator import add
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language import drawing as d
@@ -29,6 +30,9 @@ OFF, ON = "0", "1"
 LOCKED = "X"
 MOVER = "Ω&"
 
+CLOSED, OPEN, GLASSY = ("┃ ━━━", "/ -/-"), ("╴ ╶", ": - -"), ("╎ ╌╌╌", ": - -")
+"""Doors and glass in a legend: in Unicode, and in ASCII."""
+
 _UPRIGHT = {True: "┃/", False: "::"}
 _LEVEL = {True: ("━━━", "-/-"), False: ("╴ ╶", "- -")}
 """Doors by whether they are closed: in Unicode, and in ASCII. The middle is as wide as needed."""
@@ -38,14 +42,24 @@ Position = tuple[int, int]
 
 
 class TextCells(NamedTuple):
-    """Where the cells of a text are: how wide they are, and which character is their symbol."""
+    """Where the cells of a text are.
+
+    Attributes:
+        width: how wide a cell is.
+        symbol: which character of it is its symbol.
+        beside: how far behind the symbol a second thing in the cell stands.
+        centred: the cells that have nothing but a symbol, in their middle.
+    """
 
     width: int = 3
     symbol: int = 1
+    beside: int = 1
+    centred: frozenset[tuple[int, int]] = frozenset()
 
     def position(self, x: int, y: int) -> Position:
         """Return where the symbol of a cell is."""
-        return 2 * y + 1, (self.width + 1) * x + 1 + self.symbol
+        symbol = (self.width - 1) // 2 if (x, y) in self.centred else self.symbol
+        return 2 * y + 1, (self.width + 1) * x + 1 + symbol
 
 
 USUAL = TextCells()
@@ -71,7 +85,7 @@ def marks_of(
     situation: Situation,
     *,
     plain: bool,
-    taken: frozenset[tuple[int, int]] = frozenset(),
+    robot: tuple[int, int] | None = None,
     cells: TextCells = USUAL,
 ) -> dict[Position, TextMark]:
     """Return what of a picture shows the things of a level.
@@ -83,14 +97,14 @@ def marks_of(
         level: the level.
         situation: what is where.
         plain: whether to use ASCII characters only.
-        taken: the cells whose symbol is something else: the robot, or an arrow.
+        robot: the cell in which the robot is the symbol.
         cells: where the cells are.
     """
     marks: dict[Position, TextMark] = {}
-    used = set(taken)
+    used = {robot}
     for x, y, mark in _in_cells(level, situation, 1 if plain else 0):
         line, column = cells.position(x, y)
-        marks.setdefault((line, column + ((x, y) in used)), mark)
+        marks.setdefault((line, column + cells.beside * ((x, y) in used)), mark)
         used.add((x, y))
     return marks | dict(_doors(level, situation, 1 if plain else 0, cells))
 
@@ -181,13 +195,25 @@ Symbols = list[list[str]]
 """A character for each cell, `[height][width]`."""
 
 
-def ascii_lines(drawing: d.Drawing, symbols: Symbols) -> list[str]:
-    """Return the lines of a picture in ASCII, with these symbols in the cells."""
-    return d.compose(replace(drawing, cells=tuple(map("".join, symbols)))).splitlines()
+def ascii_lines(drawing: d.Drawing, contents: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a picture in ASCII; see `unicode_lines`."""
+    lines = d.compose(drawing).splitlines()
+    for y, row in enumerate(contents):
+        texts = (
+            "###" if mark == d.BLOCKED else text
+            for mark, text in zip(drawing.cells[y], row, strict=True)
+        )
+        lines[2 * y + 1] = d.SOLID + "".join(map(add, texts, drawing.east[y] + d.SOLID))
+    return lines
 
 
-def symbols_of(level: LevelSpec, drawing: d.Drawing) -> Symbols:
-    """Return the symbols of the cells. Starts and exits hide warps, warps hide puddles."""
+def symbols_of(level: LevelSpec, drawing: d.Drawing, *, plain: bool) -> Symbols:
+    """Return the symbols of the cells. Starts and exits hide warps, warps hide puddles.
+
+    In ASCII, they are those of the language's drawing.
+    """
+    if plain:
+        return [[*row] for row in drawing.cells]
     south, east = shifts(level.wind, drawing.width, drawing.height)
     warps = {warp.at: warp.to for warp in level.warps}
     symbols = []
@@ -214,6 +240,12 @@ def _warp(at: tuple[int, int], to: tuple[int, int] | str) -> str:
 
 def _arrow(arrows: str, east: int, south: int) -> str:
     return arrows[round(math.atan2(south, east) / (math.pi / 4)) % 8]
+
+
+def winds_to(side: str) -> str:
+    """Return the arrows of winds that push to a side, such as `east`, and perhaps to another."""
+    first = 2 * ("east", "south", "west", "north").index(side)
+    return "".join(WINDS[(first + turn) % 8] for turn in (0, 1, -1))
 
 
 def unicode_lines(drawing: d.Drawing, contents: Sequence[Sequence[str]]) -> list[str]:
@@ -350,9 +382,14 @@ class Palette:
     ) -> None:
         self._colors = colors = level.resolved_theme.colors
         self._grounds, self._fills, self._robot = grounds, fills, robot
-        self._marks, self._cells, self._count = marks, cells, count
+        self._marks, self._cells, self.count = marks, cells, count
         self._inks = {"∘": _WATER, "◯": _WATER, "█": colors.blocked, "·": colors.lines}
         self._inks |= {"╌": GLASS, "╎": GLASS}
+
+    @property
+    def base(self) -> Rgb:
+        """The colour of the ground where nothing is."""
+        return self._grounds.base
 
     def line(self, text: str, row: int) -> str:
         """Return a line with an escape where the style changes, and at its end."""
@@ -363,7 +400,7 @@ class Palette:
         for column, character in enumerate(text):
             style = self.style(row, column, character)
             if style != last:
-                yield escape(*style, self._count)
+                yield escape(*style, self.count)
                 last = style
             yield character
 

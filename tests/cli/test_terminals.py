@@ -97,7 +97,9 @@ def test_a_terminal_gets_colors_and_box_characters(tmp_path: Path) -> None:
     assert status == 0
     assert "\x1b[" in sent
     assert "┌" in sent
-    assert [len(line) for line in plain(sent).splitlines()] == [33] * 11
+    drawn, legend = plain(sent).replace("\r", "").split("\n\n")
+    assert [len(line) for line in drawn.splitlines()] == [33] * 11
+    assert [line.split()[0] for line in legend.splitlines()] == ["E", "∘", "◯", "S", "not"]
     assert_ends_without_color(sent)
 
 
@@ -118,7 +120,8 @@ def test_a_terminal_without_color(tmp_path: Path, variable: dict[str, Any]) -> N
 
 def test_a_terminal_that_knows_no_box_characters(tmp_path: Path) -> None:
     variables: dict[str, Any] = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
-    assert in_terminal(tmp_path, "preview", "maze", **variables) == (load("maze").draw(), 0)
+    sent, status = in_terminal(tmp_path, "preview", "maze", **variables)
+    assert (sent.startswith(load("maze").draw()), sent.isascii(), status) == (True, True, 0)
 
 
 def test_a_png_is_not_thrown_at_a_terminal(tmp_path: Path) -> None:
@@ -353,15 +356,16 @@ def test_a_large_level_fits(tmp_path: Path, columns: int, is_whole: bool) -> Non
     text = "version: 1\nsize: [64, 64]\nmaze: {seed: 3}\nstart: [40, 30]\n"
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
     sent, _ = in_terminal(tmp_path, "preview", "large.yaml", columns=columns)
-    lines = plain(sent).splitlines()
-    assert all(len(line) <= columns for line in lines)
+    drawn, legend = plain(sent).replace("\r", "").split("\n\n")
+    lines = drawn.splitlines()
+    assert all(len(line) <= columns for line in [*lines, *legend.splitlines()])
     if columns == 257:
         assert len(lines) == 129
     elif is_whole:
         assert len(lines) == 65
         assert {*"".join(lines)} == {"▀"}
     else:
-        assert len(lines) <= 22
+        assert len(lines) + 1 + len(legend.splitlines()) <= 22
         assert sum(line.count("S") for line in lines) == 1
         assert re.fullmatch(r"cells \[\d+, \d+\] to \[\d+, \d+\] of 64 x 64", lines[-1])
 

@@ -150,7 +150,7 @@ def test_infos_as_text() -> None:
         }
     )
     drawing, values, visits, *rest = env.render().rstrip("\n").split("\n\n")
-    assert drawing.splitlines()[1::2] == ["│ ☻   ↓     │", "│ →   ←   · │", "│ ↓   ↓   E │"]
+    assert drawing.splitlines()[1::2] == ["│☻→   ↓     │", "│ →   ←   · │", "│ ↓   ↓   E │"]
     assert values == " 0.0  -1.5\n 1.0   2.0   3.0\n 4.0   5.0   6.0"
     assert visits == " 0   1  20\n 3   4   5\n 6   7   8"
     assert rest == ["[0.5, 2] between", "one\ntwo", "three\\x1b[2J"]

@@ -246,7 +246,7 @@ def test_an_arrow_of_the_policy_takes_the_place_of_one_of_the_wind() -> None:
 
 def test_without_colour_numbers_are_below_the_drawing() -> None:
     lines = painted(Overlay(values=VALUES, actions=ACTIONS), colors=0)
-    assert lines[1::2][:2] == ["│ ↓   ↓   H │", "│ →   →   E │"]
+    assert lines[1::2][:2] == ["│S↓  ∘↓   H │", "│ →   →   E │"]
     assert lines[6:] == ["-12.50    0.25", "  1.00    2.00"]
 
 
@@ -393,7 +393,7 @@ def test_arrows_leave_room_for_things_beside_them() -> None:
     painter = TextPainter(CORRIDOR, plain=True, overlay=overlay)
     assert painter.lines(None, configuration=0, held=False) == [
         "+---+---+---+---+---+",
-        "| >   >k  >0/     & |",
+        "|S>  k>  0> /     & |",
         "+---+---+---+---+---+",
     ]
 

@@ -5,7 +5,7 @@ They are also the legend of a picture: each names the sample that is drawn besid
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress, islice
@@ -420,6 +420,41 @@ def _by_look(items: Iterable[Item]) -> dict[tuple[str, str | None], list[Item]]:
     for item in items:
         looks[item.picture, item.color].append(item)
     return looks
+
+
+_LONG = 16
+"""Longer paths are not told cell by cell beside a drawing."""
+
+
+def mover_names(level: GridWorld) -> list[str]:
+    """Return what movers are called: by their names, else by their kinds and numbers."""
+    pictures = Counter(mover.picture for mover in level.movers)
+    return [
+        f"the {spoken([mover.name])}"
+        if mover.name
+        else f"{mover.picture} {number}"
+        if pictures[mover.picture] > 1
+        else f"the {mover.picture}"
+        for number, mover in enumerate(level.movers, 1)
+    ]
+
+
+def ways_of(level: GridWorld, *, longest: int = _LONG) -> Iterator[str]:
+    """Yield where movers go; of a path of more cells than `longest`, only where it begins."""
+    for mover, name in zip(level.movers, mover_names(level), strict=True):
+        if mover.within is not None:
+            (x, y), (columns, rows) = mover.within.at, mover.within.size
+            begins = "" if mover.start else ", and begins in any of them"
+            yield (
+                f"{name} stays in columns {x} to {x + columns - 1} and rows {y} to "
+                f"{y + rows - 1}{begins}: in each step it stays or goes to a cell beside it, each "
+                "equally often"
+            )
+        elif len(mover.phases) <= longest:
+            yield f"{name} walks {phrases.cells(mover.phases)}, and again from the first cell"
+        else:
+            there = phrases.cells([mover.phases[0]])
+            yield f"{name} walks a path of {len(mover.phases):,} steps, which begins in {there}"
 
 
 def _movers(level: GridWorld) -> Iterator[tuple[str, str]]:
