@@ -126,6 +126,12 @@ def test_levels_are_generated_by_conditions() -> None:
         TOOLS.generate(keys="many")
 
 
+def test_the_legend_of_a_policy_tells_what_cannot_occur() -> None:
+    policy = TOOLS.solve("first-key").policy
+    assert policy is not None
+    assert "-        cannot occur while nothing is held" in policy.splitlines()
+
+
 def test_rules_and_the_language_are_explained() -> None:
     assert TOOLS.explain_rule("BR503").text == brl.rule("BR503").page
     assert TOOLS.language_reference().text == language_page()

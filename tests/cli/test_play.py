@@ -400,6 +400,14 @@ def test_without_colour_and_without_box_characters(tmp_path: Path) -> None:
         assert not re.search(r"\x1b\[[0-9;]*m", game.sent)
 
 
+def test_what_marks_mean_stands_below_where_there_is_room(tmp_path: Path) -> None:
+    with Game(tmp_path, "first-key", size=(80, 40), given=None) as game:
+        game.until("not drawn: each step: costs 1")
+        assert "key: opens the door east of [2, 1]" in game.screen
+    with Game(tmp_path, "first-key", size=(80, 16), given=None) as game:
+        assert "not drawn" not in game.until("WASD")
+
+
 def test_a_level_from_standard_input_is_played_with_the_terminals_keys(tmp_path: Path) -> None:
     with Game(tmp_path, "-", "--seed", "1", given=LEVEL.encode()) as game:
         assert place(game.until("Move the robot to the exit.")) == (0, 0)
