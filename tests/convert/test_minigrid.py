@@ -162,7 +162,10 @@ def test_the_red_door_comes_before_the_blue_one() -> None:
 
 
 def test_obstacles_walk_at_random() -> None:
-    level = level_of("MiniGrid-Dynamic-Obstacles-5x5-v0")
+    world = world_of("MiniGrid-Dynamic-Obstacles-5x5-v0")
+    told = "walls: walking into one changes nothing; in MiniGrid, it ends the episode"
+    assert told in map(str, world.lost)
+    level = level_of_world(world)
     assert [mover.start for mover in level.movers] == [(0, 1), (2, 1)]
     assert all(mover.within and mover.within.size == (3, 3) for mover in level.movers)
     assert (level.hit.reward, level.hit.ends) == (-1, True)
