@@ -26,6 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path += [str(ROOT / "tests"), str(ROOT)]
 
 import doc_pictures as pictures  # noqa: E402
+import findings_page  # noqa: E402
 import structure  # noqa: E402
 import transcripts  # noqa: E402
 from command_reference import completion, reference  # noqa: E402
@@ -322,6 +323,7 @@ GENERATED = (
     _one("docs/SKILL.md", brl.skill, "the language, the metrics and the rules"),
     _one("docs/transcripts.md", transcripts.page, "`scripts/transcripts.py`"),
     _one("docs/llms.txt", llms, "the contents of `docs/index.md`"),
+    _one("findings/README.md", findings_page.page, "the heads of `findings/*.sh`"),
     Generated(("schemas/*.json",), "the models of files", _schemas),
     Generated(("docs/rules/*.md",), "docstrings of rules", _rules),
     Generated(("tests/cli/expected/*.txt",), "the commands that they name", _sessions),
