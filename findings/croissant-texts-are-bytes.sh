@@ -19,14 +19,16 @@ name,steps
 first,7
 second,12
 EOF
-venv/bin/python -W ignore - <<'EOF' 2>/dev/null
+venv/bin/python -W ignore - <<'EOF'
 import hashlib
 import json
 from importlib.metadata import version
 from pathlib import Path
 
 import mlcroissant as mlc
+from absl import logging
 
+logging.set_verbosity(logging.ERROR)
 print("mlcroissant", version("mlcroissant"))
 digest = hashlib.sha256(Path("levels.csv").read_bytes()).hexdigest()
 file = mlc.FileObject(

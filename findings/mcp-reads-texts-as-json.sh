@@ -16,13 +16,15 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 "${PYTHON:-python3}" -m venv venv
 venv/bin/pip install --quiet --disable-pip-version-check --no-compile mcp==2.3.0
-venv/bin/python - <<'EOF' 2>/dev/null
+venv/bin/python - <<'EOF'
 import asyncio
+import logging
 from importlib.metadata import version
 
 from mcp import Client
 from mcp.server.mcpserver import MCPServer
 
+logging.disable(logging.INFO)
 print("mcp", version("mcp"))
 server = MCPServer("levels")
 
