@@ -238,7 +238,14 @@ def build_warps(level: LevelFields, grid: Grid) -> Warps:
     arrive = np.arange(count + 1, dtype=np.int32)
     arrive_reward = np.full(count + 1, np.nan)
     for state in enter:
-        arrive[state], arrive_reward[state] = _follow(state, enter, level, grid)
+        # The fields were checked: no chain is a circle. A warp that was followed before is known.
+        chain = [state]
+        while arrive[state] == state and (state := _target(enter[state], level, grid)) in enter:
+            chain.append(state)
+        for each in reversed(chain):
+            warp, to = enter[each], _target(enter[each], level, grid)
+            arrive[each] = arrive[to]
+            arrive_reward[each] = arrive_reward[to] if warp.reward is None else warp.reward
     leaves = np.zeros(count, bool)
     leave_to = np.arange(count, dtype=np.int32)
     leave_reward = np.full(count, np.nan)
@@ -249,19 +256,6 @@ def build_warps(level: LevelFields, grid: Grid) -> Warps:
             leave_to[state] = arrive[to]
             leave_reward[state] = arrive_reward[to] if warp.reward is None else warp.reward
     return Warps(arrive, arrive_reward, leaves, leave_to, leave_reward)
-
-
-def _follow(
-    state: int, enter: dict[int, Warp], level: LevelFields, grid: Grid
-) -> tuple[int, float]:
-    """Return where the chain of warps ends, and the first reward that it gives."""
-    reward = None
-    # The fields were checked: no chain is a circle.
-    while state in enter:
-        warp = enter[state]
-        reward = warp.reward if reward is None else reward
-        state = _target(warp, level, grid)
-    return state, np.nan if reward is None else reward
 
 
 def _target(warp: Warp, level: LevelFields, grid: Grid) -> int:
