@@ -15,8 +15,8 @@ from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.pictures import FORMATS, SUFFIXES
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
 from babyrobot_levels.language.metric_names import NEEDS, SOLVED
-from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TablesTooLargeError
 from babyrobot_levels.mdp.gridworld import GridWorld, LevelLike, world_of
+from babyrobot_levels.text.budget import READ, OverBudgetError, within
 from babyrobot_levels.text.words import no_format
 
 _MAKERS = {name: each.make for name, each in FORMATS.items() if each.make is not None}
@@ -139,7 +139,7 @@ class Facts(Shown, dict[str, Any]):
         for name, value in (self["metrics"] or {}).items():
             texts[name] = self._reasons.get(name) or text_of(value) or "nothing"
         if self.left_out:
-            texts["digest"] = texts["metrics"] = self.left_out
+            texts |= {name: self.left_out for name in ("digest", "metrics") if self[name] is None}
         if self["metrics"] and "difficulty" not in self["metrics"]:
             names = (*SOLVED, *NEEDS) if "items" in self["metrics"] else SOLVED
             texts |= dict.fromkeys(names, f"not computed above {MAX_SOLVED:,} states")
@@ -203,19 +203,25 @@ def show(level: LevelLike) -> Facts:
         }
     )
     found._level = world
-    return found if world.has_random_maze else _with_tables(found, world)
+    if world.has_random_maze:
+        return found
+    try:
+        with within(READ):
+            _add_tables(found, world)
+    except OverBudgetError as error:
+        found.left_out = f"not computed: {error}"
+    found["drawing"] = world.draw()
+    return found
 
 
-def _with_tables(found: Facts, level: GridWorld) -> Facts:
-    """Add what the tables of a level say."""
+def _add_tables(found: Facts, level: GridWorld) -> None:
+    """Add what the tables of a level say.
+
+    Raises:
+        OverBudgetError: it takes too long; what is known is added.
+    """
     from babyrobot_levels.analysis.solver.policies import space_of
 
-    try:
-        level.compile_within(MAX_READ_STATES)
-    except TablesTooLargeError as error:
-        found.left_out = f"not computed: {error.size}; together at most {MAX_READ_STATES:,} are"
-        found["drawing"] = level.draw()
-        return found
     mdp = level.compile()
     happens = mdp.probability > 0
     # Of the pairs of configuration and cell, those that an episode reaches.
@@ -234,8 +240,6 @@ def _with_tables(found: Facts, level: GridWorld) -> Facts:
         name: f"none: {measured.why_none(name)}" for name, value in numbers.items() if value is None
     }
     found["ending"] = measured.ending if is_solved else None
-    found["drawing"] = level.draw()
-    return found
 
 
 def _number(value: Any) -> Any:

@@ -12,6 +12,7 @@ from typing import Any
 from babyrobot_levels.assistants.results import Result
 from babyrobot_levels.assistants.tools import RefusedError, Tools
 from babyrobot_levels.parallel.processes import begin, starting
+from babyrobot_levels.text.budget import COMMAND, within
 from babyrobot_levels.text.errors import BabyRobotError
 
 
@@ -83,7 +84,8 @@ def _serve(calls: Connection, folder: Path | None) -> None:
             tool, arguments = calls.recv()
             answer: Result | Exception
             try:
-                answer = getattr(tools, tool)(**arguments)
+                with within(COMMAND):
+                    answer = getattr(tools, tool)(**arguments)
             except (BabyRobotError, ValueError, OSError, ArithmeticError, ImportError) as error:
                 answer = RefusedError(str(error))
             except MemoryError:

@@ -43,7 +43,6 @@ def _run() -> None:
     from babyrobot_levels.cli.commands import app
     from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
     from babyrobot_levels.cli.meant import argument
-    from babyrobot_levels.parallel.executor import ExecutorError
     from babyrobot_levels.text.errors import BabyRobotError, LevelError, LevelNotFoundError
 
     try:
@@ -54,7 +53,7 @@ def _run() -> None:
     except BabyRobotError as error:
         is_folder = isinstance(error, LevelNotFoundError) and error.name == "levels"
         note("error: no folder levels/ here" if is_folder else f"error: {error}")
-        help_text = error.help if isinstance(error, ExecutorError) else None
+        help_text = getattr(error, "help", None)
         if isinstance(error, LevelNotFoundError) and not (error.is_file or is_folder):
             help_text = argument(error.name, error.what, is_near=bool(error.nearest))
         if help_text:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from dataclasses import replace
+from functools import cache, wraps
 from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
@@ -13,6 +15,7 @@ from typer.core import TyperGroup
 
 from babyrobot_levels import __version__
 from babyrobot_levels.cli import meant
+from babyrobot_levels.text.budget import COMMAND, UNLIMITED, within
 
 
 class Line(NamedTuple):
@@ -34,7 +37,7 @@ class Line(NamedTuple):
         function: Callable[..., Any] = getattr(
             import_module(f"babyrobot_levels.cli.{module}"), name
         )
-        return function
+        return _limited(function) if name in LIMITED else function
 
 
 _SUPPORT = "Editors and assistants"
@@ -73,6 +76,12 @@ COMMANDS = {
     "skill": Line(_SUPPORT, "assistants:skill", "Print a page for assistants that write levels."),
 }
 
+LIMITED = {
+    "expect", "preview", "play", "replay", "show", "solve", "score", "compare", "diff", "share",
+    "sheet", "export_level", "gallery", "dataset", "course",
+}  # fmt: skip
+"""The functions of the commands whose work for a level is limited, unless with `--no-limit`."""
+
 
 @cache
 def _command(name: str) -> Any:
@@ -82,6 +91,33 @@ def _command(name: str) -> Any:
     cls = getattr(function, "command_class", None)
     alone.command(name, short_help=line.summary, cls=cls)(function)
     return typer.main.get_command(alone)
+
+
+_LIMITS = replace(COMMAND, help="use a smaller level, or go on all the same with --no-limit")
+_NO_LIMIT = Annotated[
+    bool,
+    typer.Option(
+        "--no-limit",
+        help="Take as much time and memory as it needs.  "
+        f"[default: at most about {COMMAND.seconds} s and {COMMAND.megabytes / 1000} GB]",
+    ),
+]
+
+
+def _limited(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a command with one more option, `--no-limit`."""
+
+    @wraps(function)
+    def run(no_limit: bool = False, **options: Any) -> Any:
+        with within(UNLIMITED if no_limit else _LIMITS):
+            return function(**options)
+
+    own = inspect.signature(function, eval_str=True).parameters.values()
+    last = inspect.Parameter("no_limit", inspect.Parameter.KEYWORD_ONLY, default=False)
+    parameters = [*own, last.replace(annotation=_NO_LIMIT)]
+    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    run.__annotations__ = {each.name: each.annotation for each in parameters}
+    return run
 
 
 class _Registry(Mapping[str, Any]):

@@ -21,6 +21,7 @@ from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
 from babyrobot_levels.render.page import MAX_STATES, Guide, page_data, without_panels
 from babyrobot_levels.render.page_format import TooLargeError, rounded
 from babyrobot_levels.render.words.phrases import with_limit
+from babyrobot_levels.text.budget import OverBudgetError
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
@@ -60,16 +61,24 @@ class Optimum:
         guide: its solution; None if it has none.
         reason: why it has none, or why its return is infinite; empty for neither.
         solution: the solution of which `guide` is a part; None if it has none.
+        is_too_large: whether it is too large for a page, for that reason.
     """
 
     level: Level
     guide: Guide | None
     reason: str
     solution: Solution | None = None
+    is_too_large: bool = False
 
     @cached_property
     def page(self) -> dict[str, Any]:
-        """What a page knows about the level, with its values and optimal actions."""
+        """What a page knows about the level, with its values and optimal actions.
+
+        Raises:
+            TooLargeError: the level is too large for a page.
+        """
+        if self.is_too_large:
+            raise TooLargeError(self.reason)
         return page_data(self.level, guide=self.guide)
 
     @cached_property
@@ -151,7 +160,7 @@ class Answers:
             without_panels(level)
             reach = reach_of(level, level.compile())
         except TooLargeError as error:
-            too_large = Optimum(level, None, str(error))
+            too_large = Optimum(level, None, str(error), is_too_large=True)
         missed = [] if reach is None else unreachable(level, reach)
         if level is self.level:
             self.reach, self.unreachable, self.optimum = reach, missed, too_large
@@ -266,7 +275,7 @@ def solved(level: Level) -> Optimum:
 
     try:
         solution = solve(level)
-    except ArithmeticError as error:
+    except (ArithmeticError, OverBudgetError) as error:
         return Optimum(level, None, str(error))
     guide, reason = solution_guide(level, solution), endless(solution)
     if reason and level.max_steps is not None:

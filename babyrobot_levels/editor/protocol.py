@@ -50,6 +50,7 @@ from babyrobot_levels.editor.session import ConflictError, Session
 from babyrobot_levels.editor.sources import FORMS, copied, known, opened
 from babyrobot_levels.editor.state import state_of, themes_beside
 from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
+from babyrobot_levels.text.budget import COMMAND, READ, OverBudgetError, within
 from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
@@ -61,6 +62,9 @@ QUESTIONS = ("state", "levels", "answers", "policy", "filled", "copy", "quit")
 SLOW = ("answers", "policy", "copy")
 """The questions that may take long, which `prepare` is for."""
 
+_BESIDE = ("policy", "copy", "levels", "filled")
+"""The questions that need not wait until a change is made: their replies have no state."""
+
 
 def prepare(session: Session, message: dict[str, Any]) -> dict[str, Any] | None:
     """Do what takes long before a message is answered.
@@ -70,16 +74,21 @@ def prepare(session: Session, message: dict[str, Any]) -> dict[str, Any] | None:
     Returns:
         The reply, if it is of one level alone; None if `answer` gives it, which is quick then.
     """
-    match message.get("do"):
-        case "policy" | "copy":
-            return answer(session, message)
-        case "answers" if message.get("revision") == session.revision:
+    with within(COMMAND):
+        if message.get("do") in _BESIDE:
+            return _answer(session, message)
+        if message.get("do") == "answers" and message.get("revision") == session.revision:
             session.catch_up()
     return None
 
 
 def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     """Do what a message asks for, and return the reply."""
+    with within(READ):
+        return _answer(session, message)
+
+
+def _answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     fields = dict(message)
     number = fields.pop("id", None)
     reply: dict[str, Any] = {"id": None}
@@ -96,7 +105,7 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
         reply |= _changed(session, fields)
     except ConflictError as error:
         reply |= {"error": str(error), "conflict": {"text": error.found}}
-    except RefusedError as error:
+    except (RefusedError, OverBudgetError) as error:
         reply["error"] = str(error)
     except ModuleNotFoundError:
         if is_numeric():

@@ -20,6 +20,7 @@ from babyrobot_levels.library.level import Level, load_code
 from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.render.page import link_fragment
 from babyrobot_levels.render.page_format import TooLargeError
+from babyrobot_levels.text.budget import OverBudgetError
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.reader import read
@@ -206,10 +207,8 @@ def _python(text: str) -> str:
 
 
 def _link(level: Level) -> str:
-    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
-
     played = level.with_maze_seed(0) if level.has_random_maze else level
     fragment = link_fragment(level, played)
-    with suppress(UndefinedReturnError, TooLargeError):
+    with suppress(ArithmeticError, OverBudgetError, TooLargeError):
         fragment = link_fragment(level, played, guide_of(played))
     return f"#{fragment}"

@@ -27,10 +27,10 @@ from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.things import as_names
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.configurations import TablesTooLargeError
 from babyrobot_levels.mdp.drawn import inner_walls, wall_entries
 from babyrobot_levels.mdp.grid import placement_issues
 from babyrobot_levels.mdp.mazes.lattice import below
+from babyrobot_levels.text.budget import Limits, OverBudgetError, within
 from babyrobot_levels.text.words import did_you_mean, listed
 
 MOST_DRAWN = 1_000
@@ -41,8 +41,8 @@ MOST_EDITS = 1_000
 MUTANT_FIELDS = ("seed", "splits", "path_length", "dead_ends", "detour", "difficulty", "expect")
 """The fields of a suite that are conditions on mutants, or how they are drawn."""
 
-MOST_ENTRIES = 1_000_000
-"""Of a level with more states times outcomes, another one is drawn."""
+ROOM = Limits(1_000_000_000, 1_000_000)
+"""Of a level with larger tables, another one is drawn."""
 
 
 def mutate(
@@ -151,8 +151,9 @@ class Mutant(Candidate):
     def has_room(self) -> bool:
         """Whether its tables are not too large."""
         try:
-            self.level.compile_within(MOST_ENTRIES)
-        except TablesTooLargeError:
+            with within(ROOM):
+                self.level.compile()
+        except OverBudgetError:
             return False
         return True
 

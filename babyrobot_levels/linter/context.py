@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.finding import cell_mark, cells_text, count_drawn
-from babyrobot_levels.mdp.configurations import MAX_READ_STATES, TablesTooLargeError
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
+from babyrobot_levels.text.budget import OverBudgetError
 from babyrobot_levels.text.diagnostics import Location, Route
 from babyrobot_levels.text.document import Comment, Document, comments
 from babyrobot_levels.text.errors import LevelError
@@ -118,7 +118,11 @@ class LintContext:
         document: its text as YAML, with the position of each value.
         path: the file, if there is one.
         active: codes and names, in lower case, of the rules that check this level.
+        given_up: why some rules of play were not applied to the end; None if all were.
     """
+
+    given_up: str | None = None
+    _compared = 0
 
     def __init__(
         self,
@@ -173,11 +177,11 @@ class LintContext:
 
     @cached_property
     def too_large(self) -> str | None:
-        """How large the tables are, if they are too large for rules to read; None if not."""
+        """Why the tables are too large for rules to read; None if they are not."""
         try:
-            self.level.compile_within(MAX_READ_STATES)
-        except TablesTooLargeError as error:
-            return error.size
+            self.level.compile()
+        except OverBudgetError as error:
+            return str(error)
         return None
 
     @cached_property
@@ -262,9 +266,15 @@ class LintContext:
         return Necessity(self.level, self.things.working_doors, check_needs=check_needs)
 
     def has_same_digest(self, **fields: Any) -> bool:
-        """Return whether the level with other values for some fields has the same digest."""
-        from babyrobot_levels.linter.variants import changed
+        """Return whether the level with other values for some fields has the same digest.
 
+        False where that is not found out: only so many levels are compared.
+        """
+        from babyrobot_levels.linter.variants import changed, max_variants
+
+        self._compared += 1
+        if self._compared > max_variants(self.level):
+            return False
         try:
             return changed(self.level, **fields).digest == self.level.digest
         except LevelError:

@@ -14,9 +14,10 @@ from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules.expectations import BROKEN_EXPECTATION, not_clean
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.suites.checking import check_document
+from babyrobot_levels.text.budget import READ, OverBudgetError, within
 from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix, Issue, Severity
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.errors import LevelError, UnplayableError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
@@ -100,7 +101,12 @@ def lint_document(
         return Report(source, errors, document=document)
     rules = applicable(rules)
     context = LintContext(level, document, path, names_of(rules))
-    return Report(source, findings_in(context, rules, max_cells=max_cells), level, document)
+    try:
+        found = findings_in(context, rules, max_cells=max_cells)
+    except UnplayableError as error:
+        # To find that out takes longer than `validate` takes for a level.
+        return Report(source, [*map(document.diagnostic, error.issues)], document=document)
+    return Report(source, found, level, document)
 
 
 def applicable(rules: Iterable[Rule]) -> list[Rule]:
@@ -128,16 +134,31 @@ def findings_in(
     Rules are in the order of their codes: the last one checks which suppressions were used. What
     a level that expects to be clean has is told once all is found.
     """
+    with within(READ):
+        return _findings_in(context, rules, max_cells, known)
+
+
+def _findings_in(
+    context: LintContext,
+    rules: Sequence[Rule],
+    max_cells: int | None,
+    known: Sequence[Diagnostic],
+) -> list[Diagnostic]:
     columns, rows = context.level.size
     is_small = max_cells is None or columns * rows <= max_cells
     has_tables = is_small and not context.level.has_random_maze
     found: list[Diagnostic] = []
-    for rule in rules:
+    # What was not checked is told once the others are done, before what was suppressed.
+    for rule in (*sorted(rules[:-1], key=lambda rule: rule.needs is Needs.SIZE), *rules[-1:]):
         if rule.check is None or (rule.needs in (Needs.TABLES, Needs.SIZE) and not has_tables):
             continue
         if rule.needs is Needs.TABLES and context.too_large:
             continue
-        diagnostics = [diagnostic_of(rule, finding, context) for finding in rule.check(context)]
+        try:
+            diagnostics = [diagnostic_of(rule, finding, context) for finding in rule.check(context)]
+        except OverBudgetError as error:
+            context.given_up = str(error)
+            continue
         found += [each for each in diagnostics if not is_suppressed(rule, each, context)]
     for rule in rules if context.level.expect is not None else ():
         if rule.code == BROKEN_EXPECTATION:

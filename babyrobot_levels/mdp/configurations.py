@@ -16,6 +16,7 @@ from typing import Any
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 from babyrobot_levels.text.words import Telling, listed
@@ -322,9 +323,6 @@ MAX_OUTCOMES = 64
 MAX_WIDE_STATES = 5_000_000
 """The most states times the outcomes of the longest row: the tables keep that room."""
 
-MAX_READ_STATES = 1 << 20
-"""The most states times outcomes that `lint` and `show` read: beyond, they would take long."""
-
 WAYS = 5
 """The most cells to which a mover in a rectangle may go in a step."""
 
@@ -359,28 +357,31 @@ def most_outcomes(level: LevelFields) -> int:
     return shares * prod([WAYS] * wanderers)
 
 
-class TablesTooLargeError(UnplayableError):
-    """The tables of a level need too much room; `size` says how large they are."""
+def most_columns(level: LevelFields, states: int) -> int:
+    """Return for how many outcomes tables of so many states have room while they are made."""
+    most = int(min(MAX_WIDE_STATES, budget.entries()))
+    return max(1, min(most_outcomes(level), most // states))
 
-    size: str
 
+def check_room(level: LevelFields, states: int, width: int) -> None:
+    """Check that tables do not need too much room.
 
-def too_large(
-    level: LevelFields, states: int, width: int, most: int = MAX_WIDE_STATES
-) -> TablesTooLargeError:
-    """Return the error of tables that need too much room."""
+    Raises:
+        UnplayableError: they need more than those of any level may.
+        OverBudgetError: they need more than they may here.
+    """
+    if states * width <= MAX_WIDE_STATES:
+        budget.check_tables(states, width)
+        return
     message = (
         f"the tables are too large: {states:,} states, and {width} outcomes of an action; "
-        f"together at most {most:,} are allowed"
+        f"together at most {MAX_WIDE_STATES:,} are allowed"
     )
     field, help_text = "start", "use fewer starts, let warps lead to a cell, or use a smaller level"
     if level.has_things:
         field = "movers" if level.movers else field_of(level, "items")
         help_text = "use fewer things that walk or skid at random, or a smaller level"
-    error = TablesTooLargeError([Issue("BR404", Key((field,)), message, help_text)])
-    # Rows that were not made yet may have more.
-    error.size = f"{states:,} states, and {width} outcomes of an action or more"
-    return error
+    raise UnplayableError([Issue("BR404", Key((field,)), message, help_text)])
 
 
 def field_of(level: LevelFields, field: str) -> str:

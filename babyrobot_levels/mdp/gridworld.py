@@ -22,6 +22,7 @@ from babyrobot_levels.mdp.grid import (
     placement_issues,
 )
 from babyrobot_levels.mdp.numeric import is_numeric
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError, UnplayableError
 
@@ -72,22 +73,9 @@ class GridWorld(LevelSpec):
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
         """
-        return self._mdp
-
-    def compile_within(self, most: int) -> None:
-        """Make the tables, unless they are too large.
-
-        Raises:
-            TablesTooLargeError: they have more than `most` states times outcomes of an action.
-        """
-        from babyrobot_levels.mdp.compiler import compile_mdp
-        from babyrobot_levels.mdp.configurations import too_large
-
-        if "_mdp" not in vars(self):
-            vars(self)["_mdp"] = compile_mdp(self, self.grid(), most)
-        states, _, width = self._mdp.probability.shape
-        if states * width > most:
-            raise too_large(self, states, width, most)
+        mdp = self._mdp
+        budget.check_tables(mdp.num_states, mdp.probability.shape[2])
+        return mdp
 
     def things(self) -> Things:
         """Return the things whose state changes during an episode, and what their values mean."""
@@ -225,9 +213,10 @@ def check_world(
 def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
     """Refuse a level that cannot be compiled, where its fields leave that open by trying it.
 
-    Without NumPy that is not tried.
+    Without NumPy that is not tried; what takes too long is found out when it is compiled.
     """
     level = checked.value
+    budget.begin()
     if level is None or level.has_random_maze:
         return checked
     # What most levels need not import.
@@ -237,10 +226,14 @@ def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
         if is_numeric() and not surely_fits(level):
             from babyrobot_levels.mdp.compiler import checked_mdp
 
-            if (mdp := checked_mdp(level, level.grid())) is not None:
+            with budget.within(budget.CHECKED):
+                mdp = checked_mdp(level, level.grid())
+            if mdp is not None:
                 vars(level)["_mdp"] = mdp
         elif level.stands_on_grid:
             check_placement(level, level.grid())
+    except budget.OverBudgetError:
+        pass
     except UnplayableError as error:
         found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
         return Checked(None, found)

@@ -18,6 +18,7 @@ from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.graph import Graph, Successors, counts
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import ALL, Mdp, parts_of
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import did_you_mean, listed
 
 MAX_LISTED = 10
@@ -219,6 +220,7 @@ def ends_by_hit(mdp: Mdp, part: slice = ALL) -> NDArray[np.bool_]:
 
 def transitions(mdp: Mdp) -> Graph:
     """Return the graph of all transitions from one state to another, each pair once."""
+    budget.spend(10 * mdp.probability.size)
     # Bytes grow where they are: arrays put together would be there twice.
     sources, targets = bytearray(), bytearray()
     for part in parts_of(mdp.num_states):

@@ -16,6 +16,7 @@ from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import HEADINGS, Action
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import Telling
 
 Outcome = tuple[float, int, float, bool]
@@ -273,6 +274,7 @@ def digest(level: LevelFields, grid: Grid, mdp: Mdp) -> str:
     `things`, their number and that of configurations, the configurations, and the open sides in
     each of them. Names are no part of it.
     """
+    budget.spend(10 * mdp.probability.size)
     hashed = hashlib.sha256(_HEADER)
     for part in _parts(level, grid, mdp):
         hashed.update(part if isinstance(part, bytes) else part.tobytes())
@@ -371,27 +373,81 @@ def hits_of(level: LevelFields, mdp: Mdp, states: slice = ALL) -> NDArray[np.boo
         states: the states whose outcomes are told.
     """
     hits = np.zeros(mdp.next_state[states].shape, np.bool_)
-    for by_mover in hits_by_mover(level, mdp, states):
-        hits |= by_mover
+    goes_on = ~mdp.is_terminal[states]
+    if level.movers:
+        steps = _steps(mdp, states, goes_on)
+        crowd = Crowded(np.stack([*_cells_of_movers(level, mdp)], axis=1), mdp.cells)
+        hits[goes_on] = crowd.hits(*(each.ravel() for each in steps)).reshape(steps[-1].shape)
     return hits
 
 
 def hits_by_mover(level: LevelFields, mdp: Mdp, states: slice = ALL) -> Iterator[NDArray[np.bool_]]:
     """Yield the hits of each mover in turn; see `hits_of`."""
-    if not level.movers:
-        return
-    next_state = mdp.next_state[states]
-    state = np.arange(mdp.num_states)[states, None, None]
-    here, there = state % mdp.cells, next_state % mdp.cells
-    before, after = (number // (mdp.cells * mdp.headings) for number in (state, next_state))
-    # Movers are the last things.
-    values = mdp.configurations[:, -len(level.movers) :]
-    for mover, phase in zip(level.movers, values.T, strict=True):
-        cells = np.array([y * mdp.width + x for x, y in mover.phases])[phase]
+    goes_on = ~mdp.is_terminal[states]
+    before, here, after, there = _steps(mdp, states, goes_on)
+    for cells in _cells_of_movers(level, mdp):
+        budget.spend(10 * there.size)
         was, now = cells[before], cells[after]
-        hits = (now == there) | ((now == here) & (was == there) & (here != there))
-        hits[mdp.is_terminal[states]] = False
+        hits = np.zeros(mdp.next_state[states].shape, np.bool_)
+        hits[goes_on] = (now == there) | ((now == here) & (was == there) & (here != there))
         yield hits
+
+
+def _steps(mdp: Mdp, states: slice, goes_on: Flags) -> tuple[Ints, ...]:
+    """Return, `[states, actions, outcomes]`, configuration and cell before a step and after it."""
+    next_state = mdp.next_state[states][goes_on]
+    state = np.arange(mdp.num_states)[states][goes_on]
+    state = np.broadcast_to(state[:, None, None], next_state.shape)
+    size, wide = mdp.cells, mdp.cells * mdp.headings
+    return state // wide, state % size, next_state // wide, next_state % size
+
+
+def _cells_of_movers(level: LevelFields, mdp: Mdp) -> Iterator[Ints]:
+    """Yield for each mover its cell in each configuration: movers are the last things."""
+    values = mdp.configurations[:, mdp.configurations.shape[1] - len(level.movers) :]
+    for mover, phase in zip(level.movers, values.T, strict=True):
+        yield np.array([y * mdp.width + x for x, y in mover.phases])[phase]
+
+
+class Crowded:
+    """Where movers stand, and whom they hit: as fast for many movers as for one.
+
+    Args:
+        cells: the cell of each mover, `[situations, movers]`.
+        size: the number of cells.
+
+    Attributes:
+        stands: bool, `[situations, cells]`: whether some mover stands there.
+    """
+
+    def __init__(self, cells: Ints, size: int):
+        self._cells, self._size = cells, size
+        self.stands = np.zeros((len(cells), size), bool)
+        np.put_along_axis(self.stands, cells, True, axis=1)
+
+    def hits(self, before: Ints, here: Ints, after: Ints, there: Ints) -> Flags:
+        """Tell which steps are hits: a mover comes to the robot's cell, or changes places with it.
+
+        Args:
+            before: the situation before the step.
+            here: the robot's cell before it.
+            after: the situation after it.
+            there: the robot's cell after it.
+        """
+        stands, size = self.stands, self._size
+        hit = stands[after, there]
+        may_swap = stands[before, there] & stands[after, here] & (here != there)
+        if may_swap.any():
+            # Of each pair of situations that occurs, all moves, by the cells that they join.
+            steps = before[may_swap].astype(np.int64) * len(stands) + after[may_swap]
+            steps, which = np.unique(steps, return_inverse=True)
+            budget.spend(10 * steps.size * self._cells.shape[1])
+            was, now = (self._cells[each] for each in np.divmod(steps, len(stands)))
+            moves = (np.arange(steps.size)[:, None] * size + was) * size + now
+            hit[may_swap] |= np.isin(
+                (which * size + there[may_swap]) * size + here[may_swap], moves
+            )
+        return hit
 
 
 _ROW = np.int8(3)

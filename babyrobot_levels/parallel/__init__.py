@@ -7,6 +7,7 @@ from collections.abc import Callable, Generator, Iterable
 from typing import Literal
 
 from babyrobot_levels.parallel.executor import Executor, Failure, Item, Result, outcome_of
+from babyrobot_levels.text.budget import limited
 
 ExecutorName = Literal["processes", "ray"]
 
@@ -18,6 +19,7 @@ class InProcess:
         self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Generator[Result | Failure]:
         """Yield the result of a function for each item; see `Executor.map`."""
+        function = limited(function)
         for index, item in enumerate(items):
             yield outcome_of(function, index, item)
 

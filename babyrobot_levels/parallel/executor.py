@@ -10,6 +10,7 @@ from operator import length_hint
 from time import perf_counter
 from typing import Any, Generic, Protocol, TypeVar
 
+from babyrobot_levels.text.budget import limited
 from babyrobot_levels.text.errors import BabyRobotError
 
 Item = TypeVar("Item")
@@ -210,6 +211,7 @@ def stream(
 
     A chunk whose worker dies is halved until the item is found that is to blame.
     """
+    function = limited(function)
     source = _Source(iter(items), length_hint(items))
     waiting: deque[tuple[Chunk[Item], Ticket]] = deque()
 

@@ -63,6 +63,7 @@ from babyrobot_levels.render.templates import as_html, embedded_json, html, put_
 from babyrobot_levels.render.words.describe import describe, goal_of
 from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.render.words.rules import rules_of
+from babyrobot_levels.text.budget import OverBudgetError
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
@@ -266,7 +267,10 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {width} x {height} cells is too large for a page; "
             f"the limit is {MAX_CELLS:,} cells"
         )
-    states = level.compile().num_states if level.has_things and is_numeric() else 0
+    try:
+        states = level.compile().num_states if level.has_things and is_numeric() else 0
+    except OverBudgetError as error:
+        raise TooLargeError(str(error)) from None
     if states > MAX_STATES:
         raise TooLargeError(
             f"a level of {states:,} states is too large for a page; "

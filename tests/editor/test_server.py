@@ -21,7 +21,7 @@ from support.editors import OpenEditor, is_shown, served
 from support.jupyter import until
 
 from babyrobot_levels.editor import answers
-from babyrobot_levels.editor.protocol import answer
+from babyrobot_levels.editor.protocol import answer, prepare
 from babyrobot_levels.editor.server import MAX_BODY
 from babyrobot_levels.editor.session import EditedFile, Session
 from babyrobot_levels.library.level import Level
@@ -127,6 +127,41 @@ def test_saving_does_not_wait_for_the_optimum(
             assert not all(each.done() for each in waiting[:2])
         finally:
             go_on.set()
+
+
+def test_what_can_be_opened_is_told_while_a_change_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, go_on = Event(), Event()
+
+    def slow(*_: Any, **__: Any) -> None:
+        begun.set()
+        assert go_on.wait(20)
+
+    opened = Session(TEXT)
+    monkeypatch.setattr(opened, "type", slow)
+    with served(opened) as address, ThreadPoolExecutor(1) as threads:
+        message = json.dumps({"id": 1, "do": "text", "text": "a", "revision": 1}).encode()
+        waiting = threads.submit(Client(address).post, message)
+        assert begun.wait(20)
+        try:
+            for question in ({"do": "levels"}, {"do": "filled", "cell": [1, 1], "as": "blocked"}):
+                client = Client(address)
+                assert client.post(json.dumps({"id": 2, **question}).encode()).status == 200
+                assert json.loads(client.content)["id"] == 2
+            assert not waiting.done()
+        finally:
+            go_on.set()
+
+
+def test_a_change_is_taken_however_much_the_level_comes_to() -> None:
+    session = Session(TEXT)
+    text = "version: 1\nsize: [30, 30]\nmovers: [{within: {at: [0, 0], size: [30, 30]}}]\n"
+    reply = answer(session, {"id": 1, "do": "text", "text": text, "revision": session.revision})
+    assert reply["state"]["is_valid"]
+    message = {"id": 2, "do": "answers", "revision": session.revision}
+    assert prepare(session, message) is None
+    reply = answer(session, message)
+    for told in (reply["state"]["too_large"], reply["state"]["answers"]["reason"]):
+        assert told.startswith("the level has 810,000 states, and 4 or more outcomes of an action")
 
 
 # -- programs of this machine ----------------------------------------------------------------

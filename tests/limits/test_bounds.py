@@ -16,10 +16,12 @@ import babyrobot_levels as brl
 from babyrobot_levels.library.level import loads
 from babyrobot_levels.linter.rules import select
 from babyrobot_levels.linter.runner import is_note, lint_source
-from babyrobot_levels.mdp import compiler, tables
+from babyrobot_levels.mdp import compiler, configurations, tables
 from babyrobot_levels.mdp.compiler import layers, outcomes, things
-from babyrobot_levels.mdp.configurations import TablesTooLargeError, most_outcomes, surely_fits
+from babyrobot_levels.mdp.configurations import most_outcomes, surely_fits
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.text.budget import Limits, OverBudgetError, within
 from babyrobot_levels.text.source import SourceFile
 
 WANDERER = {"movers": [{"within": {"at": [0, 0], "size": [31, 31]}}]}
@@ -111,10 +113,10 @@ def test_what_is_checked_without_tables_can_be_compiled(monkeypatch: pytest.Monk
     refused, counted = 0, 0
     for number in range(120):
         level, most = brl.load(random_level(Random(number))), 10 + 7 * number
-        for module in (compiler, things):
+        for module in (configurations, things):
             monkeypatch.setattr(module, "MAX_WIDE_STATES", most)
         try:
-            expected = compiler.compile_mdp(level, level.grid(), most)
+            expected = compiler.compile_mdp(level, level.grid())
         except brl.LevelError as error:
             refused += 1
             with pytest.raises(brl.LevelError, match=re.escape(str(error))):
@@ -139,17 +141,23 @@ def test_a_large_level_is_valid_by_its_states_alone() -> None:
     assert level.compile().num_configurations == 4
 
 
+def compiled_within(level: GridWorld, entries: int) -> None:
+    with within(Limits(10**9, entries)):
+        level.compile()
+
+
 def test_tables_are_made_within_a_bound_and_no_larger() -> None:
     for number in range(60):
         level = brl.load(random_level(Random(number)))
         states, _, width = brl.load(level.to_dict()).compile().probability.shape
-        with pytest.raises(TablesTooLargeError, match="the tables are too large"):
-            level.compile_within(states * width - 1)
-        level.compile_within(5 * states * width)
-        level.compile_within(states * width)
+        with pytest.raises(OverBudgetError, match=r"together at most|too many here"):
+            compiled_within(level, states * width - 1)
+        compiled_within(level, 5 * states * width)
+        compiled_within(level, states * width)
         assert level.compile().probability.shape == (states, 5, width)
-        with pytest.raises(TablesTooLargeError, match=f"{states:,} states, and {width} outcomes"):
-            level.compile_within(states * width - 1)
+        # Also those that are made already.
+        with pytest.raises(OverBudgetError, match=f"{states:,} states, and {width} or more out"):
+            compiled_within(level, states * width - 1)
 
 
 @pytest.mark.parametrize(
@@ -171,8 +179,13 @@ def test_lint_and_show_say_what_they_leave_out(
     assert found.code == "BR539"
     assert is_note(found)
     assert text[: found.column - 1].endswith(f'"{field}": ')
-    assert "together at most 1,048,576 are checked" in found.message
+    assert re.search(
+        "rules of play do not check it: .* 1,048,576|more than [0-9,]+ steps", found.message
+    )
     facts = brl.show(data)
     assert facts["digest"] is facts["metrics"] is None
     assert facts["drawing"] == brl.load(data).draw()
-    assert "together at most 1,048,576 are" in facts.lines()["digest"]
+    assert facts.lines()["digest"] == facts.lines()["metrics"]
+    assert re.search(
+        "^not computed: the level has .* 1,048,576|more than [0-9,]+ steps", facts.lines()["digest"]
+    )

@@ -25,6 +25,7 @@ from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.errors import how_to_install
 
 MAX_STATES = 3_000
@@ -211,6 +212,7 @@ def _solved(
         The numerators, `[columns][n]`, and their denominator.
     """
     flint, size = _flint(), len(probability)
+    budget.spend(size**3 / 10)
     if not size:
         return [[] for _ in columns], 1
     cells = [0] * (size * size)

@@ -20,6 +20,7 @@ from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.text import budget
 
 MAX_WORK = 10_000_000_000
 """About how many nanoseconds backward induction may take."""
@@ -129,6 +130,7 @@ def induction(
                 f"what is earned within {count:,} steps takes too long to compute; "
                 "give a smaller limit of steps"
             )
+        budget.spend(cost / 10)
         return step(values)
 
     done, look = 0, _FIRST_LOOK

@@ -226,8 +226,10 @@ def solve(
     reward: Floats,
     discount: float,
     most: float,
-) -> tuple[Floats, int]:
-    """Return values, `[n + 1]`, and the rounds until they had settled; 0 where they have not.
+) -> tuple[Floats, int, float]:
+    """Return values, `[n + 1]`, the rounds until they had settled, and how much of `most` is left.
+
+    The rounds are 0 where they have not settled.
 
     Args:
         order: the states, the nearest to the end first, `[n]`.
@@ -245,7 +247,7 @@ def solve(
     for state in range(size):
         policy[state] = reward[state].argmax()
         scale = max(scale, abs(reward[state, policy[state]]))
-    levels, low, high, rounds, left = first.size - 1, 0, 0, 0, most * size
+    levels, low, high, rounds, left = first.size - 1, 0, 0, 0, float(most) * size
     while low < levels and left > 0:
         if high < levels:
             states = order[first[high] : first[high + 1]]
@@ -273,5 +275,5 @@ def solve(
         changed = sweep(order, True, policy, next_state, probability, reward, values, discount)
         # Guesses may have been far too large.
         if changed <= SETTLED * np.abs(values).max():
-            return values, rounds
-    return values, 0
+            return values, rounds, left / size
+    return values, 0, left / size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,7 @@ from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 from babyrobot_levels.analysis.solver.sweeps import swept
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.text import budget
 
 MAX_STEPS = 1e10
 """Sums over more steps than this have lost too many digits: each step takes a part in 10^16."""
@@ -127,6 +129,8 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transpos
         found = _iterated(matrix.tocsr(), rewards)
         if found is not None:
             return found
+    if budget.left() < math.inf:
+        budget.spend(_elimination(steps))
     try:
         # No entry outweighs its diagonal, so elimination needs no pivots but those: it can keep to
         # the order that fills in least, which in a maze is nothing at all.
@@ -144,6 +148,17 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transpos
     return sums
 
 
+def _elimination(steps: Any) -> float:
+    """Return about how many steps of work it takes to eliminate a sparse matrix.
+
+    A tree is eliminated from its leaves. Each circle that is closed beside it fills in more: in a
+    grid, and in what movers make of it, this grows with the power of 1.5.
+    """
+    pairs = (abs(steps) + abs(steps.T)).tocoo()
+    circles = max(0, int((pairs.row > pairs.col).sum()) - steps.shape[0])
+    return float(3 * circles**1.5 + 100 * steps.shape[0])
+
+
 def _iterated(matrix: Any, rewards: Floats) -> Floats | None:
     """Return the solution of a sparse system by a Krylov method; None if it does not converge."""
     from scipy.sparse.linalg import bicgstab
@@ -155,6 +170,7 @@ def _iterated(matrix: Any, rewards: Floats) -> Floats | None:
         column = (slice(None), *index)
         # As after elimination, a second step takes away most of the rounding of the first one.
         for is_first in (True, False):
+            budget.spend(50 * matrix.nnz)
             left = rewards[column] - matrix @ sums[column]
             size = np.abs(left).max() or 1.0
             with np.errstate(all="ignore"):

@@ -25,6 +25,7 @@ from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import exit_states, state_text
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import BEST, NAMED, RANDOM, is_agent
 
 Policy = str | PathLike[str] | Mapping[str, Any] | ArrayLike | Callable[..., Any] | HasPolicy
@@ -164,6 +165,10 @@ def _place(states: Any, wrong: Flags, mdp: Mdp, things: Things) -> str:
     return state_text(things, mdp, int(states[wrong][0]))
 
 
+GRAPHS = 60
+"""The steps of work for each outcome to find out what leads where."""
+
+
 @dataclass(frozen=True, eq=False)
 class StateSpace:
     """The tables of a level for a set of actions, and what its states are.
@@ -241,7 +246,12 @@ class StateSpace:
         return UndefinedReturnError(self.mdp.cell(state), self.text(state))
 
     def model(self) -> Model:
-        """Return the model that solving works on."""
+        """Return the model that solving works on.
+
+        Raises:
+            OverBudgetError: there are more states than the budget at hand allows.
+        """
+        budget.spend(GRAPHS * self.mdp.probability.size)
         return build_model(self.mdp, self.exits, self.first_action)
 
     def spread(self, model: Model, values: Floats) -> Floats:

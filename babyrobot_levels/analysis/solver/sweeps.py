@@ -7,6 +7,7 @@ import numpy as np
 from babyrobot_levels.analysis.solver.compiled import kernel_for
 from babyrobot_levels.analysis.solver.model import Model, kernel_arrays
 from babyrobot_levels.mdp.tables import Floats, Ints
+from babyrobot_levels.text import budget
 
 FEW_NEIGHBOURS = 2.5
 """Where states lead to fewer others than this on average, as in mazes, elimination is faster."""
@@ -48,9 +49,12 @@ def swept(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, in
         return None
     first = np.searchsorted(distance[order], np.arange(1, distance.max() + 2))
     reward = np.ascontiguousarray(model.reward)
-    values, rounds = kernel.solve(
-        order, first, following, probability, reward, discount, MOST_SWEEPS
+    cost = 2 * probability.size
+    most = min(MOST_SWEEPS, budget.left() / cost)
+    values, rounds, left = kernel.solve(
+        order, first, following, probability, reward, discount, most
     )
+    budget.spend(cost * (most - left))
     values = values[:-1]
     margin = ROUNDING * np.abs(values).max()
     if not rounds or (discount == 1 and cheapest <= margin):

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs, cells_text
 from babyrobot_levels.linter.rule import rule
-from babyrobot_levels.mdp.configurations import MAX_READ_STATES
 from babyrobot_levels.text.diagnostics import Key, Severity
 
 
@@ -225,8 +224,10 @@ def tables_too_large(context: LintContext) -> Iterator[Finding]:
 
     ## What it does
 
-    Tells that rules which read the tables do not check the level: it has more than 1,048,576
-    states times outcomes of an action. It is a note, reported at `info`.
+    Tells that rules which read the tables do not check the level, or not to the end: it has more
+    than 1,048,576 states times outcomes of an action, or they would take
+    [more work](../level-format.md#limits) than `lint` does for a level. It is a note, reported at
+    `info`.
 
     ## Why is this bad?
 
@@ -253,13 +254,13 @@ def tables_too_large(context: LintContext) -> Iterator[Finding]:
     hit: {reward: -20}
     ```
     """
-    level = context.level
-    if context.too_large:
+    level, reason = context.level, context.too_large or context.given_up
+    if reason:
         field = "movers" if level.movers else "size" if level.map is None else "map"
+        extent = "do not check it" if context.too_large else "check only a part of it"
         yield Finding(
             (field,),
-            f"the tables are too large for rules of play: {context.too_large}; together at most "
-            f"{MAX_READ_STATES:,} are checked",
+            f"rules of play {extent}: {reason}",
             "use a smaller level, or less that goes astray or walks at random, to have it checked",
             severity=Severity.INFO,
         )

@@ -48,7 +48,7 @@ def broken_expectation(context: LintContext) -> Iterator[Finding]:
     if context.level.expect is None:
         return
     if context.too_large:
-        message = f"what is expected cannot be checked: the level has {context.too_large}"
+        message = f"what is expected cannot be checked: {context.too_large}"
         yield Finding(Key(("expect",)), message)
         return
     # Most levels state nothing.

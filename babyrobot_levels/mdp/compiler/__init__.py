@@ -29,33 +29,36 @@ from babyrobot_levels.mdp.compiler.terrain import (
     build_warps,
     obstructions,
 )
-from babyrobot_levels.mdp.configurations import MAX_WIDE_STATES, most_outcomes, too_large
+from babyrobot_levels.mdp.configurations import check_room, most_columns
 from babyrobot_levels.mdp.grid import Grid, build_grid
 from babyrobot_levels.mdp.tables import REFUSED, Ints, Mdp, parts_of
+from babyrobot_levels.text import budget
 
 __all__ = ["checked_mdp", "compile_mdp"]
 
+STEPS = 100
+"""The steps of work for a state and each of its outcomes."""
 
-def compile_mdp(level: LevelFields, grid: Grid | None = None, most: int = MAX_WIDE_STATES) -> Mdp:
+
+def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
     """Compile a level into its exact tables.
 
     Args:
         level: the level.
         grid: its grid, if it is known.
-        most: the most states times outcomes of the longest row.
 
     Raises:
-        TablesTooLargeError: there are more than `most`.
-        LevelError: the level's maze has no seed yet (`seed: random`); or, with things, the level
-            has more states, or a row more outcomes, than the language allows.
+        LevelError: the level's maze has no seed yet (`seed: random`); or the level has more states,
+            or a row more outcomes, than the language allows.
+        OverBudgetError: it takes more than the budget at hand.
     """
     grid = grid or build_grid(level)
     if not level.has_things:
-        return compile_cells(level, grid, most)
+        return compile_cells(level, grid)
     # Most levels have none.
     from babyrobot_levels.mdp.compiler.things import compile_things
 
-    return compile_things(level, grid, most)
+    return compile_things(level, grid)
 
 
 def checked_mdp(level: LevelFields, grid: Grid) -> Mdp | None:
@@ -65,7 +68,7 @@ def checked_mdp(level: LevelFields, grid: Grid) -> Mdp | None:
         LevelError: as `compile_mdp`.
     """
     if not level.has_things:
-        for _ in _Cells(level, grid).branches(MAX_WIDE_STATES):
+        for _ in _Cells(level, grid).branches():
             pass
         return None
     from babyrobot_levels.mdp.compiler.things import checked_things
@@ -84,11 +87,12 @@ class _Cells:
         self.arrivals = Arrivals(level.rewards, self.terrain, self.warps)
         self.starts = np.array([y * grid.width + x for x, y in level.starts])
 
-    def branches(self, most: int) -> Iterator[tuple[Branches, Ints, Branches, Ints]]:
+    def branches(self) -> Iterator[tuple[Branches, Ints, Branches, Ints]]:
         """Yield, in parts, branches without chance and by chance, each with where they end.
 
         Raises:
-            TablesTooLargeError: there are more than `most` states times branches of a row.
+            LevelError: there are too many states times branches of a row.
+            OverBudgetError: there are more than the budget allows.
         """
         terrain, moves, warps = self.terrain, self.moves, self.warps
         count = terrain.over.size
@@ -109,22 +113,21 @@ class _Cells:
             )
             # Before equal ones are merged: rewards decide nothing.
             width = int(np.bincount(chances.row - plain.row[0]).max(initial=0))
-            if width * count > most:
-                raise too_large(self.level, count, width, most)
+            check_room(self.level, count, max(1, width))
+            budget.spend(STEPS * (part.stop - part.start) * max(1, width))
             yield plain.select(sure), next_state[sure], chances, ends
 
 
-def compile_cells(level: LevelFields, grid: Grid, most: int = MAX_WIDE_STATES) -> Mdp:
+def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
     """Compile a level without things, whose states are the cells, into its exact tables.
 
-    Raises:
-        TablesTooLargeError: there are more than `most` states times outcomes.
+    Errors are those of `compile_mdp`.
     """
     cells = _Cells(level, grid)
     terrain, rewards_of = cells.terrain, cells.arrivals.rewards_of
     count = terrain.over.size
-    room = Room(count, max(1, min(most_outcomes(level), most // count)))
-    for plain, next_state, chances, ends in cells.branches(most):
+    room = Room(count, most_columns(level, count))
+    for plain, next_state, chances, ends in cells.branches():
         first = np.zeros(plain.row.size, np.int8)
         reward, over = rewards_of(plain, next_state), terrain.over[next_state]
         room.put(Outcomes(plain.row, first, plain.probability, next_state, reward, over))

@@ -40,6 +40,7 @@ from babyrobot_levels.mdp.configurations import MAX_STATES, Things, Values
 from babyrobot_levels.mdp.graph import Graph, differs, expanded
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, parts_of
+from babyrobot_levels.text import budget
 
 LARGE = 50_000
 """From so many cells on, it is worth while to look first whether the level is too large."""
@@ -50,12 +51,18 @@ MANY, MORE, BATCH = 64, 512, 1 << 12
 Ways = tuple[Ints, Ints, Floats]
 """Steps of movers; see `Crowd.steps`."""
 
+FEW_MOVERS = 16
+"""Among more movers, steps are always taken together."""
+
+PAIR = 500
+"""The steps of work to take a step from a pair of joint state and cell."""
+
 REACHED, ON = 1, 2
 """What the search notes of a pair: an episode can be there; and it can go on from there."""
 
 
 class TooManyStates(Exception):
-    """The level has more states than `MAX_STATES`."""
+    """The level has more states than `MAX_STATES`, or than the budget allows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +195,7 @@ class Layers:
     def __init__(self, level: LevelFields, grid: Grid, things: Things):
         self.level, self.grid, self.things = level, grid, things
         self.size = grid.width * grid.height
-        self._most = MAX_STATES // self.size
+        self._most = int(min(MAX_STATES, budget.entries())) // self.size
         self._check_draws()
         try:
             self.crowd = Crowd(level, grid, self._most)
@@ -209,8 +216,8 @@ class Layers:
         self._ends = terrain.ends.tobytes()
         if self.size > LARGE and not level.movers:
             self._check_first_items(terrain)
-        self._standing = [frozenset(cells) for cells in self.crowd.cells.tolist()]
-        self._cells = self.crowd.cells.tolist()
+        self._stands = self.crowd.crowded.stands.tobytes()
+        self._cells = self.crowd.cells.tolist() if len(level.movers) <= FEW_MOVERS else []
         self.starts = self._begin()
         self._search()
 
@@ -354,6 +361,7 @@ class Layers:
                 touched |= self._walk_together(layer, stack)
                 continue
             cell = stack.pop()
+            budget.spend(PAIR)
             for target in follow[begin[cell] : begin[cell + 1]]:
                 if target in arrivals:
                     other = self._led(layer, target)
@@ -372,13 +380,15 @@ class Layers:
         """Walk through a layer among movers; return the layers that it leads to."""
         ground, steps, size = self.ground(layer), self.steps(layer), self.size
         follow, begin, stack = ground.follow, ground.begin, layer.waiting
-        hit_ends, standing, cells = self.level.hit.ends, self._standing, self._cells
+        hit_ends, stands, cells = self.level.hit.ends, self._stands, self._cells
+        many = MANY if cells else 1
         touched: dict[int, Layer] = {}
         while stack:
-            if len(stack) >= MANY:
+            if len(stack) >= many:
                 touched |= self._walk_together(layer, stack)
                 continue
             joint, cell = divmod(stack.pop(), size)
+            budget.spend(PAIR * len(steps[joint]))
             for number, target in enumerate((cell, *follow[begin[cell] : begin[cell + 1]])):
                 other = layer
                 if number and target in layer.arrivals:
@@ -390,7 +400,7 @@ class Layers:
                     ends = other.over[target] or (
                         hit_ends
                         and (
-                            target in standing[after]
+                            stands[after * size + target]
                             or (target != cell and _swaps(cells[joint], cells[after], cell, target))
                         )
                     )
@@ -406,6 +416,7 @@ class Layers:
         """Take a step from the last pairs of a layer; return other layers that it leads to."""
         pairs = np.array(stack[-BATCH:])
         del stack[-BATCH:]
+        budget.spend(PAIR * MANY)
         ground, (first, following, _) = self.ground(layer), self.ways(layer)
         joint, cell = np.divmod(pairs, self.size)
         begin = np.frombuffer(ground.begin, np.intc)
@@ -413,11 +424,12 @@ class Layers:
         target = np.concatenate([cell, np.frombuffer(ground.follow, np.intc)[edge]])
         source = np.concatenate([np.arange(cell.size), source])
         each, step = expanded(first[joint[source]], first[joint[source] + 1])
+        budget.spend(20 * each.size)
         arrives, target, source = each >= cell.size, target[each], source[each]
         before, here, after = joint[source], cell[source], following[step]
         hit = np.zeros(each.size, bool)
         if self.level.hit.ends:
-            hit = hits(self.crowd.cells, before, here, after, target)
+            hit = self.crowd.crowded.hits(before, here, after, target)
         changing = np.zeros(self.size, bool)
         changing[[*layer.arrivals]] = True
         changes = arrives & changing[target]
@@ -445,23 +457,6 @@ class Layers:
         found[ended[found[ended] == 0]] = REACHED
         layer.waiting += new.tolist()
         return new.size > 0
-
-
-def hits(cells: Ints, before: Ints, here: Ints, after: Ints, there: Ints) -> Flags:
-    """Tell whether a mover hits the robot in a step: it comes to its cell, or they swap.
-
-    Args:
-        cells: the cell of each mover, `[joint states, movers]`.
-        before: the joint state before the step.
-        here: the robot's cell before it.
-        after: the joint state after it.
-        there: the robot's cell after it.
-    """
-    hit = np.zeros(here.size, bool)
-    for mover in range(cells.shape[1]):
-        was, now = cells[before, mover], cells[after, mover]
-        hit |= (now == there) | ((now == here) & (was == there) & (here != there))
-    return hit
 
 
 def distinct(numbers: Ints) -> Ints:

@@ -14,7 +14,8 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.configurations import MAX_OUTCOMES
 from babyrobot_levels.mdp.grid import BIT, Grid
-from babyrobot_levels.mdp.tables import Ints
+from babyrobot_levels.mdp.tables import Crowded, Ints
+from babyrobot_levels.text import budget
 
 
 class TooManyWays(Exception):
@@ -36,6 +37,7 @@ class Crowd:
     Attributes:
         values: int64 `[joint states, movers]`: the value of each mover.
         cells: int64 `[joint states, movers]`: the cell in which each one stands.
+        crowded: whom they hit.
 
     Raises:
         OverflowError: there are more joint states.
@@ -68,6 +70,7 @@ class Crowd:
         if self._period * self._size > most:
             raise OverflowError
         count = self._period * self._size
+        budget.spend(100 * count * len(level.movers))
         joint = np.arange(count)
         self.values = np.zeros((count, len(level.movers)), np.int64)
         for number in paths:
@@ -79,6 +82,7 @@ class Crowd:
         self.cells = np.zeros_like(self.values)
         for number, phases in enumerate(self._phases):
             self.cells[:, number] = np.array(phases)[self.values[:, number]]
+        self.crowded = Crowded(self.cells, grid.width * grid.height)
 
     def __len__(self) -> int:
         return len(self.values)

@@ -15,6 +15,7 @@ from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.ground import build_ground
 from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Flags
+from babyrobot_levels.text import budget
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +115,9 @@ def _least_with_distance(values: NDArray[np.int64]) -> NDArray[np.int64]:
 
 States = NDArray[np.int32]
 
+WIND = 200
+"""The steps of work to find for a cell where the wind takes the robot."""
+
 NORTH, EAST, SOUTH, WEST = range(NUM_MOVES)
 BACK = (SOUTH, WEST, NORTH, EAST)
 """The opposite of each direction."""
@@ -151,14 +155,16 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
     open_ = np.ascontiguousarray(grid.open.reshape(count, NUM_MOVES).T)
     delta = np.array([-grid.width, 1, grid.width, -1], np.int32)[:, None]
     step = np.where(open_, states + delta, states)
-    glass = np.zeros((NUM_MOVES, count))
+    # Where there is none, it takes no room.
+    glass = np.zeros((NUM_MOVES, count)) if grid.glass else np.broadcast_to(0.0, step.shape)
     for (cell, side), probability in grid.glass.items():
         glass[SIDES.index(side), cell] = probability
-    bounce = step[list(BACK)]
+    bounce = step[list(BACK)] if grid.glass else step
     if level.wind is None:
         through = np.where(glass > 0, states + delta, states) if grid.glass else step
         return Moves(open_, step, ~open_, glass, through, bounce)
 
+    budget.spend(WIND * count)
     south, east = shifts(level.wind, grid.width, grid.height)
     pushes = {
         True: np.tile(np.array(south, np.int32), grid.height),

@@ -23,7 +23,6 @@ from babyrobot_levels.mdp.compiler.layers import (
     Layers,
     TooManyStates,
     Ways,
-    hits,
 )
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
 from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, merged
@@ -33,37 +32,37 @@ from babyrobot_levels.mdp.configurations import (
     MAX_STATES,
     MAX_WIDE_STATES,
     Things,
+    check_room,
     field_of,
+    most_columns,
     most_outcomes,
-    too_large,
 )
 from babyrobot_levels.mdp.graph import expanded
 from babyrobot_levels.mdp.grid import Grid, check_placement
 from babyrobot_levels.mdp.tables import FREE, REFUSED, Flags, Floats, Ints, Mdp, parts_of
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
 
+BRANCH = 50
+"""The steps of work to expand one."""
+
 SMALL = 1 << 18
 """Up to so many states, tables are made when a level is checked: most will be asked for."""
 
 
-def compile_things(
-    level: LevelFields,
-    grid: Grid,
-    most: int = MAX_WIDE_STATES,
-    inert: Collection[str] = (),
-) -> Mdp:
+def compile_things(level: LevelFields, grid: Grid, inert: Collection[str] = ()) -> Mdp:
     """Compile a level with things; arriving at those of some names changes nothing.
 
     Raises:
-        TablesTooLargeError: there are more than `most` states times outcomes.
         UnplayableError: doors or paths are cut by walls; there are more than `MAX_STATES` states,
             or a row has more than `MAX_OUTCOMES` outcomes.
+        OverBudgetError: it takes more than the budget at hand.
     """
-    return _Compiler(level, _layers(level, Things(level, inert), grid)).tables(most)
+    return _Compiler(level, _layers(level, Things(level, inert), grid)).tables()
 
 
 def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
@@ -75,7 +74,7 @@ def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
     states, outcomes = len(compiler.configurations) * compiler.size, most_outcomes(level)
     if states > SMALL and outcomes <= MAX_OUTCOMES and states * outcomes <= MAX_WIDE_STATES:
         return None
-    return compiler.tables(MAX_WIDE_STATES)
+    return compiler.tables()
 
 
 def _layers(level: LevelFields, things: Things, grid: Grid) -> Layers:
@@ -83,6 +82,8 @@ def _layers(level: LevelFields, things: Things, grid: Grid) -> Layers:
     try:
         return Layers(level, grid, things)
     except TooManyStates:
+        if (most := budget.entries()) < MAX_STATES:
+            budget.refuse(f"has more than {most:,} states, which are too many here")
         raise _too_many_states(level, things) from None
     except TooManyWays as error:
         raise _too_many_outcomes(level, error.ways) from None
@@ -150,15 +151,14 @@ class _Compiler:
         self.number[layer[order], joint[order]] = np.arange(order.size)
         self.is_open = np.array([layer.is_open for layer in layers.layers])
 
-    def tables(self, most: int) -> Mdp:
+    def tables(self) -> Mdp:
         """Return the tables."""
         count = len(self.configurations) * self.size
-        if count > most:
-            raise too_large(self.level, count, 1, most)
+        check_room(self.level, count, 1)
         over = np.ones(count, bool)
         intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], NUM_ACTIONS, axis=1)
         obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
-        room = Room(count, max(1, min(most_outcomes(self.level), most // count)))
+        room = Room(count, most_columns(self.level, count))
         for ground, members in self._groups():
             hindered, targets = obstructions(ground.moves, ground.terrain, ground.warps)
             for layer in members:
@@ -174,8 +174,7 @@ class _Compiler:
             for outcomes in self._outcomes(ground, members):
                 if outcomes.width > MAX_OUTCOMES:
                     raise _too_many_outcomes(self.level)
-                if outcomes.width * count > most:
-                    raise too_large(self.level, count, outcomes.width, most)
+                check_room(self.level, count, outcomes.width)
                 room.put(outcomes)
         action_mask = (obstruction != REFUSED).astype(np.int8)
         action_mask[over, 1:] = 0
@@ -239,6 +238,7 @@ class _Compiler:
         if ways is not None:
             sizes = sizes * np.diff(ways[0])[joint]
         bounds = np.cumsum(sizes)
+        budget.spend(BRANCH * int(bounds[-1]))
         cuts = np.searchsorted(bounds, np.arange(PART, int(bounds[-1]), PART)).tolist()
         is_exit = np.zeros(self.size, bool)
         is_exit[list(members[0].exits)] = True
@@ -278,7 +278,7 @@ class _Compiler:
         pair, action, branch, before = pair[each], action[each], branch[each], before[each]
         probability, next_cell = probability[each] * chance[step], next_cell[each]
         after = following[step]
-        hit = hits(self.layers.crowd.cells, before, cell[pair], after, next_cell)
+        hit = self.layers.crowd.crowded.hits(before, cell[pair], after, next_cell)
         return _Ends(pair, action, branch, probability, next_cell, after, hit)
 
     def _rewards(self, ground: Ground, ends: _Ends, item: Floats, leaves: Flags) -> Floats:

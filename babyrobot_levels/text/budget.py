@@ -1,0 +1,160 @@
+"""How much may be done for a level: counted in steps of work, and so the same on every machine.
+
+Whatever may take long notes its steps before it takes them. Without a budget, as in Python, there
+may be any number of them; a command, a tool and the editor have one for each level that is read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NoReturn
+
+from babyrobot_levels.text.errors import BabyRobotError
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What may be done for a level.
+
+    Attributes:
+        steps: the most steps of work: a usual machine takes 100,000,000 of them in a second.
+        entries: the most states times outcomes of an action of its tables, which need the memory.
+        seconds: how long a usual machine takes for that at most, start included.
+        megabytes: how much memory it takes at most, libraries included.
+        help: what to do about it.
+    """
+
+    steps: float
+    entries: float
+    seconds: float = math.inf
+    megabytes: float = math.inf
+    help: str = "use a smaller level"
+
+
+CHECKED = Limits(100_000_000, 5_000_000, 2, 300)
+"""To find out whether a level is valid, where its fields leave open whether it can be compiled."""
+
+READ = Limits(300_000_000, 1 << 20, 5, 600)
+"""For `lint` and `show`, and to take a change in the editor."""
+
+COMMAND = Limits(2_000_000_000, 1_500_000, 30, 1_500)
+"""For whatever else a command, a tool or the editor does with a level."""
+
+UNLIMITED = Limits(math.inf, math.inf)
+"""Where more is asked for."""
+
+
+class OverBudgetError(BabyRobotError):
+    """More work than may be done for a level. `help` says what to do."""
+
+    def __init__(self, message: str, help_text: str):
+        self.help = help_text
+        super().__init__(message, help_text)
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class _Budget:
+    """What is left for the level at hand, and its largest tables."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.begin()
+
+    def begin(self) -> None:
+        self.left = self.limits.steps
+        self.states, self.outcomes = 0, 0
+
+    @property
+    def size(self) -> str:
+        return f"{self.states:,} states, and {self.outcomes} or more outcomes of an action"
+
+
+_budget: ContextVar[_Budget | None] = ContextVar("budget", default=None)
+
+
+@contextmanager
+def within(limits: Limits) -> Iterator[None]:
+    """Work within limits, which count anew from each level on that is read.
+
+    Limits within `UNLIMITED` do not count.
+    """
+    if (outer := _budget.get()) is not None and outer.limits == UNLIMITED:
+        limits = UNLIMITED
+    token = _budget.set(_Budget(limits))
+    try:
+        yield
+    finally:
+        _budget.reset(token)
+
+
+def limited(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that works within the limits at hand, also in another process."""
+    budget = _budget.get()
+    return function if budget is None else partial(_called_within, budget.limits, function)
+
+
+def _called_within(limits: Limits, function: Callable[..., Any], *arguments: Any) -> Any:
+    with within(limits):
+        return function(*arguments)
+
+
+def begin() -> None:
+    """Count anew, for another level."""
+    if (budget := _budget.get()) is not None:
+        budget.begin()
+
+
+def spend(steps: float) -> None:
+    """Note steps of work that are about to be taken.
+
+    Raises:
+        OverBudgetError: they are more than are left.
+    """
+    if (budget := _budget.get()) is not None:
+        budget.left -= int(steps)
+        if budget.left < 0:
+            size = budget.states and f": it has {budget.size}"
+            refuse(f"takes more than {budget.limits.steps:,} steps of work{size or ''}")
+
+
+def left() -> float:
+    """Return how many steps of work are left."""
+    budget = _budget.get()
+    return math.inf if budget is None else budget.left
+
+
+def entries() -> float:
+    """Return how many states times outcomes tables may have."""
+    budget = _budget.get()
+    return math.inf if budget is None else budget.limits.entries
+
+
+def check_tables(states: int, outcomes: int) -> None:
+    """Note how large tables are.
+
+    Raises:
+        OverBudgetError: they are larger than the limits allow.
+    """
+    if (budget := _budget.get()) is not None:
+        if states * outcomes > budget.states * budget.outcomes:
+            budget.states, budget.outcomes = states, outcomes
+        if states * outcomes > (most := budget.limits.entries):
+            refuse(f"has {budget.size}; together at most {most:,} are allowed here")
+
+
+def refuse(why: str) -> NoReturn:
+    """Refuse to do more for the level at hand.
+
+    Raises:
+        OverBudgetError: always.
+    """
+    budget = _budget.get()
+    assert budget is not None
+    raise OverBudgetError(f"the level {why}", budget.limits.help)
