@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 from babyrobot_levels.language.cells import sides_of
@@ -39,13 +40,13 @@ def remove(document: Document, route: Route) -> Edit:
         route = route[:-1]
         parent = _node(document, route[:-1])
     first, last = _extent(parent, route[-1])
-    places = [*parent.children]
-    number = places.index(route[-1])
     source = document.source
     if _is_flow(parent) or not _has_its_lines(route[-1], first, source):
-        if number + 1 < len(places):
-            return _cut(document, first, _extent(parent, places[number + 1])[0])
-        return _cut(document, _extent(parent, places[number - 1])[1], last)
+        before, after = _beside(parent, route[-1])
+        if after is not None:
+            return _cut(document, first, _extent(parent, after)[0])
+        assert before is not None
+        return _cut(document, _extent(parent, before)[1], last)
     start, end = source.position(first).line, source.position(last - 1).line
     if isinstance(route[-1], int):
         # The dash may be on a line of its own.
@@ -164,6 +165,17 @@ def _extent(parent: Node, key: str | int) -> tuple[int, int]:
     return parent.keys.get(key, child).first, child.last
 
 
+def _beside(parent: Node, key: str | int) -> tuple[str | int | None, str | int | None]:
+    """Return the keys before and after a field or an entry, None where there is none."""
+    if isinstance(key, int):
+        before, after = key - 1, key + 1
+        known = parent.children
+        return before if before in known else None, after if after in known else None
+    places = [None, *parent.children, None]
+    number = places.index(key)
+    return places[number - 1], places[number + 1]
+
+
 def _is_flow(node: Node) -> bool:
     return node.source.text[node.first] in "[{"
 
@@ -196,8 +208,16 @@ def _cut(document: Document, first: int, last: int) -> Edit:
 
 def _is_shared(document: Document, route: Route) -> bool:
     """Return whether a container on the route to a value is anchored and repeated by aliases."""
+    repeated = _repeated(document)
+    nodes = [document.node(route[:depth])[0] for depth in range(len(route) + 1)]
+    return any(id(node.children) in repeated for node in nodes)
+
+
+@lru_cache(maxsize=4)
+def _repeated(document: Document) -> frozenset[int]:
+    """Return which containers aliases repeat, by the identity of their children."""
     if "*" not in document.source.text:
-        return False
+        return frozenset()
     times: Counter[int] = Counter()
     waiting, seen = [document.root], set[int]()
     while waiting:
@@ -206,5 +226,4 @@ def _is_shared(document: Document, route: Route) -> bool:
         if id(node.children) not in seen:
             seen.add(id(node.children))
             waiting += node.children.values()
-    nodes = [document.node(route[:depth])[0] for depth in range(len(route) + 1)]
-    return any(times[id(node.children)] > 1 for node in nodes)
+    return frozenset(each for each, count in times.items() if count > 1)

@@ -15,7 +15,7 @@ from babyrobot_levels.language.kinds import KIND, Kind
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.states import ends_by_hit
-from babyrobot_levels.mdp.tables import Flags, Mdp, hits_by_mover
+from babyrobot_levels.mdp.tables import Flags, Ints, Mdp, hits_by_mover
 from babyrobot_levels.text.words import listed
 
 MAX_OUTCOMES = 20_000_000
@@ -93,20 +93,25 @@ class ThingEffects:
 
     def places_left(self, item: int) -> list[int]:
         """Return the numbers of the places of an item from which it is never taken."""
-        mdp, column = self.mdp, self._things.items.start + item
         count = len(self.level.items[item].places)
-        values = mdp.configurations[:, column]
-        if not (values == count).any():
-            return list(range(count))
-        size = mdp.cells
+        values = self.mdp.configurations[:, self._things.items.start + item]
         taken = np.zeros(count + 1, bool)
-        states, actions, outcomes = self.happens.nonzero()
-        after = values[mdp.next_state[states, actions, outcomes] // size]
-        taken[values[states // size][after == count]] = True
+        before, after = self._changes
+        taken[values[before][values[after] == count]] = True
         # What lies under a start is held from the beginning.
         starts = {*self.level.starts}
         places = self.level.items[item].places
         return [n for n, place in enumerate(places) if not taken[n] and place not in starts]
+
+    @cached_property
+    def _changes(self) -> tuple[Ints, Ints]:
+        """The pairs of configurations of which one leads to the other in a step."""
+        mdp, count = self.mdp, self.mdp.num_configurations
+        before = np.arange(mdp.num_states)[:, None, None] // mdp.cells
+        after = mdp.next_state // mdp.cells
+        differs = self.happens & (before != after)
+        pairs = np.unique(np.broadcast_to(before, after.shape)[differs] * count + after[differs])
+        return np.divmod(pairs, count)
 
     def changed(self, before: int, after: int) -> tuple[Kind | None, int]:
         """Return the kind and number of what a transition takes or flips; None for nothing."""
@@ -119,8 +124,8 @@ class ThingEffects:
 
     @property
     def can_look_for_hits(self) -> bool:
-        """Whether the tables are small enough to look for hits in all of them."""
-        return self.mdp.probability.size <= MAX_OUTCOMES
+        """Whether the tables are small enough to look for the hits of each mover in all of them."""
+        return self.mdp.probability.size * len(self.level.movers) <= MAX_OUTCOMES
 
     @cached_property
     def hits(self) -> list[Flags]:

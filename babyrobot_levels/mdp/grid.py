@@ -158,8 +158,13 @@ def _blocked(level: LevelFields) -> bytearray:
     blocked = bytearray(width * height)
     for rectangle in level.blocked:
         (x, y), (columns, rows) = rectangle.at, rectangle.size
-        for row in range(y, y + rows):
-            blocked[row * width + x : row * width + x + columns] = b"\1" * columns
+        first, last = y * width + x, (y + rows) * width
+        if rows > columns:
+            for cell in range(first, first + columns):
+                blocked[cell:last:width] = b"\1" * rows
+            continue
+        for cell in range(first, last, width):
+            blocked[cell : cell + columns] = b"\1" * columns
     return blocked
 
 

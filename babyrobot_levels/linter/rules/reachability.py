@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, cells_count, cells_text
 from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.text.diagnostics import Mark, Route, Severity
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.tables import Ints
 
 
 @rule("BR501")
@@ -120,56 +123,61 @@ def unreachable_cells(context: LintContext) -> Iterator[Finding]:
       - {at: [0, 2]}
     ```
     """
-    level, blocked = context.level, context.grid.blocked_cells
-    missed = [
-        cell for cell, known in enumerate(context.reached_cells) if not known and not blocked[cell]
-    ]
-    if not missed:
-        return
-    warps = {context.state(warp.at) for warp in level.warps if warp.when == "enter"}
-    others = warps | {context.state(cell) for cell in level.exits}
-    missed = [cell for cell in missed if cell not in others]
-    if missed and level.wind is not None:
+    import numpy as np
+
+    level = context.level
+    is_missed = np.frombuffer(context.reached_cells, np.uint8) == 0
+    is_missed &= ~context.grid.blocked.ravel()
+    entered = (warp.at for warp in level.warps if warp.when == "enter")
+    is_missed[[context.state(cell) for cell in (*entered, *level.exits)]] = False
+    missed = np.flatnonzero(is_missed)
+    if missed.size and level.wind is not None:
         missed = _still_missed(context, missed, wind=None)
-    if missed and level.doors and "door-never-opens" in context.active:
+    if missed.size and level.doors and "door-never-opens" in context.active:
         doors = [
             door for n, door in enumerate(level.doors) if not context.things.is_closed(n).all()
         ]
         missed = _still_missed(context, missed, doors=tuple(doors))
-    if missed:
-        location = context.place(missed[0])
+    if missed.size:
+        cells = missed.tolist()
         yield Finding(
-            location,
-            f"{cells_count([context.cell(cell) for cell in missed])} cannot be reached",
+            context.place(cells[0]),
+            f"{cells_count([context.cell(cell) for cell in cells])} cannot be reached",
             _help_for_cells(context, missed),
-            severity=Severity.INFO if _is_cut_off_maze(context, {*missed}) else None,
+            severity=Severity.INFO if _is_cut_off_maze(context, cells) else None,
         )
 
 
-def _still_missed(context: LintContext, missed: list[int], **fields: Any) -> list[int]:
+def _still_missed(context: LintContext, missed: Ints, **fields: Any) -> Ints:
     """Return which of some cells can also not be reached with other values for some fields."""
     from babyrobot_levels.linter.variants import cells_reached
 
-    reached = cells_reached(context.level, **fields)
-    return [cell for cell in missed if not reached[cell]]
+    return missed[~cells_reached(context.level, **fields)[missed]]
 
 
-def _help_for_cells(context: LintContext, missed: list[int]) -> str:
-    for cell in missed:
-        for other in context.neighbours(cell):
-            if context.reached_cells[other] and not context.occupied_cells[other]:
-                x, y = context.cell(other)
-                return f"the episode ends on [{x}, {y}], which blocks the path there"
+def _help_for_cells(context: LintContext, missed: Ints) -> str:
+    import numpy as np
+
+    reached, occupied = context.reached_cells, context.occupied_cells
+    ends = np.frombuffer(reached, bool) & ~np.frombuffer(occupied, bool)
+    is_open = context.grid.open.reshape(-1, 4)[missed]
+    width = context.level.size[0]
+    others = np.where(is_open, missed[:, None] + np.array([-width, 1, width, -1]), missed[:, None])
+    blocking = others[is_open & ends[others]]
+    if blocking.size:
+        x, y = context.cell(int(blocking[0]))
+        return f"the episode ends on [{x}, {y}], which blocks the path there"
     if context.level.map is not None:
         return "open a path, or draw cells that are not part of the level as `###`"
     return "open a path, or list cells that are not part of the level under `blocked`"
 
 
-def _is_cut_off_maze(context: LintContext, missed: set[int]) -> bool:
+def _is_cut_off_maze(context: LintContext, unreached: list[int]) -> bool:
     """Return whether only cells of a maze are missed, and all of them lie behind an exit."""
     level = context.level
     if level.maze is None:
         return False
+    missed = set(unreached)
     used = [puddle.at for puddle in level.puddles]
     used += [cell for warp in level.warps for cell in (warp.at, warp.to) if cell != "start"]
     if not missed.isdisjoint(map(context.state, used)):
