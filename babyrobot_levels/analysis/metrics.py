@@ -20,6 +20,7 @@ from babyrobot_levels.analysis.paths import (
 )
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+from babyrobot_levels.analysis.solver.model import too_large_to_add_up
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
@@ -137,7 +138,9 @@ class Metrics(Shown):
             return "the best policy does not go to an exit"
         if name == "success" and self.best_return == math.inf:
             return "the optimal return is infinite"
-        return "undefined, or episodes are too long to compute"
+        return too_large_to_add_up(self.level.compile()) or (
+            "undefined, or episodes are too long to compute"
+        )
 
     def __repr__(self) -> str:
         numbers = (f"{name}={value!r}" for name, value in self.to_dict(solve=False).items())

@@ -146,7 +146,9 @@ def _strengths(
 
 
 def _strength(amount: float, most: float) -> int:
-    return min(STRENGTHS, 1 + int(STRENGTHS * amount / most)) if most else STRENGTHS
+    share = STRENGTHS * amount / most if most else math.inf
+    # Beyond floating point, all are alike.
+    return min(STRENGTHS, 1 + int(share)) if math.isfinite(share) else STRENGTHS
 
 
 # -- what is where ---------------------------------------------------------------------------------

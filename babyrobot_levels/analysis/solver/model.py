@@ -16,6 +16,10 @@ DENSE_STATES = 150
 """Up to so many states, components are found with plain NumPy: importing SciPy takes longer."""
 
 
+MAX_REWARD = 1e140
+"""Of larger rewards, the squares of sums over many steps may be beyond floating point."""
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A decision process over `n` states, numbered from 0; number `n` stands for the end.
@@ -173,6 +177,14 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
         np.einsum("sao,sao->sa", probability, mdp.reward[rows, first_action:]),
         np.einsum("sao,sao->sa", probability, (exits[following] & ends).astype(np.float64)),
     )
+
+
+def too_large_to_add_up(mdp: Mdp) -> str | None:
+    """Return why the rewards of a level's tables cannot be added up, in words; None if they can."""
+    largest = max(mdp.reward.max(initial=0.0), -mdp.reward.min(initial=0.0))
+    if largest <= MAX_REWARD:
+        return None
+    return f"rewards of up to {largest:g} are too large to add up; use at most {MAX_REWARD:g}"
 
 
 # -- which states lead where, whatever the probabilities ------------------------------------

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from babyrobot_levels import mdp as room
-from babyrobot_levels.analysis.solver.model import Model, build_model
+from babyrobot_levels.analysis.solver.model import Model, build_model, too_large_to_add_up
 from babyrobot_levels.analysis.solver.results import (
     TURNS,
+    EpisodeTooLongError,
     UndefinedReturnError,
     action_names,
     check_actions,
@@ -249,9 +250,12 @@ class StateSpace:
         """Return the model that solving works on.
 
         Raises:
+            EpisodeTooLongError: rewards are too large to add up.
             OverBudgetError: there are more states than the budget at hand allows.
         """
         budget.spend(GRAPHS * self.mdp.probability.size)
+        if reason := too_large_to_add_up(self.mdp):
+            raise EpisodeTooLongError(reason)
         return build_model(self.mdp, self.exits, self.first_action)
 
     def spread(self, model: Model, values: Floats) -> Floats:

@@ -61,8 +61,8 @@ class UndefinedReturnError(BabyRobotError, ArithmeticError):
 class EpisodeTooLongError(BabyRobotError, ArithmeticError):
     """Episodes are too long to compute their expected return.
 
-    Raised where floating point cannot tell it without a discount, and where a limit of steps is so
-    large that it would take too long.
+    Raised where floating point cannot tell it without a discount, where a limit of steps is so
+    large that it would take too long, and where rewards are too large to add up.
     """
 
     __module__ = "babyrobot_levels"

@@ -296,7 +296,8 @@ def unbounded_return(context: LintContext) -> Iterator[Finding]:
     Checks for levels in which an exit, or a cell that ends the episode, can be reached, but the
     optimal policy loops forever because some loop is worth more than ending the episode. The level
     is solved exactly. Levels of more than 5,000 cells are not solved, nor are levels whose return
-    does not converge because rewards and costs cancel out.
+    does not converge because rewards and costs cancel out. Rewards that are too large to add up,
+    above 1e140, are reported as well.
 
     ## Why is this bad?
 
@@ -320,9 +321,13 @@ def unbounded_return(context: LintContext) -> Iterator[Finding]:
       - {at: [1, 1], color: gold, reward: 5, ends: true}
     ```
     """
+    from babyrobot_levels.analysis.solver.model import too_large_to_add_up
     from babyrobot_levels.linter.optimal_policy import endless_loop, surely_terminates
 
     level, reach = context.level, context.reach
+    if reason := too_large_to_add_up(context.mdp):
+        yield Finding(("rewards",), reason)
+        return
     if not any(reach.to_end[state] >= 0 for state in context.starts):
         return
     if surely_terminates(context.mdp, level.discount) or context.solution is None:
