@@ -1,0 +1,269 @@
+"""What hostile levels cost: each command, the tools for assistants and the editor, on 40 files.
+
+    python benchmarks/budget.py [--only COMMAND] [--level NAME] [--package FOLDER] [-o FILE]
+
+Each file of `tests/support/worst.py` asks for as much as it can of something. The table has for
+each command the most seconds of the processor and the most memory that it took, and for which file.
+`--package` measures another checkout, with the libraries of this one. What takes longer than a
+minute, or more than 3 GB, is ended.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "tests"))
+
+from support.worst import WORST  # noqa: E402
+
+from babyrobot_levels.text.budget import CHECKED, COMMAND, READ  # noqa: E402
+
+MOST_SECONDS, MOST_MEMORY = 60, 3_000
+"""Seconds of the processor, and megabytes, after which a command is ended."""
+
+PAUSE = 0.1
+"""Seconds between two looks at the memory of a command."""
+
+LIMITS = {"validate": CHECKED, "lint": READ, "show": READ}
+"""Of the commands that have others than `COMMAND`."""
+
+COMMANDS = {
+    "validate": "validate level.yaml",
+    "lint": "lint level.yaml",
+    "show": "show level.yaml",
+    "format": "format --diff level.yaml",
+    "expect": "expect --diff level.yaml",
+    "preview": "preview level.yaml",
+    "preview --values": "preview level.yaml --values --policy",
+    "preview -o .svg": "preview level.yaml -o x.svg",
+    "preview -o .png": "preview level.yaml -o x.png",
+    "preview -o .html": "preview level.yaml -o x.html",
+    "preview -o .gif": "preview level.yaml --policy best -o x.gif",
+    "play": "play level.yaml --seed 1",
+    "replay": "replay play.brlplay",
+    "list": "list",
+    "solve": "solve level.yaml",
+    "solve --within": "solve level.yaml --within 200",
+    "score best": "score best level.yaml",
+    "score random": "score random level.yaml",
+    "compare": "compare level.yaml other.yaml",
+    "diff": "diff level.yaml other.yaml",
+    "share": "share level.yaml",
+    "share --link": "share level.yaml --link https://example.org/play.html",
+    "sheet": "sheet level.yaml -o x.pdf",
+    "sheet --key": "sheet level.yaml --key -o x.pdf",
+    "export --to umb": "export level.yaml --to umb -o x.umb",
+    "export --to prism": "export level.yaml --to prism",
+    "export --to tiled": "export level.yaml --to tiled",
+    "export --to minigrid": "export level.yaml --to minigrid",
+    "resolve": "resolve level.yaml",
+    "generate --from": "generate --from level.yaml --count 1 --edits 1 -o made",
+    "gallery": "gallery level.yaml -o site --jobs 1",
+    "dataset": "dataset level.yaml -o data --jobs 1",
+    "pack": "pack zoo -o zoo.brlpack",
+    "course build": "course build zoo -o built",
+}
+"""The commands that take a level, or a folder with one."""
+
+ASKED = {
+    "mcp check": ("check",),
+    "mcp solve": ("solve",),
+    "mcp preview": ("preview",),
+    "mcp metrics": ("metrics",),
+    "mcp play_start": ("play_start",),
+}
+"""The tools for assistants that take a level."""
+
+TOOL = """
+import sys
+from contextlib import nullcontext
+from babyrobot_levels.assistants.tools import Tools
+from babyrobot_levels.text.errors import BabyRobotError
+try:
+    from babyrobot_levels.text.budget import COMMAND, within
+    limited = within(COMMAND)
+except ImportError:
+    limited = nullcontext()
+try:
+    with limited:
+        getattr(Tools(), sys.argv[1])(open("level.yaml").read())
+except (BabyRobotError, ValueError, ArithmeticError) as error:
+    sys.exit(str(error))
+"""
+
+EDITOR = """
+import json, sys, threading, time
+from babyrobot_levels.editor.protocol import answer, prepare
+from babyrobot_levels.editor.session import Session
+
+session, lock = Session("version: 1\\n"), threading.Lock()
+
+def ask(**message):
+    reply = prepare(session, message)
+    if reply is None:
+        with lock:
+            reply = answer(session, message)
+    return reply
+
+def asked_meanwhile(done, waits):
+    while not done.wait(0.05):
+        began = time.perf_counter()
+        ask(do="levels")
+        waits.append(time.perf_counter() - began)
+
+waits, done = [], threading.Event()
+ask(do="levels")
+thread = threading.Thread(target=asked_meanwhile, args=(done, waits))
+thread.start()
+ask(do="text", text=open("level.yaml").read(), revision=session.revision)
+ask(do="answers", revision=session.revision)
+done.set()
+thread.join()
+print(f"waited {max(waits, default=0):.2f} s", file=sys.stderr)
+"""
+
+MORE = ("editor", "editor, another message")
+
+
+@dataclass
+class Cost:
+    """What a command took for a level: seconds, megabytes, status, and the last that it said."""
+
+    seconds: float
+    memory: float
+    status: int
+    said: str
+
+
+def cost(name: str, folder: Path, package: Path) -> Cost:
+    """Run a command in a folder that has `level.yaml`."""
+    if name in COMMANDS:
+        arguments = ["-m", "babyrobot_levels", *COMMANDS[name].split()]
+    elif name in ASKED:
+        arguments = ["-c", TOOL, *ASKED[name]]
+    else:
+        arguments = ["-c", EDITOR]
+    variables = {**os.environ, "PYTHONPATH": str(package), "HOME": str(folder), "COLUMNS": "80"}
+    with (folder / "said").open("w+") as said:
+        process = subprocess.Popen(
+            [sys.executable, *arguments],
+            cwd=folder,
+            env=variables,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=said,
+            preexec_fn=lambda: resource.setrlimit(
+                resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS)
+            ),
+        )
+        guard = threading.Thread(target=_end_if_large, args=(process.pid,), daemon=True)
+        guard.start()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        said.seek(0)
+        lines = [line.strip() for line in said if line.strip()]
+    told = next((line for line in lines if "error" in line.lower()), lines[-1] if lines else "")
+    seconds = usage.ru_utime + usage.ru_stime
+    if name == "editor, another message":
+        seconds = float(told.split()[1]) if told.startswith("waited") else MOST_SECONDS
+    return Cost(seconds, usage.ru_maxrss / 1000, process.returncode, told[:300])
+
+
+def _end_if_large(pid: int) -> None:
+    """End a process whose memory grows beyond the most."""
+    page = os.sysconf("SC_PAGE_SIZE")
+    while True:
+        try:
+            used = int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * page
+            if used > MOST_MEMORY * 1e6:
+                os.kill(pid, 9)
+        except (OSError, IndexError):
+            return
+        time.sleep(PAUSE)
+
+
+def prepare(folder: Path, text: bytes) -> None:
+    """Write a level, one that differs from it in its discount, and a pack of it."""
+    level = folder / "level.yaml"
+    level.write_bytes(text)
+    other = text.replace(b"version: 1\n", b"version: 1\ndiscount: 0.5\n", 1)
+    other = other.replace(b'"version": 1,', b'"version": 1, "discount": 0.5,', 1)
+    (folder / "other.yaml").write_bytes(other)
+    zoo = folder / "zoo" / "levels"
+    zoo.mkdir(parents=True, exist_ok=True)
+    (zoo / "level.yaml").write_bytes(text)
+    (folder / "zoo" / "pack.yaml").write_text("name: zoo\nversion: 1.0.0\n")
+    (folder / "levels").mkdir(exist_ok=True)
+    (folder / "levels" / "level.yaml").write_bytes(text)
+
+
+def measured(names: list[str], levels: list[str], package: Path) -> Iterator[tuple[str, str, Cost]]:
+    """Yield command, level and cost of each pair."""
+    for name in names:
+        for title in levels:
+            with tempfile.TemporaryDirectory() as made:
+                folder = Path(made)
+                prepare(folder, WORST[title]())
+                yield name, title, cost(name, folder, package)
+
+
+def main() -> None:
+    """Measure, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    every = [*COMMANDS, *ASKED, *MORE]
+    parser.add_argument("--only", action="append", choices=every)
+    parser.add_argument("--level", action="append", choices=[*WORST])
+    parser.add_argument("--package", type=Path, default=ROOT)
+    parser.add_argument("-o", "--output", type=Path)
+    options = parser.parse_args()
+    rows: dict[str, list[tuple[str, Cost]]] = {}
+    for name, title, each in measured(
+        options.only or every, options.level or [*WORST], options.package
+    ):
+        rows.setdefault(name, []).append((title, each))
+        print(
+            f"{name:24} {title:40} {each.seconds:6.1f} s {each.memory:6.0f} MB "
+            f"{each.status:3} {each.said[:110]}",
+            flush=True,
+        )
+        if options.output is not None:
+            with options.output.open("a") as file:
+                file.write(json.dumps({"command": name, "level": title, **asdict(each)}) + "\n")
+    print("\n| command | seconds | in | megabytes | in | beyond |\n|---|---|---|---|---|---|")
+    for name, found in rows.items():
+        limits = LIMITS.get(name, COMMAND)
+        slowest = max(found, key=lambda pair: pair[1].seconds)
+        largest = max(found, key=lambda pair: pair[1].memory)
+        beyond = sum(
+            each.seconds > limits.seconds or each.memory > limits.megabytes for _, each in found
+        )
+        print(
+            f"| {name} | {_most(slowest[1].seconds, MOST_SECONDS)} | {slowest[0]} "
+            f"| {_most(largest[1].memory, MOST_MEMORY)} | {largest[0]} | {beyond} |"
+        )
+
+
+def _most(value: float, most: float) -> str:
+    return (
+        f"over {most:,}"
+        if value >= 0.99 * most
+        else f"{value:,.1f}"
+        if value < 100
+        else f"{value:,.0f}"
+    )
+
+
+if __name__ == "__main__":
+    main()
