@@ -65,13 +65,12 @@ def mark_shapes(level: GridWorld, slots: Slots, effects: Effects) -> Iterator[Sh
         slots: where the marks are.
         effects: what the cells do.
     """
-    rings = {warp.at for warp in level.warps}
     beside = {cell for mover in level.movers for cell in mover.path or ()}.union(effects.winds)
     placed: dict[tuple[Figure, float], list[Spot]] = {}
     for cell, figure, wide, strength in _marks(effects):
         box = slots.icon(cell)
         (x, y), scale = box.centre, round(_SIZES[strength - 1] * box.width / wide, 3)
-        if cell in rings or cell in beside:
+        if cell in slots.rings or cell in beside:
             scale /= 2
         if cell in beside:
             x, y = x + 0.3 * box.width, y + 0.3 * box.height
@@ -340,8 +339,7 @@ def _arrow(level: GridWorld, layout: Layout, slots: Slots, at: Cell, to: Cell) -
         return slots.arrows[at, to]
     start, target = slots.icon(at).centre, slots.icon(to)
     end = target.centre
-    has_ring = any(warp.at == to for warp in level.warps)
-    gap = _RING * _scale(target) + 4 if has_ring else 0.0
+    gap = _RING * _scale(target) + 4 if to in slots.rings else 0.0
     edge, width, height = layout.margin + _AWAY, layout.grid_width, layout.grid_height
     grid = Box(edge, edge, edge + width - 2 * _AWAY, edge + height - 2 * _AWAY)
 

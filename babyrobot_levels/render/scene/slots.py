@@ -173,6 +173,7 @@ class Slots:
         acting: the cells in which the robot can stand and act.
         ends: the cells in which it can stand, and the episode is over.
         labels: the labels of areas.
+        rings: the cells with the ring of a warp.
         arrows: the arrows of warps, by their first and last cells, as far as they are known.
     """
 
@@ -192,6 +193,7 @@ class Slots:
         )
         at_foot = level.display.coordinates and not self.shown.fills_cells
         self.labels = tuple(_labels(level, layout, at_foot=at_foot))
+        self.rings = frozenset(warp.at for warp in level.warps)
         self.arrows: dict[tuple[Cell, Cell], Arrow] = {}
         self._near = _near(self.labels, layout)
         self._covered = dict(_covered(self.labels, layout, at_foot=at_foot))
