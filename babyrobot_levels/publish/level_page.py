@@ -132,29 +132,9 @@ def _share_code(level: Level) -> str | None:
 def programs(facts: Facts, *, answers: bool) -> tuple[str, str]:
     """Return a program that loads the level, and one that trains an agent in it."""
     named = load_name(facts)
-    in_package = named == facts.name
-    made = f'"babyrobot/{named}-v0"' if in_package else f'"babyrobot/Level-v0", level="{named}"'
-    lines = [
-        "import gymnasium",
-        "import babyrobot_levels as brl",
-        "",
-        f'level = brl.load("{named}")',
-        "print(level.draw())",
-        "",
-        f"env = gymnasium.make({made})",
-        "observation, info = env.reset(seed=0)",
-        "observation, reward, terminated, truncated, info = env.step(env.action_space.sample())",
-        "print(observation, reward)",
-    ]
-    if answers:
-        lines += ["", "solution = brl.solve(level)", "print(solution.values)"]
-    train = [
-        "import babyrobot_levels as brl",
-        "",
-        f'for trials in brl.q_learning("{named}", episodes=500, seed=0, every=100):',
-        "    print(trials.number, trials.returns[-100:].mean())",
-    ]
-    return "\n".join(lines), "\n".join(train)
+    given = {"named": as_html(named), "in_package": named == facts.name, "answers": answers}
+    load, train = (html(f"publish/static/{name}.py.jinja", **given) for name in ("play", "train"))
+    return load.rstrip(), train.rstrip()
 
 
 def load_name(facts: Facts) -> str:
