@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.cells import Rectangle
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.text.diagnostics import Issue, Location
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.cells import Rectangle
-    from babyrobot_levels.language.fields import LevelFields
 
 Cell = tuple[int, int]
 Route = tuple[str | int, ...]

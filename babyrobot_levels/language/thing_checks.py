@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.drawing import mark_of
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell, Route, is_inside, off_the_grid, show_cell
 from babyrobot_levels.language.kinds import NAMED, NEEDED, Kind
 from babyrobot_levels.language.things import DRAWN_NAMES, Item, Mover, as_names
 from babyrobot_levels.text.diagnostics import Issue, Key, Location
 from babyrobot_levels.text.words import did_you_mean, listed
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.fields import LevelFields
 
 IsBlocked = Callable[[Cell], bool]
 

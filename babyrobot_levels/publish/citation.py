@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.play import program
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import one_line
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
 
 _PACK_NAME = re.compile(r"[a-z0-9-]+/[a-z0-9-]+")
 

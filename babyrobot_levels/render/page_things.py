@@ -12,11 +12,12 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from copy import copy
 from itertools import repeat
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import door_name, door_sides
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.numeric import is_numeric
@@ -39,9 +40,6 @@ from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import busy_cells, form_of, number_shapes
 from babyrobot_levels.render.scene.things import Piece, mover_shapes, pieces, thing_label
 from babyrobot_levels.render.situation import look_of, situation_at
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.configurations import Configuration
 
 
 class Marks:

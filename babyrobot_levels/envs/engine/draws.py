@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.random import Generator
-
-    from babyrobot_levels.envs.engine.tables import Floats, Ints, Tables
+from babyrobot_levels.envs.engine.tables import Floats, Ints, Tables
 
 NONE = -1
 """Marks that no half of a word is left over."""

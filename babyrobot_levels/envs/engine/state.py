@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import repeat
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy import empty, ndarray
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.engine.draws import Draws
 from babyrobot_levels.envs.engine.tables import Flags, Floats, Ints, Span, Words
-
-if TYPE_CHECKING:
-    from babyrobot_levels.envs.engine.draws import Draws
 
 # Looked up once, because making small arrays is a considerable part of a step.
 _INT = np.dtype(np.int64)

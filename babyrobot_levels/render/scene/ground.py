@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from operator import gt, or_
-from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.cells import Puddle
 from babyrobot_levels.language.drawing import rectangles, runs
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import BLACK, GRAPHICS, WHITE, contrast, ink_on, mixed, rim_on
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
@@ -26,10 +27,6 @@ from babyrobot_levels.render.scene.shapes import (
     smooth,
 )
 from babyrobot_levels.render.scene.slots import ICON, Slots
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.cells import Puddle
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 
 class CellGrounds:

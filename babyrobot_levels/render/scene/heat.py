@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import (
     BLACK,
     WHITE,
@@ -58,9 +58,6 @@ from babyrobot_levels.render.scene.shapes import (
 from babyrobot_levels.render.scene.slots import Box, Slots
 from babyrobot_levels.render.scene.texts import Form, form_of, number_shapes
 from babyrobot_levels.render.scene.walls import casing_shapes
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 STEPS = 64
 """The number of steps of a scale: equal neighbours are painted as one."""

@@ -6,12 +6,10 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
+from typing import Literal, NamedTuple, TypeVar
 
 from babyrobot_levels.language.looks import Panel
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.mdp.gridworld import GridWorld
 
 Content = TypeVar("Content")
 Rows = Sequence[Sequence[Content]]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.icons import INK, RIM, Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout
@@ -30,9 +31,6 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.scene.slots import ICON, LABEL_MARGIN, Arrow, Box, Slots
 from babyrobot_levels.render.situation import STRENGTHS, Effects
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 Figure = Callable[[Spot], Iterable[Path]]
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import ink_on, plate_for
 from babyrobot_levels.render.scene.ground import CellGrounds
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, Note, fit
@@ -24,9 +25,6 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
 )
 from babyrobot_levels.render.scene.slots import Box, Slots
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _END_SIZE, _SMALL_END_SIZE = 11.0, 8.5
 _COORDINATE_SIZE = 9.5

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.things import Door, Switch
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import GRAPHICS, WHITE, ink_on, mixed, plate_for, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes
 from babyrobot_levels.render.scene.icons import (
@@ -37,9 +38,6 @@ from babyrobot_levels.render.scene.shapes import (
 from babyrobot_levels.render.scene.slots import ICON, Box, Slots
 from babyrobot_levels.render.scene.texts import end_text, label_shapes
 from babyrobot_levels.render.situation import Situation
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _TILE = 5.5
 """The distance of a drawn exit from the edges of its cell, in pixels."""

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
 from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text, polyline
 from babyrobot_levels.render.scene.slots import Slots
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 GLASS = "#8fd0f5"
 _GLASS_CORE = "#f4fbff"

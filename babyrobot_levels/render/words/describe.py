@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import Cell, show_cell
@@ -12,13 +11,11 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Item
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.rules import grounds_of, item_count, spoken
 from babyrobot_levels.text.words import listed
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 MOST_CHARACTERS = 400
 """The most characters of a description."""
