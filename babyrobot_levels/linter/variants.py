@@ -15,6 +15,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler import compile_mdp
 from babyrobot_levels.mdp.states import transitions
 from babyrobot_levels.mdp.tables import Mdp, digest
+from babyrobot_levels.text.budget import OverBudgetError
 from babyrobot_levels.text.errors import LevelError
 
 MAX_VARIANTS = 50
@@ -37,7 +38,7 @@ def variant(level: Level, **fields: Any) -> Mdp | None:
     """
     try:
         return compile_mdp(level.model_copy(update=fields), level.grid())
-    except LevelError:
+    except (LevelError, OverBudgetError):
         return None
 
 

@@ -22,7 +22,7 @@ class Limits:
     """What may be done for a level.
 
     Attributes:
-        steps: the most steps of work: a usual machine takes 100,000,000 of them in a second.
+        steps: the most steps of work: a usual machine takes 200,000,000 of them in a second.
         entries: the most states times outcomes of an action of its tables, which need the memory.
         seconds: how long a usual machine takes for that at most, start included.
         megabytes: how much memory it takes at most, libraries included.
@@ -36,7 +36,7 @@ class Limits:
     help: str = "use a smaller level"
 
 
-CHECKED = Limits(100_000_000, 5_000_000, 2, 300)
+CHECKED = Limits(200_000_000, 5_000_000, 2, 300)
 """To find out whether a level is valid, where its fields leave open whether it can be compiled."""
 
 READ = Limits(300_000_000, 1 << 20, 5, 600)

@@ -87,7 +87,7 @@ def test_a_random_maze_is_that_of_the_seed() -> None:
     level = load("random-maze")
     for seed in (0, 5, 12**30):
         shown = babyrobot("preview", "random-maze", "--maze-seed", str(seed)).out
-        assert shown == level.with_maze_seed(seed).draw()
+        assert shown.startswith(level.with_maze_seed(seed).draw())
 
 
 def test_the_colored_drawing_is_the_drawing() -> None:
@@ -96,8 +96,9 @@ def test_the_colored_drawing_is_the_drawing() -> None:
     colored = babyrobot("preview", "final-maze", FORCE_COLOR="1").out
     shown = re.sub(r"\x1b\[[0-9;]*m", "", colored).splitlines()
     plain = level.draw().splitlines()
-    assert [len(line) for line in shown] == [len(line) for line in plain]
-    for line, drawn in zip(shown, plain, strict=True):
+    # The legend stands below.
+    assert [len(line) for line in shown[: len(plain)]] == [len(line) for line in plain]
+    for line, drawn in zip(shown, plain, strict=False):
         for mark, character in zip(line, drawn, strict=True):
             if character in "SE":
                 assert mark == character
@@ -121,7 +122,7 @@ def test_a_new_level_is_what_was_ordered(template: str, size: tuple[int, int], c
     assert len({puddle.at for puddle in level.puddles}) == count
     assert (level.maze is not None) == (template == "maze")
     assert babyrobot("validate").out == "1 file checked, valid\n"
-    assert babyrobot("preview", "mine").out == level.draw()
+    assert babyrobot("preview", "mine").out.startswith(level.draw())
     assert not np.isnan(level.compile().probability).any()
 
 

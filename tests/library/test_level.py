@@ -207,6 +207,7 @@ def test_mappings_tell_what_is_wrong_with_them() -> None:
         "   |",
         "   |   - {at: [0, 0]}",
         "   |     ^^^^^^^^^^^^",
+        "  help: add `side: N`",
     ]
     assert str(second).startswith("walls[1].at: error BR301: the cell [9, 9] is off the grid")
     assert "- {at: [9, 9], side: E}" in str(second)
