@@ -9,6 +9,7 @@ from babyrobot_levels.assistants.tools import RefusedError
 from babyrobot_levels.assistants.worker import Worker
 
 
+@pytest.mark.slow
 def test_a_process_that_has_ended_is_replaced() -> None:
     worker = Worker(None, 60)
     text = "size: [4, 1]\nversion: 1\n"

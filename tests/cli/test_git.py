@@ -60,6 +60,7 @@ def repository(tmp_path: Path) -> Repository:
     return Repository(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_changed_game(repository: Repository) -> None:
     repository.write("levels/maze.yaml", LEVEL + "rewards: {exit: 5}\n")
     # From a folder of the repository, too.
@@ -75,6 +76,7 @@ def test_a_changed_game(repository: Repository) -> None:
     )
 
 
+@pytest.mark.slow
 def test_files_that_come_and_go(repository: Repository) -> None:
     (repository.folder / "levels/maze.yaml").unlink()
     repository.write("levels/new.yaml", "version: 1\nsize: [2, 1]\n")

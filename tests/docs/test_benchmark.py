@@ -57,6 +57,7 @@ def test_the_hard_test_split_is_fixed_in_its_first_levels() -> None:
 # -- the page --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_tables_are_those_of_the_results() -> None:
     import generalisation
 

@@ -24,6 +24,7 @@ def report() -> Any:
     return module
 
 
+@pytest.mark.slow
 def test_tables_and_charts_are_those_of_the_results(
     report: Any,
     monkeypatch: pytest.MonkeyPatch,

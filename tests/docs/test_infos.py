@@ -273,6 +273,7 @@ def test_disabled_waits_for_a_reset_of_what_is_over() -> None:
     envs.step([0, 0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_values_are_those_of_single_environments_also_where_a_limit_ends(mode: str) -> None:
     says(

@@ -230,6 +230,7 @@ def test_things_have_the_names_of_the_brief() -> None:
     assert "['gold']" in found["message"]
 
 
+@pytest.mark.slow
 def test_a_level_that_takes_too_long_is_not_met() -> None:
     with judging.Judge(seconds=2) as judge:
         assert judge(WET, GOOD) == []

@@ -63,6 +63,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return dict(zip(questions, answers, strict=True))
 
 
+@pytest.mark.slow
 def test_the_architecture_names_the_modules_that_need_numpy(told: dict[str, Any]) -> None:
     section = (ROOT / "ARCHITECTURE.md").read_text("utf-8").partition("## Without NumPy\n")[2]
     table = re.findall(r"^\| `(\w+)` \| (.*)\|$", section.partition("\n## ")[0], re.M)
@@ -99,6 +100,7 @@ def test_a_level_is_read_drawn_and_copied_alike(told: dict[str, Any], name: str)
     assert some <= all_
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEVELS)
 def test_gestures_make_the_same_texts(told: dict[str, Any], name: str) -> None:
     assert told[f"{name}, drawn"] == texts_after(name, 7, 25)
@@ -126,6 +128,7 @@ def test_what_needs_numpy_says_so_in_a_sentence(told: dict[str, Any]) -> None:
 # -- with NumPy ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_with_numpy_a_site_answers_all_that_the_server_does(tmp_path: Path) -> None:
     questions: list[tuple[str, list[Any]]] = [("replies", [TEXT, [*MESSAGES, *NUMERIC]])]
     for name in LEVELS:

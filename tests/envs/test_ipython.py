@@ -65,6 +65,7 @@ assert shown(brl.load("default").make()) == {{"text/plain": "users"}}
     run(code, folder)
 
 
+@pytest.mark.slow
 def test_without_ipython_nothing_of_it_is_imported(tmp_path: Path) -> None:
     code = """
 import sys, babyrobot_levels as brl

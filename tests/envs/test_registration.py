@@ -40,6 +40,7 @@ print([n for n in {HEAVY} if n in sys.modules])
     assert run(code, tmp_path) == "[]\n"
 
 
+@pytest.mark.slow
 def test_gymnasium_is_imported_when_something_is_played_and_not_before(tmp_path: Path) -> None:
     code = """
 import sys, babyrobot_levels as brl

@@ -148,6 +148,7 @@ def test_a_hit_is_worse_than_the_way_and_changes_no_layout() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_what_a_hit_costs_can_be_given() -> None:
     fields = {**FIELDS, "size": [8, 6], "keys": 0, "coins": 0, "guards": 1, "count": 12}
     for hit in ({"reward": -7.0}, {"ends": False}, {"reward": -2.0, "ends": False}):
@@ -163,6 +164,7 @@ def test_what_a_hit_costs_can_be_given() -> None:
     assert not all(same)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fields", "is_plain"),
     [

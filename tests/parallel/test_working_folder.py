@@ -35,6 +35,7 @@ def east(observation):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
 def test_workers_and_tools(method: str, tmp_path: Path) -> None:
     if sys.platform == "win32" and method != "spawn":
@@ -45,6 +46,7 @@ def test_workers_and_tools(method: str, tmp_path: Path) -> None:
     assert told.splitlines() == ["[23, 16]", "version: 1", "None"]
 
 
+@pytest.mark.slow
 def test_commands_with_workers_and_with_an_agent_of_the_folder(tmp_path: Path) -> None:
     command = Path(sys.executable).with_name("babyrobot")
     levels = [tmp_path / f"{number}.yaml" for number in range(4)]

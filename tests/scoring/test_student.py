@@ -96,6 +96,7 @@ def f(level):
         assert time.monotonic() < until
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit memory")
 def test_memory_counts_that_is_shared_or_of_other_processes(tmp_path: Path) -> None:
     text = """\
@@ -131,6 +132,7 @@ def f(level):
     assert len(err) < MAX_PRINTED + 100
 
 
+@pytest.mark.slow
 def test_a_process_that_cannot_start_is_an_error_and_no_fault(tmp_path: Path) -> None:
     program = tmp_path / "program.py"
     course = str(ROOT / "course")

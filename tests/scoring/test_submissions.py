@@ -87,6 +87,7 @@ def helper():
     assert policy.message == "there is no policy_iteration.py, but value_iteration.py"
 
 
+@pytest.mark.slow
 def test_a_function_that_never_returns_is_ended(small: Path, tmp_path: Path) -> None:
     endless = "def value_iteration(level):\n    while True: pass\n"
     ada = code(tmp_path / "ada", value_iteration=endless)
@@ -114,6 +115,7 @@ def value_iteration(level):
     ]
 
 
+@pytest.mark.slow
 def test_results_for_other_systems(small: Path) -> None:
     shutil.copy(SOLUTIONS / "value_iteration.py", small)
     found = brl.grade_functions(small)

@@ -212,6 +212,7 @@ def test_floats_are_right_to_rounding(seed: int) -> None:
     assert checked >= 3
 
 
+@pytest.mark.slow
 def test_what_cannot_be_told_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(NotExactError, match="up to 3,000 states, not 4,095"):
         solve({"version": 1, "size": [64, 64]}, exact=True)

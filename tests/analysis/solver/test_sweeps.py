@@ -52,6 +52,7 @@ def assert_same(found: brl.Solution, expected: brl.Solution) -> None:
     assert found.residual <= 1e-9 * size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("discount", [1.0, 0.99])
 @pytest.mark.parametrize("level", [OPEN, THINGS], ids=["open", "things"])
 def test_large_levels_are_solved_by_sweeps(level: dict[str, Any], discount: float) -> None:

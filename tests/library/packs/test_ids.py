@@ -192,6 +192,7 @@ def test_the_spec_can_be_copied_and_written_down(limited: str) -> None:
     assert steps_until_cut_off(gymnasium.make(limited)) == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["vector_entry_point", "sync", None])
 def test_the_limit_of_many_robots(mode: str | None, limited: str) -> None:
     envs = gymnasium.make_vec(limited, num_envs=2, vectorization_mode=mode)

@@ -38,6 +38,7 @@ def random_board(rng: random.Random, largest: int) -> Board:
     return width, height, bytes(blocked), start
 
 
+@pytest.mark.slow
 def test_the_bits_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "WORTH_LOADING", 0)
     assert compiled.load() is kernel
@@ -48,6 +49,7 @@ def test_the_bits_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
         assert grow(board, seed, "depth-first", loops) == plain(board, seed, loops, monkeypatch)
 
 
+@pytest.mark.slow
 def test_many_at_a_time_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "WORTH_LOADING", 0)
     rng = random.Random(4)
