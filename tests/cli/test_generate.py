@@ -126,7 +126,8 @@ def test_no_game_of_another_folder_is_made() -> None:
         ),
         # The optimum is to stay where it costs nothing.
         (["--rewards", "step=0,exit=-1"], "--expect success=1: the largest of 1,000 .* was 0"),
-        (["--rewards", "step=1"], "--expect success=1: the largest of 1,000 candidates was 0"),
+        # The optimum never ends, and is inf.
+        (["--rewards", "step=1"], "--expect success=1: none of 1,000 candidates has one"),
         (
             ["--expect", "best_steps=90.."],
             r"--expect best_steps=90\.\.: the largest of 1,000 .* \d",
