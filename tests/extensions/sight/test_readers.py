@@ -23,7 +23,7 @@ CASES = 100
 
 MOST_ALIKE = 12
 
-PATIENCE = 60
+PATIENCE = 20
 """So many seconds Storm may take for a file."""
 
 ROUNDING = 1e-5
