@@ -459,7 +459,7 @@ def test_texts_of_levels_are_shown_and_not_run(editor_page: OpenEditor) -> None:
     editor = editor_page(text)
     assert HOSTILE in editor.page.title()
     assert editor.page.locator(".bar").get_by_text(HOSTILE).count() == 1
-    for bad in (f"{quoted}: 1\n", f"puddles: [{quoted}]\n"):
+    for bad in (f"{quoted}: 1\n", f"heading: {quoted}\n"):
         editor.page.get_by_role("textbox", name="Level file").fill(TEXT + bad)
         until(lambda bad=bad: editor.session.text == TEXT + bad, "it is typed")  # type: ignore[misc]
         editor.page.get_by_role("tab", name="Findings").click()

@@ -84,7 +84,7 @@ def test_a_pipe_and_a_socket(folder: Path) -> None:
 @needs_posix
 def test_links_that_lead_nowhere() -> None:
     Path("broken.yaml").symlink_to("nowhere.yaml")
-    assert fault("broken.yaml").message == "no such file"
+    assert fault("broken.yaml").message.startswith("no such file")
     Path("circle.yaml").symlink_to("circle.yaml")
     assert fault("circle.yaml").message.startswith("the file cannot be read (")
 

@@ -109,7 +109,7 @@ def test_an_agent_draws_its_actions_as_in_films(ground: Playground, seed: int) -
         is_over = terminated or truncated
     open_agent(ground, LAKE, policy, seed=seed)
     ground.press("p")
-    expect(ground.page.locator("#result")).to_be_visible()
+    expect(ground.page.locator("#result")).to_be_visible(timeout=20_000)
     assert ground.page.evaluate("() => game.taken.map(({ action }) => action)") == actions
 
 
