@@ -7,78 +7,7 @@ from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 
-from babyrobot_levels.text.words import NAMED
-
-COMMANDS = {
-    "play": "run start step simulate walk game",
-    "solve": "policy optimal optimise optimize plan best values value-iteration path solution",
-    "validate": "check test verify",
-    "lint --fix": "fix repair",
-    "score": "grade evaluate mark bench benchmark eval rollout",
-    "import": "convert load read",
-    "export": "convert save",
-    "show": "info describe summary stats cat inspect details metrics difficulty",
-    "preview": "render draw print view plot picture image svg png html page display screenshot "
-    "visualize visualise",
-    "preview LEVEL -o FILE.gif": "gif animate film movie video record",
-    "replay": "watch",
-    "edit": "open",
-    "new-level": "new create init make touch",
-    "generate": "make build grow batch random maze mazes",
-    "generate --from LEVEL --difficulty A..B": "harder easier mutate vary",
-    "share LEVEL -o FILE": "copy cp duplicate",
-    "list": "levels ls tags search",
-    "list --packs": "packs",
-    "expect": "assert promise state claim",
-    "list --suites": "suite suites",
-    "rule": "rules explain error",
-    "share": "link url code",
-    "gallery": "publish site web serve website",
-    "sheet": "worksheet exercise handout homework exam",
-    "install": "upgrade update download get add",
-    "uninstall": "remove delete rm",
-    "format": "fmt tidy prettify",
-    "diff": "changes",
-    "--help": "help man usage",
-    "--version": "version",
-    "--install-completion": "completion completions",
-}
-"""Commands, and words that are none."""
-
-ELSEWHERE = {
-    "train learn fit": "`babyrobot solve` computes the optimum; in Python, `brl.q_learning(level)` "
-    "and others learn it",
-    "hint hints": "`babyrobot play LEVEL` gives hints: the key H",
-    "config settings configure": "the settings of `babyrobot lint` stand in `pyproject.toml`",
-    "docs tutorial manual guide": "`babyrobot COMMAND -h` explains a command, `babyrobot rule` all "
-    "rules",
-}
-"""Words that are no commands, and what there is instead."""
-
-OPTIONS = {
-    "--discount": "--gamma --discount-factor",
-    "--count": "-n -c --number --num --num-levels --amount",
-    "--output": "--out --file --to --save --dir --folder",
-    "-o FILE.png": "--png --svg --gif --pdf --html",
-    "--key": "--answers --solution --solutions",
-    "--link": "--url --web",
-    "--within": "--steps --horizon --max-steps --limit",
-    "--size": "--width --height --dimensions",
-    "--cell": "--size --width --height --zoom --pixels",
-    "--jobs": "--workers --processes --parallel --threads",
-    "--tag": "--filter --search --tags --category",
-    "--format": "--type --json --csv --output-format",
-    "--to": "--format",
-    "--difficulty A..B": "--max-difficulty --min-difficulty --metric --metrics",
-    "babyrobot format": "--write --in-place",
-    "babyrobot lint --fix": "--fix",
-    "babyrobot lint": "--check",
-    "babyrobot rule": "--list-rules --rules --explain",
-    "brl.value_iteration(level)": "--algorithm --method",
-    "--seed": "--random-state",
-    "--theme": "--style --colors --colours --dark",
-}
-"""Options, and those of other programs; a command has some of them, and others are elsewhere."""
+from babyrobot_levels.text.words import NAMED, words_beside
 
 _WRITTEN = re.compile(r".+\.(png|svg|gif|pdf|html?|json|npz?|csv|txt)", re.I)
 NO_LEVEL = re.compile(r".+\.(png|svg|gif|pdf|html?|np[yz]|csv|py|brlplay)", re.I)
@@ -93,11 +22,11 @@ def commands(word: str, known: Mapping[str, str], then: str = "") -> str:
         known: the commands, and what they do.
         then: the word behind it.
     """
-    word = word.lower()
-    for words, told in ELSEWHERE.items():
+    word, tables = word.lower(), words_beside(__file__)
+    for words, told in tables["elsewhere"].items():
         if word in words.split():
             return f" {told[0].upper()}{told[1:]}."
-    found = [command for command, words in COMMANDS.items() if word in words.split()]
+    found = [command for command, words in tables["commands"].items() if word in words.split()]
     if found == ["--help"] and then in known:
         found = [f"{then} --help"]
     found = found or [each for each in known if word and each.startswith(word)]
@@ -113,7 +42,7 @@ def _does(summary: str | None) -> str:
 def option(name: str, known: Iterable[str]) -> str | None:
     """Return the option of a command that one of another program means, if there is one."""
     known = {*known}
-    for ours, others in OPTIONS.items():
+    for ours, others in words_beside(__file__)["options"].items():
         if name in others.split() and (ours.split()[0] in known or not ours.startswith("-")):
             return f"`{ours}`"
     return None

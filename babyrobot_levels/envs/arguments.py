@@ -143,7 +143,7 @@ def checked_observation(**options: Unpack[ObservationOptions]) -> Observation:
         return _PLAIN
     given = {**_DEFAULTS, **options}
     for name in given.keys() - _DEFAULTS.keys():
-        raise TypeError(f"unexpected option {name!r}{meant(name, _DEFAULTS, {})}")
+        raise TypeError(f"unexpected option {name!r}{meant(name, _DEFAULTS)}")
     observation = given["observation"]
     names = checked_names(observation)
     check_choice("planes_dtype", given["planes_dtype"], DTYPES)

@@ -13,11 +13,10 @@ from babyrobot_levels.language.cells import Puddle, PuddleType
 from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
 from babyrobot_levels.language.names import SLUG, VERSION, slug
-from babyrobot_levels.language.other_names import DIRECTIONS, ELSEWHERE, OTHER_CHOICES, OTHER_NAMES
 from babyrobot_levels.language.rewriting import LONGEST, rewritten, takes
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.scalars import is_plain_string
-from babyrobot_levels.text.words import SHORT, did_you_mean, nearest, shortened
+from babyrobot_levels.text.words import SHORT, did_you_mean, nearest, shortened, words_beside
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
@@ -44,45 +43,13 @@ NOT_OF_NUMBERS = ("size", "at", "rewards")
 PLACES = ("at", "path")
 """Fields that entries need, though another may take their place."""
 
-SINGLES = {
-    "one_of": "use `at: [x, y]` for a single cell",
-    "exit_one_of": "use `exit: [x, y]` for a single cell",
-}
-"""What to write in the place of a list with one entry, where it needs several."""
-
-_BOOLEAN = (
-    "YAML 1.1 reads `on`, `off`, `yes` and `no` as this: put quotes around it, or let `brl.load` "
-    "read the file"
-)
-NO_FIELDS = {
-    "True": _BOOLEAN,
-    "False": _BOOLEAN,
-    "<<": "YAML 1.2 has no merge keys: write the fields out",
-}
-"""What to do about keys that other versions of YAML make or know."""
-
-MISSING = {"count": "a suite has a `count` of mazes to grow, or lists `levels`"}
-"""What to do about a missing field that another one can take the place of."""
-
 NAMING = {*(kind.field for kind in THINGS), "exit_needs", "legend"}
 """Fields with names of things in them."""
 
-FORMS = {
-    "size": "[width, height]",
-    "exit": "[x, y]",
-    "discount": "0.9",
-    "max_steps": "100",
-    "skid": "0.2",
-    "areas": "[{at: [x, y], reward: -10}]",
-    "doors": "[{at: [x, y], side: E, needs: key}]",
-    "movers": "[{path: [[0, 1], [1, 1]]}]",
-    "wind": "{north: [0, 1, 0]}",
-    "theme": "{colors: {walls: blue}}",
-}
-"""Values of fields of a level, as examples that say more than the types do."""
 
-AFTER = {"wind": ", with a strength for each column"}
-"""What is said after an example."""
+def _words(table: str) -> dict[str, str]:
+    words: dict[str, str] = words_beside(__file__)[table]
+    return words
 
 
 def complaint(error: Any, model: type[BaseModel]) -> Complaint:
@@ -106,7 +73,7 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
             return "BR201", f"unknown field `{shortened(field)}`", help_text
         return _unknown(field, value, _around(error["loc"], model))
     if kind == "missing":
-        help_text = beginning(model) if field == "version" else MISSING.get(field)
+        help_text = beginning(model) if field == "version" else _words("missing").get(field)
         if len(names) > 1 and field in fields:
             help_text = f"add `{field}: {_form(field, fields)}`"
         return "BR202", f"missing field `{field}`", help_text
@@ -244,8 +211,8 @@ def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint
     word = field.lower().replace("-", "_")
     if (text := _elsewhere(word, fields) or _of_puddles(word, value, model)) is not None:
         return "BR201", message, text
-    if field in NO_FIELDS:
-        return "BR201", message, NO_FIELDS[field]
+    if field in (keys := _words("keys")):
+        return "BR201", message, keys[field]
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
     if inner := _inner(word, value, fields):
         return "BR201", message + inner[0], inner[1]
@@ -291,7 +258,8 @@ def _inner(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> tuple[str,
 
 def _elsewhere(word: str, fields: Collection[str]) -> str | None:
     """Return where something is that is no field of a mapping with these fields."""
-    for beside, names, text in ELSEWHERE:
+    rows: list[tuple[str, str, str]] = words_beside(__file__)["elsewhere"]
+    for beside, names, text in rows:
         there = beside in fields or beside.split() == [*fields]
         if there and word not in fields and word in names.split():
             return text
@@ -310,7 +278,7 @@ def _written(field: str, value: Any, model: type[BaseModel]) -> str | None:
 
 
 def _form(field: str, fields: Mapping[str, FieldInfo]) -> str:
-    return FORMS.get(field) or _sample_of(fields[field])
+    return _words("forms").get(field) or _sample_of(fields[field])
 
 
 def _each_side(value: Any) -> str | None:
@@ -330,7 +298,7 @@ def _other_name(word: str, fields: Mapping[str, FieldInfo]) -> str | None:
     """Return the field that others call by this name."""
     names = {kind.field: set(kind.other_names) for kind in KINDS}
     for field in (each for each in fields if each != word):
-        others = names.get(field, set()) | set(OTHER_NAMES.get(field, "").split())
+        others = names.get(field, set()) | set(_words("fields").get(field, "").split())
         if word in others or word.removesuffix("s") in others:
             return field
     return None
@@ -349,12 +317,12 @@ def _form_help(error: Any, model: type[BaseModel]) -> str | None:
     meant = rewritten(value, field, around, is_entry)
     if meant is not None:
         shown = flow(meant) if is_entry else f"{field}: {flow(meant)}"
-        return f"write `{shown}`{AFTER.get(field, '')}"
+        return f"write `{shown}`{_words('after').get(field, '')}"
     if TYPES.get(error["type"]) not in ("a list", "a mapping", "a list of mappings"):
         return None
     sample = _sample_of(info[field])
     if not is_entry:
-        return f"write `{field}: {_form(field, info)}`{AFTER.get(field, '')}"
+        return f"write `{field}: {_form(field, info)}`{_words('after').get(field, '')}"
     is_cell = _is_cell(value) and "at: [x, y]" in sample
     return f"write `{(sample.replace('[x, y]', flow(value), 1) if is_cell else sample)[1:-1]}`"
 
@@ -411,12 +379,9 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
             f"unsupported version {show(value)}",
             "write `version: 1`",
         )
-    guess = ""
     if names == list(SIDES):
         names += SIDE_NAMES
-        side = DIRECTIONS.get(value.strip().lower()) if isinstance(value, str) else None
-        guess = f"; did you mean `{side}`?" if side else ""
-    guess = guess or _guess(value, names)
+    guess = _guess(value, names)
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     help_text = _each_side(value) if field == "side" else None
     if isinstance(value, list) and len(value) == 1:
@@ -428,7 +393,8 @@ def _guess(value: Any, names: Sequence[str]) -> str:
     """Return the question whether one of several values is meant."""
     if not isinstance(value, str):
         return ""
-    other = next((each for each in names if value.lower() in OTHER_CHOICES.get(each, ())), None)
+    word, others = value.strip().lower(), _words("choices")
+    other = next((each for each in names if word in others.get(each, "").split()), None)
     return f"; did you mean `{other}`?" if other else did_you_mean(value, names)
 
 
@@ -455,7 +421,11 @@ def _length(kind: str, context: dict[str, Any], field: str, value: Any) -> Compl
     least = context["min_length"]
     if least == 1 or not value:
         return "BR203", "must not be an empty list", None
-    return "BR205", f"must have at least {least} entries, not {len(value)}", SINGLES.get(field)
+    return (
+        "BR205",
+        f"must have at least {least} entries, not {len(value)}",
+        _words("singles").get(field),
+    )
 
 
 def _pattern(pattern: str, root: str, value: Any) -> Complaint:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any, Protocol, Self
 
-from babyrobot_levels.text.words import ATTRIBUTES, TellingEnum, meant
+from babyrobot_levels.text.words import TellingEnum, meant
 
 
 class _Named(IntEnum, metaclass=TellingEnum):
@@ -22,7 +22,7 @@ class _Named(IntEnum, metaclass=TellingEnum):
         words = {str(each): each for each in cls}
         if found := words.get(str(value).lower()):
             return found
-        told = meant(str(value), [each.name for each in cls], ATTRIBUTES).lower()
+        told = meant(str(value), [each.name for each in cls], "attributes").lower()
         raise ValueError(f"there is no {cls.__name__.lower()} {value!r}{told}")
 
 

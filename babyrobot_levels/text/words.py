@@ -5,9 +5,11 @@ from __future__ import annotations
 import difflib
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from enum import EnumType
-from functools import wraps
+from functools import cache, wraps
+from itertools import chain
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, ParamSpec, TypeVar
 
@@ -190,104 +192,28 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     return f" {last} ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
 
 
-KEYWORDS = {
-    "discount": "gamma discount_factor",
-    "within": "horizon max_steps max_episode_steps time_limit steps",
-    "tolerance": "theta tol eps threshold",
-    "max_sweeps": "max_iter max_iterations iterations num_iterations n_iter sweeps",
-    "step_size": "alpha lr learning_rate",
-    "epsilon": "eps exploration",
-    "episodes": "num_episodes n_episodes max_episodes trials",
-    "num_steps": "steps n_steps",
-    "num_steps -> num_steps`, or `brl.simulate(level, policy, episodes)": "episodes n_episodes "
-    "num_episodes n_eval_episodes",
-    "num_envs": "envs n_envs",
-    "seed": "random_state rng",
-    "level": "env environment mdp levels",
-    "levels": "level env environment",
-    "policy": "agent pi",
-    "agent": "policy model",
-    "count": "n num number num_levels n_levels",
-}
-"""Keywords of ours, and what textbooks and other libraries call them.
+@cache
+def words_beside(module: str) -> dict[str, Any]:
+    """Return the tables of words in the TOML file beside a module, read when they are needed.
 
-`NAME -> EXPRESSION` says what to write where there is such a name.
-"""
+    Args:
+        module: the module's `__file__`.
+    """
+    import tomllib
 
-ATTRIBUTES = {
-    # Of results.
-    "values": "v value state_values value_function",
-    "action_values": "q q_values q_table",
-    "policy": "pi best_policy optimal_policy",
-    "expected_return": "mean mean_return score total_reward",
-    "expected_steps": "steps length mean_steps episode_length",
-    "exit_probability": "success success_rate solved",
-    "greedy -> brl.preview(level, values=solution, policy=solution)": "plot show render draw "
-    "to_png to_svg",
-    "summary -> summary.mean": "mean average score share",
-    "summary -> summary.{}": "median iqm worst_tenth solved success regret",
-    "expected_return -> brl.score(level, policy)": "regret share",
-    # Of tables.
-    "probability": "p t transitions transition transition_probability transition_matrix",
-    "reward": "r rewards",
-    "terminal": "done dones",
-    "num_states": "n_states ns states s state_space",
-    "num_actions": "n_actions na actions action_space",
-    # Of environments.
-    "reset -> level.compile()": "p t r mdp transitions n_states ns nrow ncol num_states",
-    "reset -> level.draw()": "desc grid",
-    "reset -> level.{}": "discount exit goal height max_steps size start width",
-    "reset -> state`, and `level.compile().cell(state)": "agent_pos position pos s robot",
-    "reset -> action_space.n": "na n_actions num_actions",
-    # Of levels.
-    "compile -> compile()": "mdp model p t r transitions states n_states ns num_states",
-    "compile -> brl.metrics(level)": "metrics difficulty path_length shortest_path dead_ends",
-    "compile -> brl.{}(level)": "lint export evaluate simulate rollout score occupancy q_learning "
-    "sarsa value_iteration policy_iteration mutate compare diff generate sheet",
-    "draw -> draw()": "to_text text ascii to_ascii",
-    "exit": "goal target goal_pos end",
-    "from_fields -> brl.load": "load from_file from_yaml from_path open read",
-    "from_fields": "from_dict",
-    "compile -> make()": "env environment reset step action_space observation_space gym",
-    "preview -> preview()": "render plot image picture display html",
-    "replace -> replace(…)": "add add_wall add_puddle add_area set set_wall remove update edit",
-    "save -> save(path)": "to_file write write_yaml",
-    "share_code -> share_code()": "code url link share",
-    "size": "shape dimensions grid_size",
-    "start": "start_pos initial_state agent_start_pos",
-    "to_dict -> to_dict()": "to_json as_dict asdict",
-    # Of actions.
-    "NORTH": "up n",
-    "EAST": "right e",
-    "SOUTH": "down s",
-    "WEST": "left w",
-    "FORWARD": "ahead straight",
-    # Of the package.
-    "Action": "actions",
-    "Level -> Level.save(path)": "save write",
-    "LevelVectorEnv": "make_vec vector_env VecEnv",
-    "load": "level load_level read_level read open parse from_file",
-    "load_suite": "suite read_suite",
-    "make": "BabyRobotEnv BabyRobot env environment wrappers",
-    "q_learning": "learn train",
-    "solve": "optimal_policy best_policy plan optimize",
-    "evaluate": "evaluate_policy",
-    'evaluate -> evaluate(level, "random")': "random_policy",
-    "preview": "render draw plot picture image",
-    'preview -> preview(level, "x.gif")': "to_gif animate film record gif",
-    "score": "benchmark",
-    "validate": "check",
-    "levels": "list list_levels level_names names catalogue",
-    "generate": "random_level random_levels generate_random_map random_map random_maze maze",
-    "metrics": "difficulty measure",
-    "export": "convert to_frozen_lake",
-}
-"""The same for attributes of objects and of the package; `{}` is the name that there is not."""
+    return tomllib.loads(Path(module).with_suffix(".toml").read_text("utf-8"))
 
 
-def meant(name: str, known: Collection[str], others: Mapping[str, str]) -> str:
-    """Return `; did you mean …?` with the known name, or what else others call by this name."""
+def meant(name: str, known: Collection[str], *kinds: str) -> str:
+    """Return `; did you mean …?` with the known name, or what else others call by this name.
+
+    Args:
+        name: the name.
+        known: the names that there are.
+        kinds: what it may be, of `attributes` and `keywords`.
+    """
     folded = name.casefold()
+    others = dict(chain.from_iterable(words_beside(__file__)[kind].items() for kind in kinds))
     for ours, words in others.items():
         own, _, written = ours.partition(" -> ")
         if own in known and folded in words.casefold().split():
@@ -301,7 +227,7 @@ def meant(name: str, known: Collection[str], others: Mapping[str, str]) -> str:
         for word in others[ours].split()
     ]
     if alike := [each for each in nearest(name, theirs, 1, 0.8) if each.casefold() != folded]:
-        return meant(alike[0], known, others)
+        return meant(alike[0], known, *kinds)
     return f"; there are {', '.join(known)}" if 0 < len(known) <= FEW else ""
 
 
@@ -311,7 +237,7 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
     is_named = isinstance(owner, ModuleType | type)
     what = f"{kind} {owner.__name__!r}" if is_named else f"{type(owner).__name__!r} object"
     known = [each for each in dir(owner) if not each.startswith("_")]
-    guess = "" if name.startswith("_") else meant(name, known, {**ATTRIBUTES, **KEYWORDS})
+    guess = "" if name.startswith("_") else meant(name, known, "attributes", "keywords")
     # With a name, Python would add a guess of its own.
     return AttributeError(f"{what} has no attribute {name!r}{guess}", name="", obj=None)
 
@@ -342,7 +268,7 @@ def no_item(owner: Any, name: Any) -> NoReturn:
     told = ""
     if isinstance(name, str):
         names = [each for each in dir(owner) if not each.startswith("_")]
-        told = f"; did you mean `.{name}`?" if name in names else meant(name, names, ATTRIBUTES)
+        told = f"; did you mean `.{name}`?" if name in names else meant(name, names, "attributes")
     raise TypeError(f"{type(owner).__name__!r} object is not subscriptable{told}")
 
 
@@ -357,21 +283,21 @@ class TellingEnum(EnumType):
 
 def unexpected(function: str, name: str, known: Collection[str]) -> str:
     """Return the message that a function has no such keyword, with the one that is meant."""
-    guess = meant(name, known, KEYWORDS)
+    guess = meant(name, known, "keywords")
     return f"{function}() got an unexpected keyword argument {name!r}{guess}"
 
 
 def telling(function: Callable[P, T]) -> Callable[P, T]:
     """Let a function tell its own keyword where it is called by another, and the first argument."""
     known = inspect.signature(function).parameters
-    textbooks = " ".join(KEYWORDS[each] for each in KEYWORDS if each in known).split()
     takes_more = any(each.kind is each.VAR_KEYWORD for each in known.values())
 
     @wraps(function)
     def checked(*args: P.args, **given: P.kwargs) -> T:
-        for name in given:
-            is_like = name in textbooks or nearest(name, known, 1, 0.85)
-            if name not in known and (is_like or not takes_more):
+        for name in (each for each in given if each not in known):
+            keywords = words_beside(__file__)["keywords"].items()
+            textbooks = " ".join(words for ours, words in keywords if ours in known).split()
+            if not takes_more or name in textbooks or nearest(name, known, 1, 0.85):
                 raise TypeError(unexpected(function.__name__, name, known))
         try:
             return function(*args, **given)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.text.words import ATTRIBUTES, KEYWORDS
+from babyrobot_levels.text import words
 
 SCOPE: dict[str, Any] = {"brl": brl, "gymnasium": gymnasium, "np": np}
 MISTAKES = (
@@ -128,17 +128,17 @@ def public() -> Iterator[tuple[Any, set[str]]]:
 
 
 def test_names_of_others_lead_to_what_there_is_and_hide_nothing() -> None:
-    owners = [*public()]
+    owners, tables = [*public()], words.words_beside(words.__file__)
     parameters = [
         inspect.signature(each).parameters
         for each in map(vars(brl).get, brl.__all__)
         if inspect.isfunction(each)
     ]
-    for ours in ATTRIBUTES:
+    for ours in tables["attributes"]:
         assert any(ours.partition(" -> ")[0] in known for _, known in owners), ours
-    for ours in KEYWORDS:
+    for ours in tables["keywords"]:
         assert any(ours.partition(" -> ")[0] in known for known in parameters), ours
-    for ours, others in ATTRIBUTES.items():
+    for ours, others in tables["attributes"].items():
         own, _, written = ours.partition(" -> ")
         if written.startswith("brl."):
             assert {*others.split()} & {*brl.__all__} or own
