@@ -6,8 +6,6 @@ Gymnasium is loaded, else as soon as it is) and costs next to nothing: every pub
 `__init__.pyi`, is imported when it is first used.
 """
 
-from __future__ import annotations
-
 import sys
 from types import FunctionType
 from typing import Any

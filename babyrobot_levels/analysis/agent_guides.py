@@ -1,7 +1,5 @@
 """What a page shows of an agent: its policy, where it is not optimal, and what that costs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any

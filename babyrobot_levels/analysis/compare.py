@@ -5,8 +5,6 @@ that an episode reaches, leads to the same outcomes with the same probabilities.
 here entry by entry; nothing is sampled.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Mapping, Sequence

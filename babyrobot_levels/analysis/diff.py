@@ -1,7 +1,5 @@
 """The difference of two levels: sizes, ends, cells, walls, rules, transitions and returns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any

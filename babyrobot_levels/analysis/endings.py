@@ -1,7 +1,5 @@
 """Whether the optimal policy reaches an exit, and how its episodes end instead."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

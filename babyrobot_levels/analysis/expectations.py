@@ -1,7 +1,5 @@
 """Whether what a level states of itself in `expect` is true."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

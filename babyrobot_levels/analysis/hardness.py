@@ -1,7 +1,5 @@
 """What makes a level hard: what exits need, what mistakes cost, and where something is decided."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 

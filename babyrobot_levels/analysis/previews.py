@@ -1,7 +1,5 @@
 """What shows itself in a notebook: a level's facts, pictures, films and pages."""
 
-from __future__ import annotations
-
 import base64
 import math
 import os

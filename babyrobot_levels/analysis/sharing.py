@@ -1,7 +1,5 @@
 """`share`: a level as one line, a share code or the link to a page that plays it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from contextlib import suppress

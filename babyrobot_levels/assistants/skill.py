@@ -1,7 +1,5 @@
 """The page for assistants that write levels, made from the models, the metrics and the rules."""
 
-from __future__ import annotations
-
 import inspect
 import json
 import os

@@ -3,8 +3,6 @@
 They read and write no files outside a folder that is named, the package's own gallery excepted.
 """
 
-from __future__ import annotations
-
 import secrets
 from contextlib import suppress
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A process that carries out the calls of tools, and can be ended when one takes too long."""
 
-from __future__ import annotations
-
 import multiprocessing
 from contextlib import suppress
 from multiprocessing.connection import Connection

@@ -3,8 +3,6 @@
 Nothing heavy is imported here before `main` runs, so that Ctrl-C is handled from the beginning.
 """
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import os

@@ -1,7 +1,5 @@
 """Commands for assistants that write levels: `babyrobot mcp` and `skill`."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

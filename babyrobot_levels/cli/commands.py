@@ -1,7 +1,5 @@
 """The commands by what they are for. A command's module is imported when the command is run."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping

@@ -4,8 +4,6 @@ Shells wait for it at each Tab. So it imports nothing that makes commands: what 
 file made from them (`scripts/renew.py`), and levels are known by their files.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """What the commands share: exit statuses, output, styles, tables, unified diffs."""
 
-from __future__ import annotations
-
 import difflib
 import json
 import math

@@ -1,7 +1,5 @@
 """`babyrobot course`: a course to begin with, and all that is made of one."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated

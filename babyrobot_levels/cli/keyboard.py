@@ -1,7 +1,5 @@
 """The keys of a terminal, one at a time."""
 
-from __future__ import annotations
-
 import codecs
 import re
 import sys

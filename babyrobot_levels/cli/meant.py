@@ -1,7 +1,5 @@
 """What people type who know other programs, and what it is called here."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """The same work for many files, over several processes where that pays, with a progress bar."""
 
-from __future__ import annotations
-
 import atexit
 import os
 import platform

@@ -6,8 +6,6 @@
 - `maze-dataset`: mazes in ASCII, as `as_ascii` draws them. These blocks are walls between cells.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from itertools import groupby

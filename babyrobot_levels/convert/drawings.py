@@ -1,7 +1,5 @@
 """The drawings that the program itself prints: walls and cells, and below them what marks mean."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The formats of other programs, one entry each; levels from and to them, and what is lost."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence

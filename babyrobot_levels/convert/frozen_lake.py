@@ -1,7 +1,5 @@
 """Frozen Lake: the letters S, F, H and G, and the keywords of Gymnasium's FrozenLake-v1."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

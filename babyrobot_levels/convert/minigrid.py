@@ -1,7 +1,5 @@
 """Environments of MiniGrid as levels: the grid that a seed gives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Any
 

@@ -5,8 +5,6 @@ a level stands on a side: the doorway becomes a plain cell, with doors on those 
 which the robot can come. So it cannot be entered without the key, as in MiniGrid.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

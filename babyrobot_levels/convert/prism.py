@@ -1,7 +1,5 @@
 """Levels in the language of PRISM, which model checkers read: `babyrobot export --to prism`."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """A level as a model checker takes it: numbered states, actions, labels, and what is not kept."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Container, Iterator
 from dataclasses import dataclass

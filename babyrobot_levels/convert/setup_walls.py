@@ -1,7 +1,5 @@
 """Walls that a setup toggles: an entry removes the wall of an edge, or adds one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Any

@@ -5,8 +5,6 @@ are polylines of an object layer. All other fields are custom properties of the 
 level file.
 """
 
-from __future__ import annotations
-
 import cmath
 import json
 import math

@@ -1,7 +1,5 @@
 """Tiles: layers of them, as lists or packed texts, and tilesets, which give each tile its class."""
 
-from __future__ import annotations
-
 import base64
 import struct
 import zlib

@@ -1,7 +1,5 @@
 """Levels in the unified Markov binary format (arXiv 2606.17811): `babyrobot export --to umb`."""
 
-from __future__ import annotations
-
 import gzip
 import io
 import tarfile

@@ -1,7 +1,5 @@
 """The sessions of editors that run in a browser: messages and replies as texts of JSON."""
 
-from __future__ import annotations
-
 import json
 
 from babyrobot_levels.editor.protocol import answer

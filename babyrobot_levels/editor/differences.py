@@ -1,7 +1,5 @@
 """What has changed in what the editor shows, so that a reply need not repeat all of it."""
 
-from __future__ import annotations
-
 import json
 import secrets
 from itertools import takewhile

@@ -21,8 +21,6 @@ What has no value, such as `minimum` of a text, is left out. Lists of cells are 
 fields here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from typing import Any

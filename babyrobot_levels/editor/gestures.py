@@ -4,8 +4,6 @@ They come from a browser, so they are checked like any input. Cells are `[x, y]`
 is N, E, S or W, as in level files.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter

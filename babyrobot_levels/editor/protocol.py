@@ -35,8 +35,6 @@ instead, and `from`, its number. Questions change nothing:
 A reply has `id`, as it was given, and, if the message was refused, `error`, a sentence.
 """
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

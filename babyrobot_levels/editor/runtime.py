@@ -4,8 +4,6 @@ Each file is named with its size and its hash, so that nothing else is taken. A 
 holds them, and asks nobody for them.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

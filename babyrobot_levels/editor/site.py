@@ -5,8 +5,6 @@ package (`editor/browser.py`). A service worker keeps all files, so that the pag
 Other pages of the same host can show levels to be changed by `playground.js`, its module `show`.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

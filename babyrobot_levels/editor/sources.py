@@ -1,7 +1,5 @@
 """What the editor is opened with, such as files and share codes, and the copies that it makes."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from contextlib import suppress

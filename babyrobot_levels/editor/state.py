@@ -1,7 +1,5 @@
 """What the editor shows of a session, as plain data for JSON."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from math import floor

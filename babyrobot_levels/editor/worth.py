@@ -1,7 +1,5 @@
 """What a policy that is drawn by hand is worth."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@ If Gymnasium is loaded, they are registered at once; else a finder waits at the 
 path for Gymnasium's `envs` package and registers them when that has been loaded.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from importlib.machinery import ModuleSpec

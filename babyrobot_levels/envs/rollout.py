@@ -1,7 +1,5 @@
 """Rollouts: many environments follow a policy for many steps, and all transitions are recorded."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

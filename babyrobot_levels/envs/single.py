@@ -1,7 +1,5 @@
 """The Gymnasium environment of one level."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Unpack

@@ -4,8 +4,6 @@ Files are read when one of the two is asked for: there may be thousands of level
 their ids must not read them.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from dataclasses import fields

@@ -1,7 +1,5 @@
 """The Gymnasium environment of a suite: another of its levels in each episode."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from typing import Any

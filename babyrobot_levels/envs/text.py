@@ -1,7 +1,5 @@
 """Observations in words: a wrapper around the environments of levels and suites."""
 
-from __future__ import annotations
-
 import string
 from functools import lru_cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Random edits of a level: something is added, moved or removed, by the table of kinds."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -6,8 +6,6 @@ exit or to a key, nearer to the start, and its key nearer still. So each door is
 of the last one lies open.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Levels made of other levels: by random edits, and by crossing two."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping, Sequence
 from functools import cached_property

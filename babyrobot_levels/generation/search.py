@@ -1,7 +1,5 @@
 """The search for a level: candidates are drawn until one meets all conditions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

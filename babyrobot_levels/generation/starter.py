@@ -1,7 +1,5 @@
 """Templates of `babyrobot new-level`: level files that are commented, valid and easy to change."""
 
-from __future__ import annotations
-
 import os
 import random
 from collections.abc import Mapping, Sequence

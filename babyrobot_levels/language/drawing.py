@@ -5,8 +5,6 @@ is three characters wide, and its middle one says what it is. Composing and pars
 inverse. `runs`, `consecutive` and `rectangles` take neighbours together.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby

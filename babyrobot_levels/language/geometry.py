@@ -1,7 +1,5 @@
 """Cells of a level that is valid field by field: which are blocked, which are off the grid."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 from babyrobot_levels.language.cells import Rectangle

@@ -3,8 +3,6 @@
 What a schema cannot say, such as a start that lies on a blocked cell, only the loader checks.
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 import json

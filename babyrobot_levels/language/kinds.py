@@ -4,8 +4,6 @@ Lists of kinds are derived from `KINDS`, and written nowhere else: what the edit
 linter looks through, what differs between two levels, how messages and rules call a kind.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field

@@ -1,7 +1,5 @@
 """The level of a document: its fields, what its drawing adds, its theme, and its text."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Self
 

@@ -1,7 +1,5 @@
 """What a drawing gives, as fields: size, start, exit, walls, puddles, blocked, areas, things."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Pydantic's errors as messages for people who write levels."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeGuard, get_args, get_origin
 

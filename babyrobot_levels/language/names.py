@@ -1,7 +1,5 @@
 """Names of levels, suites and packs: their form, and those of files."""
 
-from __future__ import annotations
-
 import re
 
 SLUG = r"^[a-z0-9]+(-[a-z0-9]+)*$"

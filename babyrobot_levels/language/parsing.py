@@ -1,7 +1,5 @@
 """Reading the drawing of a level, and telling what is wrong with one that cannot be read."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace

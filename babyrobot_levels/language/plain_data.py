@@ -1,7 +1,5 @@
 """Data from anywhere as a file could hold it: texts, numbers, lists and mappings, within bounds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import inf, log10, prod
 from typing import Any

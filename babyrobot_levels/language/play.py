@@ -4,8 +4,6 @@ A line is a JSON object whose last field is `checksum`, the CRC-32 of all bytes 
 `,"checksum"`, as eight hexadecimal digits. So it does not matter how numbers are written.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import zlib

@@ -1,7 +1,5 @@
 """Values that were written in another form than that of their field, as the field takes them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any

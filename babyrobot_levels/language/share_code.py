@@ -8,8 +8,6 @@ UTF-8: the fields of a level file, read and checked as a file is.
 In a link, what a page needs to play the level may follow behind a `~`; it is no part of the code.
 """
 
-from __future__ import annotations
-
 import base64
 import binascii
 import json

@@ -1,7 +1,5 @@
 """What gathers levels: suites that list names, files, folders, packs and suites; `pack.yaml`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 

@@ -1,7 +1,5 @@
 """What must hold between things and the level around them; walls are looked at with the grid."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Data and documents checked against a model, with an issue for each error."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """The folders in which levels are searched: the project's, the gallery, the user's, packs."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Iterator

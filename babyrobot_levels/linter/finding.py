@@ -1,7 +1,5 @@
 """What a rule finds, where it points, and how its message names cells."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto

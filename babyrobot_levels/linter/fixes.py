@@ -1,7 +1,5 @@
 """Fixes: edits of a level file that leave comments, quotes and the order of fields unchanged."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache

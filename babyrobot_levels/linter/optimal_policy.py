@@ -1,7 +1,5 @@
 """The optimal policy of a level: whether it terminates, in time, and what makes no difference."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Findings in machine-readable formats. The command line has the format for people."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -1,7 +1,5 @@
 """What a rule is, and the decorator that registers one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Linting a text: its errors, else what the rules find; and applying fixes until none is left."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path

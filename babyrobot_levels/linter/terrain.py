@@ -6,8 +6,6 @@ therefore form layers. They are applied from bottom to top, noting where each ch
 then checked from top to bottom, where the effective ones above hide those below.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cached_property

@@ -3,8 +3,6 @@
 Also which movers the robot cannot avoid: from which starts, by whatever policy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 

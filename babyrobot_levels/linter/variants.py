@@ -4,8 +4,6 @@ Compiling takes time, so rules use variants only where simpler checks are inconc
 limited number of them.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From a level's fields to walls and exact tables: mazes, grid, compiler, digest."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

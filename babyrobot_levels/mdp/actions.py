@@ -1,7 +1,5 @@
 """The actions: numbers, moves, and objects with a policy. Separate, because it needs no NumPy."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 from typing import Any, Protocol, Self
 

@@ -6,8 +6,6 @@ function that makes them of its entries, and its line in `_MAKERS`. At the end: 
 outcomes there may be.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product

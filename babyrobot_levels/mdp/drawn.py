@@ -1,7 +1,5 @@
 """A grid in the terms of the language again: as a drawing, and its maze as walls."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import groupby
 from typing import Any

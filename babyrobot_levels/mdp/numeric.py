@@ -4,8 +4,6 @@ Reading, checking, drawing, formatting and sharing need neither NumPy nor SciPy.
 level do, and all that is computed from them.
 """
 
-from __future__ import annotations
-
 import sys
 from importlib.machinery import PathFinder
 

@@ -1,7 +1,5 @@
 """The same function for many items: in this process, in several, or on a Ray cluster."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Generator, Iterable
 from typing import Literal

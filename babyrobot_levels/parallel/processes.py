@@ -1,7 +1,5 @@
 """The executor that runs functions in processes of this machine."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

@@ -1,7 +1,5 @@
 """How a level is cited: one line for a text, and an entry for BibTeX."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A page of a class: the points of all players in all levels, and what does not count."""
 
-from __future__ import annotations
-
 import math
 
 from babyrobot_levels.render.templates import html

@@ -1,7 +1,5 @@
 """Courses: a folder to begin with, and what students and teachers get of one."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Callable, Iterator

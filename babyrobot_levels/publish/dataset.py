@@ -1,7 +1,5 @@
 """Data sets of levels: Parquet files with a row for each level, and descriptions of them."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Generator, Iterator

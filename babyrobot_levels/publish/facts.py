@@ -1,7 +1,5 @@
 """What a gallery tells of a level: the facts of its tile, its page and `gallery.json`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field

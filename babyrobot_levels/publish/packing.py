@@ -1,7 +1,5 @@
 """`pack`: a folder of levels, checked and written as one file."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

@@ -3,8 +3,6 @@
 A figure belongs to a digest: a level that is the same MDP has it too, whatever its name.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Sequence

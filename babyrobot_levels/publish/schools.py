@@ -1,7 +1,5 @@
 """What of a course goes into the systems of schools: autograders, and pages that report to them."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The wall of a gallery, with a tile for each level, and the files that all its pages share."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """Charts: curves that develop, and bars side by side, with the lines that they should reach."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """CSS colours as numbers, in the notations that levels may use, and what is readable on them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from colorsys import hls_to_rgb

@@ -1,7 +1,5 @@
 """An agent on the page of a level: its policy beside the optimum, and what the differences cost."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -19,8 +19,6 @@ each number relative to the previous point, and `s`, the points of a closed smoo
 Catmull-Rom spline), each relative to the previous one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby

@@ -1,7 +1,5 @@
 """The tables that a page's script plays: the distinct rows, and what happens in each outcome."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

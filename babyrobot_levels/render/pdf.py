@@ -7,8 +7,6 @@ viewers have for Chinese, Japanese and Korean, which contain the letters of furt
 Arial and Liberation Sans, with which pictures are shown elsewhere, have the widths of Helvetica.
 """
 
-from __future__ import annotations
-
 import json
 import pathlib
 import re

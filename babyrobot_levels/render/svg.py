@@ -1,7 +1,5 @@
 """The SVG painter: a self-contained document, the same for the same scene."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr

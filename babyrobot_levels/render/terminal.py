@@ -3,8 +3,6 @@
 This is the only module of the library that writes to standard output: `"human"` rendering does.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys

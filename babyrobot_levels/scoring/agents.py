@@ -4,8 +4,6 @@ An agent without memory answers an observation always alike, so what it does in 
 level is a table, from which its worth follows exactly. Only agents with memory have to be played.
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 import io

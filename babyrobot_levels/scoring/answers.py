@@ -4,8 +4,6 @@ The sentence says what is right, by how much the rest is not, and in which state
 are named only where the answer is exactly what the mistake gives. The solution is never told.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress

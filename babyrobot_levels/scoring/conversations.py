@@ -1,7 +1,5 @@
 """Agents that read and write: their episodes in levels, graded without the luck of the outcomes."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Datasets of Minari: episodes with exact observations and exact reference scores."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

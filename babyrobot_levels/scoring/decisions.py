@@ -1,7 +1,5 @@
 """Decisions of plays: what they cost against the best ones, and what chance added, exactly."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import NamedTuple

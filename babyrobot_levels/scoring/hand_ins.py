@@ -4,8 +4,6 @@ Everything is read within bounds, those of each player for themselves, and no fi
 is wrong with a file is told, and the others are read all the same.
 """
 
-from __future__ import annotations
-
 import errno
 import io
 import os

@@ -11,8 +11,6 @@ see Learned-Miller and Thomas, A new confidence interval for the mean of a bound
 Pearson (1934), of quantiles that of order statistics (Thompson, 1936).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """How new levels are: whether they are known, and how far their metrics are from known ones."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Plays: episodes as lines of a file, read, appended, and recorded from an environment."""
 
-from __future__ import annotations
-
 import os
 from functools import lru_cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Agents as tables of what they do in each state of a level."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Scoring: the expected return of an agent in each level, beside the optimum and chance."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Sequence

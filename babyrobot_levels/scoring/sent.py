@@ -1,7 +1,5 @@
 """Levels as workers get them: the number of one in a suite, its share code, or its file."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator

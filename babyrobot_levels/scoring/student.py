@@ -4,8 +4,6 @@ Answers come as a head, which tells a fault or an array's type and shape, and th
 Whatever else comes is a fault of the student's, and so is what takes too much time or memory.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import math

@@ -4,8 +4,6 @@ Their code runs in a process of its own, with limits of time and memory. Only ar
 which are graded here. No code is kept from files and networks: that is what containers are for.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

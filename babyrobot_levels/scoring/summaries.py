@@ -1,7 +1,5 @@
 """Scores of all levels, and of several runs, in a few numbers, with intervals that hold."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """A level as a world of text, for agents that read and write: each move is graded exactly."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any

@@ -4,8 +4,6 @@ Whatever may take long notes its steps before it takes them. Without a budget, a
 may be any number of them; a command, a tool and the editor have one for each level that is read.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

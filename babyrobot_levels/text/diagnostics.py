@@ -4,8 +4,6 @@ An `Issue` points into a document by keys, by characters of its drawing, or by a
 A `Diagnostic` is an issue placed in its file, by line and column. Both are frozen values.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 from enum import StrEnum

@@ -5,8 +5,6 @@ depth nor aliases can hurt, and it keeps a tree of nodes beside the data, so tha
 message can point at a line and a column.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path

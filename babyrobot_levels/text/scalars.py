@@ -1,7 +1,5 @@
 """What a scalar without quotes means: YAML 1.2's core schema."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Texts and places in them: what every message about a level file points at."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from bisect import bisect_right

@@ -5,8 +5,6 @@ depth; every other value that changes is written anew in its place. Comments alw
 behind an entry that goes, or that needs other lines, stand on lines of their own then.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher

@@ -1,7 +1,5 @@
 """Words for messages: what the YAML parser means, the nearest known name, shortened values."""
 
-from __future__ import annotations
-
 import difflib
 import inspect
 import re

@@ -1,7 +1,5 @@
 """The results that the algorithms yield, and the problem that they all learn."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, TypeVar

@@ -1,7 +1,5 @@
 """The expected positive advantage of a policy: how much better some of its actions are than it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 `render/static/regret.js` computes the same numbers for pages.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Loading the compiled sweeps, where Numba is installed."""
 
-from __future__ import annotations
-
 from functools import cache
 from types import ModuleType
 

@@ -1,7 +1,5 @@
 """How likely each return of a policy is: its exact distribution where that is small enough."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache

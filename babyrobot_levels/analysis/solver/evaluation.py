@@ -1,7 +1,5 @@
 """The values of a given policy: exactly, from simulated episodes, and within a number of steps."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ the float stands for. The optimal policy of the float solver is evaluated over t
 improved until no action is better.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction

@@ -6,8 +6,6 @@ with k + 1 steps left follow from those with k. The states of several levels wit
 stand in one sparse matrix, so that a step is one product for all of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby, islice

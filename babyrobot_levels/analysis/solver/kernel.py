@@ -7,8 +7,6 @@ to the end against what pushes it back, a state is settled after some ten rounds
 end is, so that the work grows with the number of transitions.
 """
 
-from __future__ import annotations
-
 import numba
 import numpy as np
 from numpy.typing import NDArray

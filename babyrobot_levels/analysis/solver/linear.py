@@ -1,7 +1,5 @@
 """Linear systems of Markov chains: expected sums until the end, and averages in the long run."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

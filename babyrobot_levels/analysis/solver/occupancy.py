@@ -1,7 +1,5 @@
 """How often a policy visits each state, exactly: until the end, or with a discount."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Solving large levels with compiled sweeps, where Numba is installed."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from babyrobot_levels.analysis.solver.compiled import kernel_for

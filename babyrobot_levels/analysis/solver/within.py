@@ -5,8 +5,6 @@ reward than to begin a way to a large one. Backward induction gives all of it ex
 with k + 1 steps left follow from those with k. Nothing is infinite.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

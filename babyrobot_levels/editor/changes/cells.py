@@ -1,7 +1,5 @@
 """What is put into cells: puddles, blocked cells, areas, starts, exits, things, and nothing."""
 
-from __future__ import annotations
-
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Gestures carried out on the fields of a level, and whether one made the maze grow anew."""
 
-from __future__ import annotations
-
 from babyrobot_levels.editor.changes import cells, fields, frame, walls
 from babyrobot_levels.editor.changes.draft import Draft
 from babyrobot_levels.editor.gestures import (

@@ -1,7 +1,5 @@
 """A level that a gesture is changing: its fields, its drawing, its names, and what is erased."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import count
 from typing import Any

@@ -1,7 +1,5 @@
 """Fields and entries, and what a drawing shows: set, removed, moved and fixed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any

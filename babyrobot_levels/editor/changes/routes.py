@@ -1,7 +1,5 @@
 """Values at routes of plain data: read, put, removed."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from typing import Any
 

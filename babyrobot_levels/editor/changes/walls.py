@@ -1,7 +1,5 @@
 """Walls, glass and doors along runs of sides, and openings in mazes."""
 
-from __future__ import annotations
-
 from babyrobot_levels.editor.changes.draft import Draft, RefusedError, names_of
 from babyrobot_levels.editor.changes.shapes import Entry, Run, cut_sides
 from babyrobot_levels.editor.gestures import Walls

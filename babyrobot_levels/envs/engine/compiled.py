@@ -1,7 +1,5 @@
 """The engine `"compiled"` of the extra `fast`: one compiled loop for each call."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Uniform random draws, made in blocks, because generators are fastest when they fill an array."""
 
-from __future__ import annotations
-
 from typing import Any, Protocol
 
 import numpy as np

@@ -3,8 +3,6 @@
 All of them are in this file, because Numba's cache is only valid as long as the file is unchanged.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from typing import Any, TypeVar, cast

@@ -1,7 +1,5 @@
 """The engine `"numpy"`, which looks up whole arrays at once, and the choice of an engine."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ Single and vector environments, both stepping engines, JAX and the adapter for S
 take their observations from here. Levels that share a space share the one of their `Extent`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

@@ -3,8 +3,6 @@
 What cells show, by the names that planes and views share, is at the end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, lru_cache, partial
 from math import prod

@@ -8,8 +8,6 @@ alone, so that it is the same on every platform, and the line back crosses the s
 cells that are not blocked, either each sees the other or none does.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

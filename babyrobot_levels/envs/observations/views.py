@@ -1,7 +1,5 @@
 """Views: what the robot sees around it, as planes of zeros and ones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from math import prod

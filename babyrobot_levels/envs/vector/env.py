@@ -1,7 +1,5 @@
 """The Gymnasium vector environment of one level, or of several."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, Unpack

@@ -4,8 +4,6 @@ Levels of a suite, and mazes that grow at each reset, are made when an episode s
 put into a slot of the tables.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod

@@ -4,8 +4,6 @@ Two beliefs that differ by rounding alone are one: which they are, numbers round
 10^12 tell. The largest difference is kept, since values are right up to a multiple of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

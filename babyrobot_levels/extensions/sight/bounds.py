@@ -9,8 +9,6 @@ episode that can end, so that this bound is finite where a discount, or a way to
 everywhere, makes it so.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

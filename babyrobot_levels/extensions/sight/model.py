@@ -5,8 +5,6 @@ and the signal of the step that led there. So what is observed is a function of 
 and all states of a belief look the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

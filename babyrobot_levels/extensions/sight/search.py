@@ -12,8 +12,6 @@ state, whose episodes end, which lifts lower bounds. Everything depends on numbe
 the same level has the same bounds everywhere, unless a limit of time was asked for.
 """
 
-from __future__ import annotations
-
 import heapq
 import time
 from collections.abc import Iterator

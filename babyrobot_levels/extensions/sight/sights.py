@@ -4,8 +4,6 @@ What an agent is shown in a state is a key, which can be hashed: two states with
 same. What it is told of a step, such as its reward, is a signal.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Sequence
 from hashlib import blake2b

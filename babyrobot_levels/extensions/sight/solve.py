@@ -1,7 +1,5 @@
 """The optimum of one who does not see everything, in a level, or in one of several."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Sequence

@@ -15,8 +15,6 @@ for them there (storm #701), rewards belong to actions, because Storm drops thos
 (storm #689), and costs are rewards with the other sign, for solvers that take no negative ones.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

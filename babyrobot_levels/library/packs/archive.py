@@ -5,8 +5,6 @@ then the files sorted by path; stored without compression; dated 1980-01-01; reg
 0644. The reader accepts nothing else, so it never has to guess how other programs would unpack it.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

@@ -1,7 +1,5 @@
 """Packs from folders: their contents, checked, and the archive that is made of them."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

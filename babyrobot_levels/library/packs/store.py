@@ -1,7 +1,5 @@
 """Installing and removing packs, atomically and one process at a time."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """All rules and error codes: selection, lookup, and their pages."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 import re

@@ -1,7 +1,5 @@
 """Rules about doors and about what doors and exits need."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 from babyrobot_levels.linter.context import LintContext

@@ -1,7 +1,5 @@
 """Rules about what moves the robot besides its actions: warps and wind."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from babyrobot_levels.linter.context import LintContext

@@ -1,7 +1,5 @@
 """Rules about the length of episodes: limits of steps, trivial starts, and no end at all."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from babyrobot_levels.linter.context import LintContext

@@ -1,7 +1,5 @@
 """The rule about what a level states of itself."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from babyrobot_levels.linter.context import LintContext

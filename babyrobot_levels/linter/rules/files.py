@@ -1,7 +1,5 @@
 """Rules about level files: names, descriptions, copies, and comments that suppress nothing."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from babyrobot_levels.language.names import slug

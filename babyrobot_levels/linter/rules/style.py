@@ -1,7 +1,5 @@
 """Rules about the notation of a level file and the contrast of its colours."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Rules about what lies on cells: areas, puddles, skidding, blocked cells, and legends."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from babyrobot_levels.linter.context import LintContext

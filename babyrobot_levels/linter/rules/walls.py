@@ -1,7 +1,5 @@
 """Rules about walls and openings, drawn, listed, or made by a maze."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from babyrobot_levels.language.cells import GLASS_PASS, Opening, Wall, sides_of

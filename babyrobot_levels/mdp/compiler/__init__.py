@@ -5,8 +5,6 @@
 occur, `movers` says where movers go, and `things` puts it all together.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The movers of a level as one: their joint states, and where these lead."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 from itertools import product

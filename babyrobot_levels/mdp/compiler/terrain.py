@@ -1,7 +1,5 @@
 """What each cell does to a robot, and where moves and warps end: arrays over the cells."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

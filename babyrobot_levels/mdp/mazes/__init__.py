@@ -1,7 +1,5 @@
 """Mazes grown from a seed. `carve` chooses the algorithm; the algorithms are in one file."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Sequence
 

@@ -1,7 +1,5 @@
 """The algorithms that carve mazes. Depth-first gives PyPI `babyrobot`'s mazes, wall for wall."""
 
-from __future__ import annotations
-
 import random
 from array import array
 from heapq import heappop, heappush

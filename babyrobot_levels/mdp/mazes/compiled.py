@@ -1,7 +1,5 @@
 """Depth-first mazes as machine code, where Numba is installed and gains more than it costs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from types import ModuleType

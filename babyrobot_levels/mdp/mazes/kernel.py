@@ -3,8 +3,6 @@
 The Mersenne Twister is here a second time, as Python seeds it and draws from it.
 """
 
-from __future__ import annotations
-
 import numba
 import numpy as np
 from numpy.typing import NDArray

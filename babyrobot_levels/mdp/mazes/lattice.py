@@ -1,7 +1,5 @@
 """What the algorithms share: a padded board, draws from a generator, and braiding."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator
 from itertools import chain

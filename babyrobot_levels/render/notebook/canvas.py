@@ -1,7 +1,5 @@
 """The ipycanvas painter: a picture in layers on a widget, each change sent in one message."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence

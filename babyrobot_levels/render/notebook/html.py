@@ -4,8 +4,6 @@ HTML has no colours of its own, so that it suits light and dark notebooks, and n
 are escaped, because levels may be by strangers.
 """
 
-from __future__ import annotations
-
 import base64
 import math
 import os

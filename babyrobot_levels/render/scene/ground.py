@@ -1,7 +1,5 @@
 """The ground of the cells: base, areas, blocked cells, grid lines, starts, exits, puddles."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from operator import gt, or_

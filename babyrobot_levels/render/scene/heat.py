@@ -6,8 +6,6 @@ diverging one, orange and blue, are told apart by people who are colour-blind. T
 greys.
 """
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -4,8 +4,6 @@ The dark outline holds on light grounds, the rim on dark ones, so that an icon s
 theme, and on areas of any colour.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass

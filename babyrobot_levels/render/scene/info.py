@@ -1,7 +1,5 @@
 """Reading the mapping of `show_info` into an `Overlay`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

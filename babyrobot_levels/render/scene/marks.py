@@ -1,7 +1,5 @@
 """The marks of what cells do: holes, glints, warps and wind; and of what differs between levels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace

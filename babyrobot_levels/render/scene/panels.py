@@ -1,7 +1,5 @@
 """The panels: lines of text, the compass, and the rules of a level with their samples."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ right, y downwards. Colours are CSS strings, as levels write them; `opacity` com
 colour's own alpha.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Texts on the grid: start, exit, labels of areas, notes, coordinates, and numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass

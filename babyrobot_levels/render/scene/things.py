@@ -1,7 +1,5 @@
 """Things as they are drawn: pieces that change as one, each with the value that it shows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Walls: those of the maze and of the level, glass walls, and the border of the grid."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """A level in words: its picture, for people who do not see it, and what there is to do."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 

@@ -1,7 +1,5 @@
 """Phrases that several texts about levels share: rewards, chances, numbers, colours."""
 
-from __future__ import annotations
-
 import colorsys
 from collections.abc import Iterable, Sequence
 
