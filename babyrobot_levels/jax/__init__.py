@@ -19,27 +19,24 @@ except ImportError as fault:
         f"babyrobot_levels.jax needs JAX and gymnax 1.0 or later: {how_to_install('jax')}"
     ) from fault
 
-from babyrobot_levels.jax.design import Designs as Designs
-from babyrobot_levels.jax.design import Layout as Layout
-from babyrobot_levels.jax.design import designs as designs
-from babyrobot_levels.jax.env import EnvState as EnvState
-from babyrobot_levels.jax.env import LevelEnvironment as LevelEnvironment
-from babyrobot_levels.jax.env import UnderspecifiedEnv as UnderspecifiedEnv
-from babyrobot_levels.jax.env import make as make
-from babyrobot_levels.jax.estimators import learnability as learnability
-from babyrobot_levels.jax.estimators import max_monte_carlo as max_monte_carlo
+from babyrobot_levels.jax.design import Designs, Layout, designs
+from babyrobot_levels.jax.env import EnvState, LevelEnvironment, UnderspecifiedEnv, make
 from babyrobot_levels.jax.estimators import (
-    maximised_negative_advantage as maximised_negative_advantage,
+    learnability,
+    max_monte_carlo,
+    maximised_negative_advantage,
+    positive_value_loss,
 )
-from babyrobot_levels.jax.estimators import positive_value_loss as positive_value_loss
-from babyrobot_levels.jax.params import EnvParams as EnvParams
-from babyrobot_levels.jax.solver import Optimum as Optimum
-from babyrobot_levels.jax.solver import Worth as Worth
-from babyrobot_levels.jax.solver import evaluate as evaluate
-from babyrobot_levels.jax.solver import optimum as optimum
-from babyrobot_levels.jax.solver import positive_advantage as positive_advantage
-from babyrobot_levels.jax.solver import random_policy as random_policy
-from babyrobot_levels.jax.solver import regret as regret
+from babyrobot_levels.jax.params import EnvParams
+from babyrobot_levels.jax.solver import (
+    Optimum,
+    Worth,
+    evaluate,
+    optimum,
+    positive_advantage,
+    random_policy,
+    regret,
+)
 
 __all__ = [
     "Designs",

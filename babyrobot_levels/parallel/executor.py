@@ -11,23 +11,16 @@ from time import perf_counter
 from typing import Any, Generic, Protocol, TypeVar
 
 from babyrobot_levels.text.budget import limited
-from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.errors import BabyRobotError, HelpfulError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-class ExecutorError(BabyRobotError):
+class ExecutorError(HelpfulError):
     """Work cannot be done where it should be. `help` says what to do."""
 
     __module__ = "babyrobot_levels"
-
-    def __init__(self, message: str, help_text: str):
-        self.help = help_text
-        super().__init__(message, help_text)
-
-    def __str__(self) -> str:
-        return str(self.args[0])
 
 
 class WorkerDiedError(BabyRobotError):

@@ -29,18 +29,9 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.svg import number
 
-EXTRA = {
-    "\N{MINUS SIGN}": "minus",
-    "ˇ": "caron",
-    "˘": "breve",
-    "˙": "dotaccent",
-    "˚": "ring",
-    "˝": "hungarumlaut",
-    "˛": "ogonek",
-    "ı": "dotlessi",
-    "Ł": "Lslash",
-    "ł": "lslash",
-}
+_TABLES = json.loads(pathlib.Path(__file__).with_name("helvetica.json").read_text("utf-8"))
+
+EXTRA: dict[str, str] = _TABLES["glyphs"]
 """Characters that the font has beyond the encoding WinAnsi, with the names of their glyphs.
 
 They take the codes from 1 on.
@@ -52,13 +43,7 @@ CODES = {bytes([code]).decode("cp1252", "ignore"): code for code in range(32, 25
 CODES.pop("")
 CODES |= {character: code for code, character in enumerate(EXTRA, 1)}
 
-ACCENTS = dict(
-    zip(
-        "\u0300\u0301\u0302\u0303\u0304\u0306\u0307\u0308\u030a\u030b\u030c\u0327\u0328",
-        "`´ˆ˜¯˘˙¨˚˝ˇ¸˛",
-        strict=True,
-    )
-)
+ACCENTS: dict[str, str] = _TABLES["accents"]
 """Combining characters, and those of the font that look like them."""
 
 _USUAL = 556
@@ -69,7 +54,6 @@ def _widths(table: Mapping[str, str]) -> dict[str, int]:
     return {character: int(width) for width, those in table.items() for character in those}
 
 
-_TABLES = json.loads(pathlib.Path(__file__).with_name("helvetica.json").read_text("utf-8"))
 _WIDTHS = {False: _widths(_TABLES["regular"]), True: _widths(_TABLES["bold"])}
 """The widths of characters in thousandths of the font size, regular and bold."""
 

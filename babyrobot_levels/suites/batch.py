@@ -23,7 +23,7 @@ from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.library.level import Level, loads
 from babyrobot_levels.parallel.executor import Executor, Failure
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.errors import HelpfulError
 from babyrobot_levels.text.files import SUFFIXES, write_text
 from babyrobot_levels.text.words import Telling
 
@@ -220,14 +220,10 @@ HEAD = 200
 """The number of characters at the beginning of a file that hold its origin."""
 
 
-class FolderError(BabyRobotError):
+class FolderError(HelpfulError):
     """A folder holds files that must not be overwritten. `help` says what to do."""
 
     __module__ = "babyrobot_levels"
-
-    def __init__(self, message: str, help_text: str):
-        self.help = help_text
-        super().__init__(message)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, NoReturn
 
-from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.errors import HelpfulError
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,15 +47,8 @@ UNLIMITED = Limits(math.inf, math.inf)
 """Where more is asked for."""
 
 
-class OverBudgetError(BabyRobotError):
+class OverBudgetError(HelpfulError):
     """More work than may be done for a level. `help` says what to do."""
-
-    def __init__(self, message: str, help_text: str):
-        self.help = help_text
-        super().__init__(message, help_text)
-
-    def __str__(self) -> str:
-        return str(self.args[0])
 
 
 class _Budget:

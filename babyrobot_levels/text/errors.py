@@ -27,6 +27,17 @@ class BabyRobotError(Exception):
         return [*traceback.format_list(callers[-1:]), f"{type(self).__name__}: {self}"]
 
 
+class HelpfulError(BabyRobotError):
+    """An error whose `help` says what to do, if that is known."""
+
+    def __init__(self, message: str, help_text: str | None = None):
+        self.help = help_text
+        super().__init__(message, help_text)
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
 class LevelError(BabyRobotError, ValueError):
     """A level that cannot be used. Carries the `diagnostics` and prints them.
 

@@ -21,12 +21,12 @@ from pydantic import Field, StrictInt, StrictStr, StringConstraints, ValidationE
 from babyrobot_levels.language.base import Model, Slug
 from babyrobot_levels.language.names import SLUG
 from babyrobot_levels.language.suite_list import Version
-from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.errors import BabyRobotError, HelpfulError
 from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, RESERVED, SUFFIXES, read_bytes
 from babyrobot_levels.text.source import MAX_BYTES
 
 
-class PackError(BabyRobotError):
+class PackError(HelpfulError):
     """A pack that is damaged, too large, or different from its manifest.
 
     `help` says what to do, if it is known.
@@ -34,22 +34,11 @@ class PackError(BabyRobotError):
 
     __module__ = "babyrobot_levels"
 
-    def __init__(self, message: str, help_text: str | None = None):
-        self.help = help_text
-        super().__init__(message)
 
-
-class PackConflictError(BabyRobotError):
+class PackConflictError(HelpfulError):
     """Something exists that must not be replaced. `help` says what to do."""
 
     __module__ = "babyrobot_levels"
-
-    def __init__(self, message: str, help_text: str):
-        self.help = help_text
-        super().__init__(message, help_text)
-
-    def __str__(self) -> str:
-        return str(self.args[0])
 
 
 class PackNotFoundError(BabyRobotError, LookupError):
