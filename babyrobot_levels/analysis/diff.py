@@ -35,7 +35,7 @@ _RULES = ("skid", "wind", "rewards", "hit", "heading")
 
 
 @dataclass(frozen=True, repr=False)
-class Difference(Shown):
+class Difference(Shown, public=True):
     """What changed from one level to another.
 
     Attributes:
@@ -58,8 +58,6 @@ class Difference(Shown):
     levels has, or with other numbers of places, are as at the beginning, and what becomes of them
     is not compared.
     """
-
-    __module__ = "babyrobot_levels"
 
     same_game: bool
     digests: tuple[str, str]

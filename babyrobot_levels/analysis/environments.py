@@ -41,14 +41,12 @@ def make(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
     return gymnasium.make("babyrobot/Level-v0", level=world_of(level), **kwargs)
 
 
-class ComparisonError(BabyRobotError, ValueError):
+class ComparisonError(BabyRobotError, ValueError, public=True):
     """What was given cannot be compared with a level."""
-
-    __module__ = "babyrobot_levels"
 
 
 @dataclass(frozen=True)
-class Certificate(Telling):
+class Certificate(Telling, public=True):
     """The result of comparing a level with another MDP.
 
     Attributes:
@@ -64,8 +62,6 @@ class Certificate(Telling):
         difference: the first difference as text; None if there is none.
         digest: the level's digest.
     """
-
-    __module__ = "babyrobot_levels"
 
     equal: bool
     actions: tuple[int, ...] | None

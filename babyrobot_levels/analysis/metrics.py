@@ -64,7 +64,7 @@ def metrics(level: Any) -> Metrics:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Metrics(Shown):
+class Metrics(Shown, public=True):
     """The metrics of a level. Each is computed when it is first read.
 
     - Shape: `cells`, `dead_ends`, `corridors`, `junctions`, `loops`. A wall of glass is a wall.
@@ -83,8 +83,6 @@ class Metrics(Shown):
     Attributes:
         level: the level.
     """
-
-    __module__ = "babyrobot_levels"
 
     level: GridWorld
 

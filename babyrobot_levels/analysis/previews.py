@@ -23,7 +23,7 @@ _HEIGHT = 720
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Preview(Shown):
+class Preview(Shown, public=True):
     """A picture, a film or a page of a level; a notebook shows it.
 
     Attributes:
@@ -32,8 +32,6 @@ class Preview(Shown):
         data: the contents of the file: a text for SVG and HTML.
         path: the file that it was written to, None for none.
     """
-
-    __module__ = "babyrobot_levels"
 
     level: GridWorld
     format: str
@@ -116,10 +114,8 @@ def play(
     return preview(level, path, format="html", maze_seed=maze_seed, **shown)
 
 
-class Facts(Shown, dict[str, Any]):
+class Facts(Shown, dict[str, Any], public=True):
     """The facts about a level by name, as plain data; it shows itself as a table."""
-
-    __module__ = "babyrobot_levels"
 
     left_out = ""
     """Why there are neither digest nor metrics, if the tables are too large."""

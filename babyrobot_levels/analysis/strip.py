@@ -68,15 +68,13 @@ def strip(
 
 
 @dataclass(frozen=True, repr=False)
-class Strip(Shown):
+class Strip(Shown, public=True):
     """Pictures side by side.
 
     Attributes:
         pictures: each with its label, which may be empty.
         columns: the number of columns; None for as many as there is room for.
     """
-
-    __module__ = "babyrobot_levels"
 
     pictures: tuple[tuple[Picture, str], ...]
     columns: int | None = None

@@ -19,6 +19,7 @@ from babyrobot_levels.cli.console import (
     bold,
     each_change,
     fail,
+    flag,
     hanging,
     note,
     unified,
@@ -104,10 +105,8 @@ class Outcome(NamedTuple):
 
 def format_levels(
     paths: PathsArgument = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Only list the files that would change.")
-    ] = False,
-    diff: Annotated[bool, typer.Option("--diff", help="Only show what would change.")] = False,
+    check: Annotated[bool, flag("--check", "Only list the files that would change.")] = False,
+    diff: Annotated[bool, flag("--diff", "Only show what would change.")] = False,
     jobs: JobsOption = None,
     ray: RayOption = False,
     ray_address: RayAddressOption = None,
@@ -210,15 +209,13 @@ def _summary(changed: int, unchanged: int, faulty: int, *, would: bool) -> str:
 
 def lint(
     paths: PathsArgument = None,
-    fix: Annotated[bool, typer.Option("--fix", help="Apply the safe fixes.")] = False,
+    fix: Annotated[bool, flag("--fix", "Apply the safe fixes.")] = False,
     unsafe_fixes: Annotated[
         bool,
-        typer.Option(
-            "--unsafe-fixes", help="Include fixes that may change the MDP (with --fix or --diff)."
-        ),
+        flag("--unsafe-fixes", "Include fixes that may change the MDP (with --fix or --diff)."),
     ] = False,
     diff: Annotated[
-        bool, typer.Option("--diff", help="Show what --fix would change, without changing files.")
+        bool, flag("--diff", "Show what --fix would change, without changing files.")
     ] = False,
     select: Annotated[
         list[str] | None,
@@ -230,9 +227,7 @@ def lint(
     ] = None,
     ignore: Annotated[list[str] | None, value_option("RULE", "Rules to leave out.")] = None,
     report_format: FindingsOption = FindingsFormat.TEXT,
-    watch: Annotated[
-        bool, typer.Option("--watch", help="Repeat whenever a file is saved.")
-    ] = False,
+    watch: Annotated[bool, flag("--watch", "Repeat whenever a file is saved.")] = False,
     jobs: JobsOption = None,
     ray: RayOption = False,
     ray_address: RayAddressOption = None,

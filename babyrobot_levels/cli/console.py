@@ -32,6 +32,11 @@ def value_option(metavar: str | None, help_text: str, *names: str, **more: Any) 
     return typer.Option(*names, metavar=metavar, help=help_text, show_default=False, **more)
 
 
+def flag(name: str, help_text: str) -> Any:
+    """Return an option without a value."""
+    return typer.Option(name, help=help_text)
+
+
 class ReportFormat(StrEnum):
     """Output format of a command that reports."""
 
@@ -72,7 +77,7 @@ OutputOption = Annotated[
         callback=_file,
     ),
 ]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
+ForceOption = Annotated[bool, flag("--force", "Overwrite existing files.")]
 """The options of the commands that write a file."""
 
 

@@ -15,6 +15,7 @@ from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
     fail,
+    flag,
     note,
     put,
     quoted,
@@ -64,7 +65,7 @@ def new_level(
     ] = 0.0,
     puddles: Annotated[int, typer.Option(metavar="N", help="Number of puddles.")] = 0,
     key: Annotated[
-        bool, typer.Option("--key", help="Add a locked door on the way to the exit, and its key.")
+        bool, flag("--key", "Add a locked door on the way to the exit, and its key.")
     ] = False,
     coins: Annotated[
         int, typer.Option(min=0, max=10, metavar="N", help="Number of coins to take.")
@@ -207,7 +208,7 @@ def edit(
         value_option("N", "Port of the server.  [default: a free one]", min=1024, max=65535),
     ] = None,
     no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Only print the address; open no browser.")
+        bool, flag("--no-browser", "Only print the address; open no browser.")
     ] = False,
     site: Annotated[
         Path | None,

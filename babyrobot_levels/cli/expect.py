@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from babyrobot_levels.cli.check import show_changes
-from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, fail, note, value_option, write
+from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, fail, flag, note, value_option, write
 from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, map_all
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, level_paths, shown_name
 from babyrobot_levels.text.diagnostics import one_line
@@ -30,7 +30,7 @@ def expect(
         value_option("METRIC", "State this metric too, or `lint`; can be repeated."),
     ] = None,
     diff: Annotated[
-        bool, typer.Option("--diff", help="Show what would change, without changing files.")
+        bool, flag("--diff", "Show what would change, without changing files.")
     ] = False,
     jobs: JobsOption = None,
     ray: RayOption = False,

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import typer
 
 from babyrobot_levels.cli.app import INTERRUPTED
-from babyrobot_levels.cli.console import FINDINGS, fail, note, value_option, write
+from babyrobot_levels.cli.console import FINDINGS, fail, flag, note, value_option, write
 from babyrobot_levels.cli.inputs import load_level
 from babyrobot_levels.cli.parallel import (
     JobsOption,
@@ -180,13 +180,11 @@ def generate(
     ] = None,
     resume: Annotated[
         bool,
-        typer.Option(
-            "--resume", help="Keep existing levels of the same call, and generate the missing ones."
-        ),
+        flag("--resume", "Keep existing levels of the same call, and generate the missing ones."),
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+    force: Annotated[bool, flag("--force", "Overwrite existing files.")] = False,
     keep_going: Annotated[
-        bool, typer.Option("--keep-going", help="Leave out levels that cannot be made.")
+        bool, flag("--keep-going", "Leave out levels that cannot be made.")
     ] = False,
     jobs: JobsOption = None,
     ray: RayOption = False,

@@ -19,6 +19,7 @@ from babyrobot_levels.cli.console import (
     STANDARD_OUTPUT,
     TableFormat,
     fail,
+    flag,
     note,
     value_option,
     write,
@@ -44,16 +45,12 @@ RowsOption = Annotated[
 ]
 ResumeOption = Annotated[
     bool,
-    typer.Option(
-        "--resume", help="Keep the rows of the same call in the file, and append the others."
-    ),
+    flag("--resume", "Keep the rows of the same call in the file, and append the others."),
 ]
-OverwriteOption = Annotated[bool, typer.Option("--force", help="Overwrite the file.")]
+OverwriteOption = Annotated[bool, flag("--force", "Overwrite the file.")]
 KeepGoingOption = Annotated[
     bool,
-    typer.Option(
-        "--keep-going", help="Go on after a level with an error, which then stands in its row."
-    ),
+    flag("--keep-going", "Go on after a level with an error, which then stands in its row."),
 ]
 
 

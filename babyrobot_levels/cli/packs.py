@@ -16,6 +16,7 @@ from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
     fail,
+    flag,
     note,
     quoted,
     save,
@@ -178,10 +179,7 @@ def install(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Pack to install, a .brlpack file.")],
     force: Annotated[
         bool,
-        typer.Option(
-            "--force",
-            help="Replace also a later version, or another pack of the same version.",
-        ),
+        flag("--force", "Replace also a later version, or another pack of the same version."),
     ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:

@@ -10,10 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-import typer
-
 from babyrobot_levels.cli.app import end_if_interrupted
-from babyrobot_levels.cli.console import value_option
+from babyrobot_levels.cli.console import flag, value_option
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.parallel.executor import (
@@ -43,9 +41,9 @@ JobsOption = Annotated[
 ]
 RayOption = Annotated[
     bool,
-    typer.Option(
+    flag(
         "--ray",
-        help="Work on a Ray cluster: that of RAY_ADDRESS or of this machine, else a new local one.",
+        "Work on a Ray cluster: that of RAY_ADDRESS or of this machine, else a new local one.",
     ),
 ]
 RayAddressOption = Annotated[

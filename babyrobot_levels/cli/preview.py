@@ -24,6 +24,7 @@ from babyrobot_levels.cli.agents import PLAYS, blamed, named_agent, table_of
 from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
+    flag,
     note,
     put,
     value_option,
@@ -117,16 +118,12 @@ def preview(
     output: OutputOption = None,
     theme: Annotated[str | None, value_option("THEME", "Use this theme.")] = None,
     coordinates: Annotated[
-        bool, typer.Option("--coordinates", help="Show the coordinates of each cell.")
+        bool, flag("--coordinates", "Show the coordinates of each cell.")
     ] = False,
-    values: Annotated[
-        bool, typer.Option("--values", help="Show the optimal value of each cell.")
-    ] = False,
+    values: Annotated[bool, flag("--values", "Show the optimal value of each cell.")] = False,
     visits: Annotated[
         bool,
-        typer.Option(
-            "--visits", help="Show how often an optimal policy visits each cell, on average."
-        ),
+        flag("--visits", "Show how often an optimal policy visits each cell, on average."),
     ] = False,
     policy: Annotated[
         PolicyName | None,
@@ -154,17 +151,16 @@ def preview(
     ] = MoveSet.ALL,
     trust: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--trust",
-            help="Load a model, although its file can run any code: only of authors whom you "
-            "trust.",
+            "Load a model, although its file can run any code: only of authors whom you trust.",
         ),
     ] = False,
     rules: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--rules",
-            help="Show the rules of the level in words, all of them; pages and drawings in the "
+            "Show the rules of the level in words, all of them; pages and drawings in the "
             "terminal have them in any case, the first 20.",
         ),
     ] = False,
@@ -187,17 +183,15 @@ def preview(
     ] = None,
     no_answers: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--no-answers",
-            help="Leave the solution out of an HTML page: no values, optimal actions and hints, "
+            "Leave the solution out of an HTML page: no values, optimal actions and hints, "
             "and no algorithms that learn it.",
         ),
     ] = False,
     learn: Annotated[
         bool,
-        typer.Option(
-            "--learn", help="Let algorithms learn the level on an HTML page without answers, too."
-        ),
+        flag("--learn", "Let algorithms learn the level on an HTML page without answers, too."),
     ] = False,
     scale: Annotated[
         float | None, value_option("X", "Size of pictures and GIFs; 1 is 64 pixels per cell.")
@@ -210,9 +204,7 @@ def preview(
         value_option("N", "Seed for the maze of a level with a random maze.  [default: 0]"),
     ] = None,
     split: SplitOption = None,
-    watch: Annotated[
-        bool, typer.Option("--watch", help="Repeat whenever the level is saved.")
-    ] = False,
+    watch: Annotated[bool, flag("--watch", "Repeat whenever the level is saved.")] = False,
 ) -> None:
     """Draw levels in the terminal, or save them as pictures, animated GIFs or web pages.
 

@@ -13,6 +13,7 @@ from babyrobot_levels.cli.console import (
     STANDARD_OUTPUT,
     OutputOption,
     fail,
+    flag,
     note,
     put,
     save,
@@ -56,14 +57,14 @@ def gallery(
     count: Annotated[int | None, value_option("N", "Only the first N levels.", min=1)] = None,
     no_answers: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--no-answers",
-            help="Leave out optimal values, policies, returns and difficulty, and the films.",
+            "Leave out optimal values, policies, returns and difficulty, and the films.",
         ),
     ] = False,
     key: Annotated[
         bool,
-        typer.Option("--key", help="Show values and policies from the start: for teachers."),
+        flag("--key", "Show values and policies from the start: for teachers."),
     ] = False,
     home: Annotated[
         str | None, value_option("URL", "A page that the gallery links back to.")
@@ -72,14 +73,10 @@ def gallery(
         str | None,
         value_option("URL", "A site of `babyrobot edit --site`, in which levels can be edited."),
     ] = None,
-    keep_going: Annotated[
-        bool, typer.Option("--keep-going", help="Leave out levels with errors.")
-    ] = False,
+    keep_going: Annotated[bool, flag("--keep-going", "Leave out levels with errors.")] = False,
     force: Annotated[
         bool,
-        typer.Option(
-            "--force", help="Replace also a gallery to which other files were added, with these."
-        ),
+        flag("--force", "Replace also a gallery to which other files were added, with these."),
     ] = False,
     jobs: JobsOption = None,
 ) -> None:
@@ -178,7 +175,7 @@ def dataset(
         str | None,
         value_option("ID", "License of the data set: cc-by-4.0, for example.", "--license"),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a data set.")] = False,
+    force: Annotated[bool, flag("--force", "Replace a data set.")] = False,
     jobs: JobsOption = None,
 ) -> None:
     """Write levels as a data set that other tools read: a row for each level.
@@ -254,15 +251,13 @@ def sheet(
     ] = None,
     key: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--key",
-            help="Make the teacher's copy: values, optimal actions and returns, grids filled in.",
+            "Make the teacher's copy: values, optimal actions and returns, grids filled in.",
         ),
     ] = False,
-    values: Annotated[
-        bool, typer.Option("--values", help="Show the optimal value of each cell.")
-    ] = False,
-    policy: Annotated[bool, typer.Option("--policy", help="Show optimal actions.")] = False,
+    values: Annotated[bool, flag("--values", "Show the optimal value of each cell.")] = False,
+    policy: Annotated[bool, flag("--policy", "Show optimal actions.")] = False,
     grids: Annotated[
         int,
         typer.Option(
@@ -294,9 +289,7 @@ def sheet(
         ),
     ] = None,
     paper: Annotated[Paper, typer.Option(help="Size of the pages.")] = Paper.A4,
-    landscape: Annotated[
-        bool, typer.Option("--landscape", help="Make the pages wider than high.")
-    ] = False,
+    landscape: Annotated[bool, flag("--landscape", "Make the pages wider than high.")] = False,
     theme: Annotated[
         str, typer.Option(metavar="THEME", help="Theme of the pictures; `print` is grey.")
     ] = "print",

@@ -20,6 +20,7 @@ from babyrobot_levels.cli.console import (
     TableOption,
     fact_lines,
     fail,
+    flag,
     note,
     percent,
     quoted,
@@ -89,9 +90,7 @@ def score(
     ] = None,
     totals: Annotated[
         bool,
-        typer.Option(
-            "--totals", help="Of recorded episodes: one row for each player, with all points."
-        ),
+        flag("--totals", "Of recorded episodes: one row for each player, with all points."),
     ] = False,
     split: SplitOption = None,
     within: Annotated[
@@ -113,7 +112,7 @@ def score(
     actions: ActionsOption = ActionSet.ALL,
     stochastic: Annotated[
         bool,
-        typer.Option("--stochastic", help="Let a model sample, not take its likeliest action."),
+        flag("--stochastic", "Let a model sample, not take its likeliest action."),
     ] = False,
     episodes: Annotated[
         int | None,
@@ -131,7 +130,7 @@ def score(
         ),
     ] = None,
     chat: Annotated[
-        bool, typer.Option("--chat", help="With --sight: the function gets all messages so far.")
+        bool, flag("--chat", "With --sight: the function gets all messages so far.")
     ] = False,
     record: Annotated[
         Path | None,
@@ -139,10 +138,9 @@ def score(
     ] = None,
     trust: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--trust",
-            help="Load models, although their files can run any code: only of authors whom you "
-            "trust.",
+            "Load models, although their files can run any code: only of authors whom you trust.",
         ),
     ] = False,
     table_format: TableOption = TableFormat.TEXT,

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
 from typer.core import TyperCommand
 
 from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
     fail,
+    flag,
     note,
     put,
     save,
@@ -85,9 +85,9 @@ def share(
     ] = None,
     no_answers: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--no-answers",
-            help="Leave the solution out of the link: no values, optimal actions and hints.",
+            "Leave the solution out of the link: no values, optimal actions and hints.",
         ),
     ] = False,
     split: SplitOption = None,

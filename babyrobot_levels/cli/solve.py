@@ -15,6 +15,7 @@ from babyrobot_levels.cli.console import (
     TableOption,
     fact_lines,
     fail,
+    flag,
     note,
     value_option,
     write,
@@ -103,9 +104,9 @@ def solve(
     ] = None,
     exact: Annotated[
         bool,
-        typer.Option(
+        flag(
             "--exact",
-            help="Compute over the rationals: fractions, with a proof that no action is better. "
+            "Compute over the rationals: fractions, with a proof that no action is better. "
             "Needs the extra `exact`.",
         ),
     ] = False,

@@ -33,7 +33,7 @@ CHUNK = 16_384
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout(Telling):
+class Rollout(Telling, public=True):
     """The transitions of many environments, one row for each step and one column for each of them.
 
     When an episode is over, the environment is reset in the same step: the next row of
@@ -49,8 +49,6 @@ class Rollout(Telling):
         next_observations: int32 `[steps, envs]`: the state after the action.
         action_masks: int8 `[steps, envs, actions]`: the action mask before the action.
     """
-
-    __module__ = "babyrobot_levels"
 
     observations: NDArray[np.int32]
     actions: NDArray[np.int8]

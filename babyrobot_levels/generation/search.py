@@ -33,7 +33,7 @@ _HARD = {*SOLVED, *NEEDS}
 """The metrics for which a level has to be solved, or compiled several times."""
 
 
-class UnsatisfiableError(BabyRobotError):
+class UnsatisfiableError(BabyRobotError, public=True):
     """No level was found that meets all conditions.
 
     Attributes:
@@ -43,8 +43,6 @@ class UnsatisfiableError(BabyRobotError):
         needs: by what factor width and height would have to grow for the condition to be met,
             None where another size does not help.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __init__(self, condition: str, asked: str, reason: str, needs: float | None = None):
         self.condition, self.asked, self.reason, self.needs = condition, asked, reason, needs

@@ -42,10 +42,8 @@ _Count = Annotated[StrictInt, Field(ge=0, lt=2**31)]
 _Short = Annotated[StrictStr, StringConstraints(max_length=200)]
 
 
-class PlayError(BabyRobotError, ValueError):
+class PlayError(BabyRobotError, ValueError, public=True):
     """A file of plays, or a line of it, that cannot be read."""
-
-    __module__ = "babyrobot_levels"
 
 
 class PlayFields(Model):

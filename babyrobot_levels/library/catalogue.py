@@ -69,7 +69,7 @@ class LevelFile:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class LevelInfo(Shown):
+class LevelInfo(Shown, public=True):
     """A level in the catalogue.
 
     Attributes:
@@ -81,8 +81,6 @@ class LevelInfo(Shown):
         path: its file.
         origin: the folder in which it was found, such as `"gallery"` or `"levels/"`.
     """
-
-    __module__ = "babyrobot_levels"
 
     name: str
     title: str | None

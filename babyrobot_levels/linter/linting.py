@@ -44,10 +44,8 @@ _TABLES: dict[str, tuple[str, ...]] = {
 """The settings files, each with the table that contains the settings of this package."""
 
 
-class SettingsError(BabyRobotError):
+class SettingsError(BabyRobotError, public=True):
     """A settings file is invalid."""
-
-    __module__ = "babyrobot_levels"
 
 
 @dataclass(frozen=True, slots=True)

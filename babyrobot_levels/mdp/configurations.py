@@ -129,7 +129,7 @@ _MAKERS: tuple[Callable[[LevelFields], Iterator[Thing]], ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Configuration(Telling):
+class Configuration(Telling, public=True):
     """What is where while the things of a level have certain values.
 
     Attributes:
@@ -143,8 +143,6 @@ class Configuration(Telling):
         doors: for each door, whether it is closed.
     """
 
-    __module__ = "babyrobot_levels"
-
     values: Values
     exits: tuple[Cell, ...]
     exit_is_open: bool
@@ -155,7 +153,7 @@ class Configuration(Telling):
     doors: tuple[bool, ...]
 
 
-class Things(Telling):
+class Things(Telling, public=True):
     """The things of a level, and what their values mean.
 
     Args:
@@ -169,8 +167,6 @@ class Things(Telling):
         radices: how many values each thing has.
         fixed: the numbers of the things that stay in their cells, off or on.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __init__(self, level: LevelFields, inert: Collection[str] = ()):
         self.level = level

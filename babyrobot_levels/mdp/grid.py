@@ -36,15 +36,13 @@ _WITHOUT = {side: bytes(bits & ~bit for bits in range(256)) for side, bit in BIT
 
 
 @dataclass(frozen=True, eq=False)
-class Grid(Telling):
+class Grid(Telling, public=True):
     """Walls and cells. Cells are numbered row by row: `y * width + x`.
 
     `wall_bits` has a byte for each cell, a bit set of its walls: 1 north, 2 east, 4 south,
     8 west; walls of glass count. `blocked_cells` has 1 for each blocked cell. `glass` maps cell
     and side to the probability of getting through.
     """
-
-    __module__ = "babyrobot_levels"
 
     width: int
     height: int

@@ -36,7 +36,7 @@ def _one_configuration() -> NDArray[np.int16]:
 
 
 @dataclass(frozen=True, eq=False)
-class Mdp(Telling):
+class Mdp(Telling, public=True):
     """A finite Markov decision process whose states are the cells, numbered `y * width + x`.
 
     In a level with things, whose configurations are numbered, the state is
@@ -68,8 +68,6 @@ class Mdp(Telling):
             configuration, in rising order; `[1, 0]` without things.
         headings: 4 with turning, else 1.
     """
-
-    __module__ = "babyrobot_levels"
 
     width: int
     height: int

@@ -17,16 +17,12 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-class ExecutorError(HelpfulError):
+class ExecutorError(HelpfulError, public=True):
     """Work cannot be done where it should be. `help` says what to do."""
 
-    __module__ = "babyrobot_levels"
 
-
-class WorkerDiedError(BabyRobotError):
+class WorkerDiedError(BabyRobotError, public=True):
     """The process that worked on an item ended, also when the item was tried again."""
-
-    __module__ = "babyrobot_levels"
 
 
 @dataclass(frozen=True, slots=True)

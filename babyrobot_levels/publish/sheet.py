@@ -144,15 +144,13 @@ def sheet(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sheet(ShownInNotebook):
+class Sheet(ShownInNotebook, public=True):
     """Levels on pages for print.
 
     Attributes:
         pages: the pages as scenes, whose pixels are 1/96 inch.
         title: the title.
     """
-
-    __module__ = "babyrobot_levels"
 
     pages: tuple[Scene, ...]
     title: str

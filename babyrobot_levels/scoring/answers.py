@@ -44,7 +44,7 @@ FROZEN_LAKE = (Action.WEST, Action.SOUTH, Action.EAST, Action.NORTH)
 
 
 @dataclass(frozen=True, slots=True)
-class GradedAnswer(Telling):
+class GradedAnswer(Telling, public=True):
     """What an answer is worth. It is true if the answer passed, and its text is the message.
 
     Attributes:
@@ -53,8 +53,6 @@ class GradedAnswer(Telling):
         out_of: the points of a right answer.
         message: a sentence for the student, without the solution.
     """
-
-    __module__ = "babyrobot_levels"
 
     passed: bool
     share: float

@@ -87,7 +87,7 @@ def reaches_exit(play: Play) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Grade(Telling):
+class Grade(Telling, public=True):
     """The plays of one player in one level.
 
     Unfinished episodes are counted, but have no return. Plays that are not valid or not the
@@ -121,8 +121,6 @@ class Grade(Telling):
         fault: what is wrong with the first play that is not valid, or, where there is no valid one
             of the level, with the first file; None for nothing.
     """
-
-    __module__ = "babyrobot_levels"
 
     player: str
     level: str
@@ -166,7 +164,7 @@ class Defect:
     reason: str
 
 
-class Grades(Table[Grade]):
+class Grades(Table[Grade], public=True):
     """The plays of several players: one grade for each player and level.
 
     Attributes:
@@ -174,7 +172,6 @@ class Grades(Table[Grade]):
         defects: all files and plays that do not count.
     """
 
-    __module__ = "babyrobot_levels"
     ROW = Grade
 
     def __init__(self, grades: Sequence[Grade], rule: str, defects: Sequence[Defect]) -> None:

@@ -39,7 +39,7 @@ LevelPolicy = str | os.PathLike[str] | Callable[[Level], Any]
 
 
 @dataclass(frozen=True, slots=True)
-class LevelValue(Telling):
+class LevelValue(Telling, public=True):
     """What a policy is worth in one of many levels. With an `error`, None for what is unknown.
 
     Attributes:
@@ -54,8 +54,6 @@ class LevelValue(Telling):
         discount: the factor by which each further reward counts less.
         error: why there are no values, with `keep_going`.
     """
-
-    __module__ = "babyrobot_levels"
 
     index: int
     name: str | None = None
@@ -74,7 +72,7 @@ class LevelValue(Telling):
 
 
 @dataclass(frozen=True, slots=True)
-class LevelMetrics(Telling):
+class LevelMetrics(Telling, public=True):
     """The metrics of one of many levels. With an `error`, None for what is unknown.
 
     Attributes:
@@ -85,8 +83,6 @@ class LevelMetrics(Telling):
         metrics: its metrics by their names, as `Metrics.to_dict` has them.
         error: why there are none, with `keep_going`.
     """
-
-    __module__ = "babyrobot_levels"
 
     index: int
     name: str | None = None

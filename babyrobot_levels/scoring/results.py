@@ -34,7 +34,7 @@ MAX_BARS = 100
 
 
 @dataclass(frozen=True, slots=True)
-class LevelScore(Telling):
+class LevelScore(Telling, public=True):
     """The score of an agent in one level.
 
     Attributes:
@@ -61,8 +61,6 @@ class LevelScore(Telling):
             steps, those below 0 counted as 0, with its own exact action values and values.
         cvar: if asked for, the mean of its returns in the worst share of episodes.
     """
-
-    __module__ = "babyrobot_levels"
 
     level: str
     digest: str
@@ -162,10 +160,9 @@ class Table(Telling, Sequence[Row]):
         return _written(csv_of([[field.name for field in fields(self.ROW)], *rows]), path)
 
 
-class Scores(Table[LevelScore]):
+class Scores(Table[LevelScore], public=True):
     """The scores of an agent in several levels, in their order."""
 
-    __module__ = "babyrobot_levels"
     ROW = LevelScore
 
     def __init__(self, scores: Sequence[LevelScore], played: Sequence[Played] = ()) -> None:

@@ -57,10 +57,9 @@ class GradedFunction:
     message: str
 
 
-class Submission(Table[GradedFunction]):
+class Submission(Table[GradedFunction], public=True):
     """The functions of a student, each in the levels of a course; its text is a report."""
 
-    __module__ = "babyrobot_levels"
     ROW = GradedFunction
 
     @property

@@ -24,7 +24,7 @@ _EQUAL = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Summary(Telling):
+class Summary(Telling, public=True):
     """The scores of all levels, in one run or several, in a few numbers.
 
     Levels without a share are left out.
@@ -49,8 +49,6 @@ class Summary(Telling):
             what is not finite, too, such as of an agent that never terminates.
     """
 
-    __module__ = "babyrobot_levels"
-
     levels: int
     mean: float
     median: float
@@ -66,7 +64,7 @@ class Summary(Telling):
 
 
 @dataclass(frozen=True, slots=True)
-class Improvement(Telling):
+class Improvement(Telling, public=True):
     """How often one agent is better than another.
 
     Attributes:
@@ -76,8 +74,6 @@ class Improvement(Telling):
             nan of a single level in single runs.
         high: the upper end.
     """
-
-    __module__ = "babyrobot_levels"
 
     probability: float
     low: float

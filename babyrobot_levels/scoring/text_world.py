@@ -32,7 +32,7 @@ _MAX_SEED = 2**31
 
 
 @dataclass(frozen=True, slots=True)
-class GradedMove(Telling):
+class GradedMove(Telling, public=True):
     """A step of an episode, graded by the exact values of its action and its outcome.
 
     Attributes:
@@ -46,8 +46,6 @@ class GradedMove(Telling):
         is_loop: whether the step led to a state in which the episode has been before.
     """
 
-    __module__ = "babyrobot_levels"
-
     state: int
     action: str
     reward: float
@@ -57,7 +55,7 @@ class GradedMove(Telling):
     is_loop: bool
 
 
-class TextWorld(Telling):
+class TextWorld(Telling, public=True):
     """A level that is played by text, with its rules in words and each move graded exactly.
 
     Its public methods are tools for a language model as they stand. What they cannot do is
@@ -76,8 +74,6 @@ class TextWorld(Telling):
             moves after its end.
         seed: the seed of the episode.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __init__(
         self,

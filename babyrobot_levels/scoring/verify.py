@@ -39,7 +39,7 @@ _EQUAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Verification(Telling):
+class Verification(Telling, public=True):
     """What the tables of a level say about a play.
 
     Attributes:
@@ -48,8 +48,6 @@ class Verification(Telling):
         log_probability: the natural logarithm of the probability of all its outcomes, given its
             start and its actions; -inf if it cannot have happened.
     """
-
-    __module__ = "babyrobot_levels"
 
     play: Play
     fault: str | None

@@ -220,14 +220,12 @@ HEAD = 200
 """The number of characters at the beginning of a file that hold its origin."""
 
 
-class FolderError(HelpfulError):
+class FolderError(HelpfulError, public=True):
     """A folder holds files that must not be overwritten. `help` says what to do."""
-
-    __module__ = "babyrobot_levels"
 
 
 @dataclass(frozen=True, slots=True)
-class Generated(Telling):
+class Generated(Telling, public=True):
     """What became of a level.
 
     Attributes:
@@ -236,8 +234,6 @@ class Generated(Telling):
         is_new: whether the file was written; if not, it existed already.
         error: why there is no level, with `keep_going`.
     """
-
-    __module__ = "babyrobot_levels"
 
     index: int
     path: Path

@@ -35,7 +35,7 @@ _HEX_DIGITS = 13
 """How many digits of a digest decide on its split: 52 bits, which a float has exactly."""
 
 
-class Suite(Telling, Sequence[Level]):
+class Suite(Telling, Sequence[Level], public=True):
     """The levels of a suite, or some of them.
 
     Of a suite that grows mazes, `suite[i]` is generated from the suite's seed and the level's
@@ -49,8 +49,6 @@ class Suite(Telling, Sequence[Level]):
         split: the split that they are, if any.
         members: what the suite lists, if it lists levels.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __init__(
         self,

@@ -10,12 +10,11 @@ from pathlib import Path
 from types import FrameType
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
+from babyrobot_levels.text.words import Public
 
 
-class BabyRobotError(Exception):
+class BabyRobotError(Public, Exception, public=True):
     """The root of this library's exceptions."""
-
-    __module__ = "babyrobot_levels"
 
     def _render_traceback_(self) -> list[str]:
         """Return what IPython shows: the line that called, and the message."""
@@ -38,14 +37,12 @@ class HelpfulError(BabyRobotError):
         return str(self.args[0])
 
 
-class LevelError(BabyRobotError, ValueError):
+class LevelError(BabyRobotError, ValueError, public=True):
     """A level that cannot be used. Carries the `diagnostics` and prints them.
 
     Raised by everything that reads a level. `diagnostics` is empty where the level came from
     Python and has no text to point at; the message is then complete by itself.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __init__(self, diagnostics: Iterable[Diagnostic] = (), message: str | None = None):
         self.diagnostics = tuple(diagnostics)
@@ -68,13 +65,11 @@ class LevelError(BabyRobotError, ValueError):
         return type(self), (self.diagnostics, self.message)
 
 
-class UnplayableError(LevelError):
+class UnplayableError(LevelError, public=True):
     """A level whose tables cannot be made: a door stands on a wall, or there are too many states.
 
     `issues` are the errors, which point to fields; messages show all of them.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __init__(self, issues: Iterable[Issue]):
         self.issues = tuple(issues)
@@ -92,10 +87,8 @@ class InvalidDocument(ValueError):
         super().__init__("; ".join(issue.message for issue in self.issues))
 
 
-class LevelNotFoundError(BabyRobotError, LookupError):
+class LevelNotFoundError(BabyRobotError, LookupError, public=True):
     """No level has that name. `name` is what was asked for, `nearest` are the likeliest ones."""
-
-    __module__ = "babyrobot_levels"
 
     what = "level"
     listing = "babyrobot list"
@@ -115,10 +108,8 @@ class LevelNotFoundError(BabyRobotError, LookupError):
         return text if self.is_file else text + f" (`{self.listing}` shows all {self.what}s)"
 
 
-class SuiteNotFoundError(LevelNotFoundError):
+class SuiteNotFoundError(LevelNotFoundError, public=True):
     """No suite has that name."""
-
-    __module__ = "babyrobot_levels"
 
     what = "suite"
     listing = "babyrobot list --suites"

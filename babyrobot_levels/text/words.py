@@ -240,7 +240,18 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
     return AttributeError(f"{what} has no attribute {name!r}{guess}", name="", obj=None)
 
 
-class Telling:
+class Public:
+    """A class that, where it says `public`, is known by its name in the package."""
+
+    __slots__ = ()
+
+    def __init_subclass__(cls, *, public: bool = False) -> None:
+        super().__init_subclass__()
+        if public:
+            cls.__module__ = __name__.partition(".")[0]
+
+
+class Telling(Public):
     """Tells which attribute is meant by the name of one that there is not."""
 
     __slots__ = ()

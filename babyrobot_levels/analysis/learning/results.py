@@ -41,7 +41,7 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep(StateResult):
+class Sweep(StateResult, public=True):
     """The estimates after a sweep, a round or some episodes. All arrays are read-only copies.
 
     In a level with things, arrays have an axis of configurations before height, and `at` gives the
@@ -60,8 +60,6 @@ class Sweep(StateResult):
         run: what it shares with the other results of the same run; None in what earlier versions
             pickled.
     """
-
-    __module__ = "babyrobot_levels"
 
     number: int
     values: Floats
@@ -128,7 +126,7 @@ class Sweep(StateResult):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trials(Sweep):
+class Trials(Sweep, public=True):
     """The estimates after some episodes in an environment: a `Sweep`, and more.
 
     Attributes:
@@ -136,8 +134,6 @@ class Trials(Sweep):
             `[height, width, actions]`; `values` are their maxima.
         returns: the (discounted) sum of the rewards of each episode so far, float64 `[number]`.
     """
-
-    __module__ = "babyrobot_levels"
 
     action_values: Floats
     returns: Floats

@@ -53,7 +53,7 @@ _REST = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class ReturnDistribution(Result):
+class ReturnDistribution(Result, public=True):
     """The distribution of the return of an episode. All arrays are read-only.
 
     Attributes:
@@ -63,8 +63,6 @@ class ReturnDistribution(Result):
         discount: the factor by which each further reward counts less.
         max_steps: the number of steps after which episodes are truncated.
     """
-
-    __module__ = "babyrobot_levels"
 
     values: Floats
     probabilities: Floats

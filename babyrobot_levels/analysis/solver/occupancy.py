@@ -19,7 +19,7 @@ MAX_STATES = 4_000
 
 
 @dataclass(frozen=True, eq=False)
-class Occupancy(Shown, Result):
+class Occupancy(Shown, Result, public=True):
     """How often a policy visits cells and states. All arrays are read-only.
 
     Attributes:
@@ -32,8 +32,6 @@ class Occupancy(Shown, Result):
         discount: the factor by which the visit after each further step counts less.
         level: the level.
     """
-
-    __module__ = "babyrobot_levels"
 
     visits: Floats
     states: Floats

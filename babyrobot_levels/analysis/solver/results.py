@@ -37,14 +37,12 @@ MAX_LISTED = 5
 # -- errors --------------------------------------------------------------------------------
 
 
-class UndefinedReturnError(BabyRobotError, ArithmeticError):
+class UndefinedReturnError(BabyRobotError, ArithmeticError, public=True):
     """The undiscounted return of a level or of a policy is undefined.
 
     Raised where rewards that differ from zero cancel out in a loop without end: +1, -1, +1, …
     `cell` is a cell `(x, y)` of such a loop; `where` is that cell and what is held there, as words.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __init__(self, cell: tuple[int, int], where: str | None = None):
         self.cell = cell
@@ -58,14 +56,12 @@ class UndefinedReturnError(BabyRobotError, ArithmeticError):
         )
 
 
-class EpisodeTooLongError(BabyRobotError, ArithmeticError):
+class EpisodeTooLongError(BabyRobotError, ArithmeticError, public=True):
     """Episodes are too long to compute their expected return.
 
     Raised where floating point cannot tell it without a discount, where a limit of steps is so
     large that it would take too long, and where rewards are too large to add up.
     """
-
-    __module__ = "babyrobot_levels"
 
     def __str__(self) -> str:
         return super().__str__() or (
@@ -74,13 +70,11 @@ class EpisodeTooLongError(BabyRobotError, ArithmeticError):
         )
 
 
-class NotExactError(BabyRobotError, ArithmeticError):
+class NotExactError(BabyRobotError, ArithmeticError, public=True):
     """A level has no exact solution that can be computed: too many states, or too many digits.
 
     Raised as well where the library for it is missing.
     """
-
-    __module__ = "babyrobot_levels"
 
 
 # -- results -------------------------------------------------------------------------------
@@ -185,7 +179,7 @@ class StateResult(Shown, Result):
 
 
 @dataclass(frozen=True, eq=False)
-class Evaluation(StateResult):
+class Evaluation(StateResult, public=True):
     """The values of a policy. All arrays are read-only.
 
     Actions are numbered as in an environment made with the same `actions`: 0 stay, 1 north,
@@ -219,8 +213,6 @@ class Evaluation(StateResult):
             the limit, and `exit_probability` is that of reaching an exit in time.
         level: the level; None in what earlier versions pickled.
     """
-
-    __module__ = "babyrobot_levels"
 
     values: Floats
     action_values: Floats
@@ -302,7 +294,7 @@ class Evaluation(StateResult):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Solution(Evaluation):
+class Solution(Evaluation, public=True):
     """The optimal values of a level: an `Evaluation` of an optimal policy, and more.
 
     Attributes:
@@ -325,8 +317,6 @@ class Solution(Evaluation):
             first step. None without a limit, where the optimum does not depend on the time.
     """
 
-    __module__ = "babyrobot_levels"
-
     greedy: Flags
     fastest: Flags
     policy: Ints
@@ -340,7 +330,7 @@ class Solution(Evaluation):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ExactSolution(StateResult):
+class ExactSolution(StateResult, public=True):
     """The optimal values of a level as fractions, proven: no action of any state is better.
 
     The numbers of the level are the decimals that its file says. Arrays are shaped as those of a
@@ -362,8 +352,6 @@ class ExactSolution(StateResult):
         iterations: how many policies were evaluated over the rationals.
         level: the level.
     """
-
-    __module__ = "babyrobot_levels"
 
     values: NDArray[np.object_]
     action_values: NDArray[np.object_]
@@ -401,7 +389,7 @@ class ExactSolution(StateResult):
 
 
 @dataclass(frozen=True, eq=False)
-class Simulation(Result):
+class Simulation(Result, public=True):
     """Simulated episodes of a policy. All arrays are read-only.
 
     Attributes:
@@ -412,8 +400,6 @@ class Simulation(Result):
         max_steps: the limit.
         discount: the factor by which each further reward counted less.
     """
-
-    __module__ = "babyrobot_levels"
 
     returns: Floats
     steps: Ints

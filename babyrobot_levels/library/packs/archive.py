@@ -26,25 +26,19 @@ from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, RESERVED, SUFFIXES
 from babyrobot_levels.text.source import MAX_BYTES
 
 
-class PackError(HelpfulError):
+class PackError(HelpfulError, public=True):
     """A pack that is damaged, too large, or different from its manifest.
 
     `help` says what to do, if it is known.
     """
 
-    __module__ = "babyrobot_levels"
 
-
-class PackConflictError(HelpfulError):
+class PackConflictError(HelpfulError, public=True):
     """Something exists that must not be replaced. `help` says what to do."""
 
-    __module__ = "babyrobot_levels"
 
-
-class PackNotFoundError(BabyRobotError, LookupError):
+class PackNotFoundError(BabyRobotError, LookupError, public=True):
     """No pack of that name is installed. `nearest` are the most similar names."""
-
-    __module__ = "babyrobot_levels"
 
     def __init__(self, name: str, nearest: Sequence[str] = ()):
         self.name, self.nearest = name, tuple(nearest)
