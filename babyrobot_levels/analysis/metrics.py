@@ -39,13 +39,10 @@ from babyrobot_levels.language.metric_names import (
     UNLIMITED,
 )
 from babyrobot_levels.mdp.graph import MANY
-from babyrobot_levels.mdp.gridworld import world_of
+from babyrobot_levels.mdp.gridworld import GridWorld, world_of
+from babyrobot_levels.mdp.tables import Flags
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import no_item
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.mdp.tables import Flags
 
 
 def metrics(level: Any) -> Metrics:

@@ -3,23 +3,19 @@
 A cell is a character, as in a drawing of the language, or `ENDS`. An edge lies between two cells.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from babyrobot_levels.convert.conversion import ConversionError, Lost, fields_lost
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
+from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.geometry import painted
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 from babyrobot_levels.text.source import Position, SourceFile
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.cells import Rewards
-    from babyrobot_levels.library.level import Level
 
 Rows = tuple[str, ...]
 """Cells row by row, each as its character in a drawing of the language."""

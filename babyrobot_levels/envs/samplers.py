@@ -3,22 +3,18 @@
 A family is a suite or a list of levels, the mazes of a level, or levels that are exchanged.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.engine import draws as engine_draws
 from babyrobot_levels.envs.engine.tables import Ints
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.suite import Suite
-
-if TYPE_CHECKING:
-    from babyrobot_levels.envs.engine import draws as engine_draws
 
 Draws = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -1,11 +1,9 @@
 """What must hold between the fields of a level: its geometry, checked without any table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.cells import RECTANGULAR, Opening, sides_of
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import (
     Cell,
     Route,
@@ -18,9 +16,6 @@ from babyrobot_levels.language.geometry import (
 from babyrobot_levels.language.metric_names import NEEDS, THINGS
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.words import did_you_mean
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.fields import LevelFields
 
 
 def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:

@@ -4,12 +4,9 @@ There are three sights: the whole drawing (`map`), what can be seen around the r
 only sentences about the cells beside it (`words`).
 """
 
-from __future__ import annotations
-
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDE_NAMES
@@ -17,6 +14,7 @@ from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.situation import look_of
 from babyrobot_levels.render.text import PLAIN_ROBOT, TextPainter
 from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER
@@ -24,9 +22,6 @@ from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.describe import around, goal_of, way_to_exit
 from babyrobot_levels.render.words.rules import Rule, mover_names, rules_of, spoken, ways_of
 from babyrobot_levels.text.words import listed
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 SIGHTS = ("map", "view", "words")
 

@@ -1,15 +1,14 @@
 """Levels as text: the language's drawing, and one in Unicode, in colour, for terminals."""
 
-from __future__ import annotations
-
 import math
 import os
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence, Set
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat, Scale
 from babyrobot_levels.render.scene.layout import AtHand, Overlay, Rows, layout_of
@@ -36,9 +35,6 @@ from babyrobot_levels.render.text_plan import (
 )
 from babyrobot_levels.render.words.rules import MOST, Rule, rules_of
 from babyrobot_levels.text.source import printable
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 ROBOT = "☻"
 PLAIN_ROBOT = "@"

@@ -7,11 +7,12 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import chain, islice
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.situation import Situation
 from babyrobot_levels.render.text_plan import (
     BLOCK,
@@ -34,9 +35,6 @@ from babyrobot_levels.render.text_plan import (
 )
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.rules import MOST, Rule, spoken, ways_of
-
-if TYPE_CHECKING:
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _TAKEN = {d.START, d.EXIT, d.SMALL, d.LARGE, LOCKED, "v", *"".join(ITEMS.values())}
 """Letters with a meaning of their own, which no kind of ground has."""

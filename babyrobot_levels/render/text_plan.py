@@ -1,27 +1,23 @@
 """Levels as lines of characters: walls between cells, the symbols of the cells, and colours."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import add
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import shifts, sides_of
+from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.mdp.drawn import drawing_of
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import Rgb, contrast, over
 from babyrobot_levels.render.scene.icons import thing_color
 from babyrobot_levels.render.scene.things import door_color
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.situation import Situation
 from babyrobot_levels.render.terminal import ALL_COLORS, PALETTE, RESET
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.level import LevelSpec
-    from babyrobot_levels.mdp.gridworld import GridWorld
 
 ITEMS = {"key": "♀k", "coin": "¢c", "gem": "♦g", "star": "★*", "box": "■b"}
 """The character of each shape: in Unicode, and in ASCII."""
