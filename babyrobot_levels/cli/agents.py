@@ -6,13 +6,11 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import fail
 from babyrobot_levels.text.words import NAMED
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
 
 PLAYS = ".brlplay"
 FITTING = "give --observation and --actions as those that the agent was made with"
@@ -50,34 +48,29 @@ def named_agent(word: str, *, trust: bool, plays: bool = False) -> Any:
         trust: whether models may be loaded, which can run any code.
         plays: whether it may be a file of recorded episodes, too.
     """
-    from babyrobot_levels.language.play import PlayError
     from babyrobot_levels.scoring.agents import AgentError, load_agent
-    from babyrobot_levels.scoring.plays import read_plays
 
     if word in NAMED:
         return word
     try:
         if plays and Path(word).suffix.lower() == PLAYS:
-            return read_plays(Path(word))
+            return brl.read_plays(Path(word))
         return load_agent(word, trust=trust)
     except AgentError as error:
         is_model = Path(word).is_file() and Path(word).suffix.lower() == ".zip" and not trust
         fail(error.message, "if you trust its author, add --trust" if is_model else error.help)
-    except PlayError as error:
+    except brl.PlayError as error:
         fail(str(error))
     except OSError as error:
         fail(f"{word} cannot be read ({error.strerror or error})")
 
 
-def table_of(agent: Any, level: Level, *, observation: str, actions: str) -> Any:
+def table_of(agent: Any, level: brl.Level, *, observation: str, actions: str) -> Any:
     """Return the policy of an agent in a level as pictures show it; end the command without one."""
-    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
-    from babyrobot_levels.scoring.policy_tables import policy_table
-
     names = tuple(observation.split(",")) if "," in observation else observation
     try:
-        return policy_table(level, agent, observation=names, actions=str(actions))
-    except UndefinedReturnError as error:
+        return brl.policy_table(level, agent, observation=names, actions=str(actions))
+    except brl.UndefinedReturnError as error:
         fail(f"the level has no optimal policy: {error}")
     except (ValueError, TypeError) as error:
         is_fixed = isinstance(agent, str | list)

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, put, value_option
 from babyrobot_levels.text.files import ENDINGS
 
@@ -31,10 +32,8 @@ def mcp(
 
       babyrobot mcp --folder levels
     """
-    from babyrobot_levels.assistants.server import mcp as server_of
-
     try:
-        server = server_of(folder, seconds=seconds)
+        server = brl.mcp(folder, seconds=seconds)
     except ImportError as error:
         if error.name != "mcp":
             raise
@@ -66,6 +65,4 @@ def skill(output: OutputOption = None, force: ForceOption = False) -> None:
 
       babyrobot skill -o SKILL.md
     """
-    from babyrobot_levels.assistants.skill import skill as page
-
-    put(page(), output, force=force)
+    put(brl.skill(), output, force=force)

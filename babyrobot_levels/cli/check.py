@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     FINDINGS,
     WRONG_CALL,
@@ -249,7 +250,6 @@ def lint(
       babyrobot lint --select BR5 --format json levels/
     """
     from babyrobot_levels.linter.linting import Options
-    from babyrobot_levels.linter.rules import UnknownRuleError
 
     options = Options(
         _words(select) if select else None, _words(ignore or []), fix or diff, unsafe_fixes
@@ -265,7 +265,7 @@ def lint(
                 _lint(files, options, report_format, diff=False, workers=workers)
         elif _lint(level_paths(paths), options, report_format, diff=diff, workers=workers):
             raise typer.Exit(FINDINGS)
-    except UnknownRuleError as error:
+    except brl.UnknownRuleError as error:
         fail(str(error), "`babyrobot rule` lists all rules")
 
 
@@ -368,12 +368,9 @@ def rule(
 
       babyrobot rule inescapable-state
     """
-    from babyrobot_levels.linter.rules import UnknownRuleError
-    from babyrobot_levels.linter.rules import rule as rule_of
-
     try:
-        rules = rule_of() if code is None else (rule_of(code),)
-    except UnknownRuleError as error:
+        rules = brl.rule() if code is None else (brl.rule(code),)
+    except brl.UnknownRuleError as error:
         fail(str(error), "`babyrobot rule` lists all rules")
     if report_format is ReportFormat.JSON:
         write_json(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     FINDINGS,
     FormatOption,
@@ -30,10 +31,6 @@ from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.text.source import printable
-
-if TYPE_CHECKING:
-    from babyrobot_levels.analysis.environments import Certificate
-    from babyrobot_levels.library.level import Level
 
 
 def compare(
@@ -77,13 +74,12 @@ def compare(
       babyrobot compare four-rooms.yaml minigrid:MiniGrid-FourRooms-v0 --seed 3
     """
     from babyrobot_levels.analysis.compare import GYMNASIUM, VERSION
-    from babyrobot_levels.analysis.compare import compare as compared
     from babyrobot_levels.analysis.environments import MINIGRID
 
     given = None if actions is None else _numbers(actions)
     keywords = None if kwargs is None else json_mapping(kwargs)
-    loaded: Level
-    peer: Level | str
+    loaded: brl.Level
+    peer: brl.Level | str
     is_minigrid = other.startswith(MINIGRID)
     if seed is not None and not is_minigrid:
         fail("--seed is for environments of MiniGrid", f"`{MINIGRID}ID`")
@@ -95,7 +91,7 @@ def compare(
         loaded, peer = load_two(level, other)
     level, other = shown_name(level), shown_name(other)
     with working("comparing"):
-        certificate = compared(loaded, peer, actions=given, kwargs=keywords, seed=seed or 0)
+        certificate = brl.compare(loaded, peer, actions=given, kwargs=keywords, seed=seed or 0)
     if report_format is ReportFormat.JSON:
         write_json({"level": level, "other": other, "kwargs": keywords, **asdict(certificate)})
     else:
@@ -112,17 +108,16 @@ def _numbers(text: str) -> tuple[int, ...]:
 
 
 def _text(
-    loaded: Level, certificate: Certificate, level: str, other: str, *, is_minigrid: bool
+    loaded: brl.Level, certificate: brl.Certificate, level: str, other: str, *, is_minigrid: bool
 ) -> str:
-    from babyrobot_levels.mdp.actions import Action, Turn
 
     if not certificate.equal:
         return f"{level} and {other} are different MDPs\n\n{certificate.difference}\n"
     actions = certificate.actions or ()
-    is_turning = len(actions) == len(Turn)
+    is_turning = len(actions) == len(brl.Turn)
     mdp = loaded.compile()
     states = mdp.num_states * (len(SIDES) if is_turning else 1)
-    names = [(Turn if is_turning else Action)(action).name.lower() for action in actions]
+    names = [(brl.Turn if is_turning else brl.Action)(action).name.lower() for action in actions]
     facts = {
         "states": f"{certificate.states} of {states} are reachable, all equal",
         "transitions": f"{certificate.outcomes}, all equal",

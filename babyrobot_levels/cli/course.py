@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import FINDINGS, fail, note, quoted, value_option, write
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.text.diagnostics import one_line
@@ -47,9 +48,7 @@ def course(
 
       babyrobot course build robots -o robots-built
     """
-    from babyrobot_levels.library.packs.archive import PackError
     from babyrobot_levels.publish import course as courses
-    from babyrobot_levels.suites.batch import FolderError
 
     try:
         if step is Step.NEW:
@@ -63,9 +62,9 @@ def course(
         with working("building") as report:
             target = output or whole.with_name(f"{whole.name}-built")
             built = courses.course(folder, target, progress=report)
-    except FolderError as error:
+    except brl.FolderError as error:
         fail(str(error), error.help)
-    except PackError as error:
+    except brl.PackError as error:
         note(f"error: {one_line(str(error))}")
         if error.help:
             note(f"  help: {one_line(error.help)}")

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     FINDINGS,
     WRONG_CALL,
@@ -46,8 +47,6 @@ from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.changes import Change, Changes
-    from babyrobot_levels.analysis.diff import Difference
-    from babyrobot_levels.library.level import Level
 
 
 def diff(
@@ -97,10 +96,9 @@ def diff(
     names = [shown_name(text) for text in levels]
     if maze_seed is None and (before.has_random_maze or after.has_random_maze):
         note("the maze is random: the mazes of seed 0 are compared (see --maze-seed)")
-    from babyrobot_levels.analysis.diff import diff as difference_of
 
     with working("comparing"):
-        difference = difference_of(before, after, limit=_most(limit), maze_seed=maze_seed or 0)
+        difference = brl.diff(before, after, limit=_most(limit), maze_seed=maze_seed or 0)
     if report_format is ReportFormat.JSON:
         write_json({"before": names[0], "after": names[1], **difference_data(difference)})
     else:
@@ -116,7 +114,7 @@ def _most(limit: int | None) -> int | None:
     return 10 if limit is None else limit or None
 
 
-def _loaded(before: str, after: str) -> tuple[Level, Level]:
+def _loaded(before: str, after: str) -> tuple[brl.Level, brl.Level]:
     """Return two levels. An invalid one ends the command with status 2, unlike a difference."""
     try:
         return load_two(before, after)
@@ -156,7 +154,7 @@ class Version:
     """A version of a file: its text, and its level or its errors."""
 
     source: SourceFile
-    level: Level | None
+    level: brl.Level | None
     errors: tuple[str, ...]
 
 
@@ -177,7 +175,6 @@ def _read(file: str, path: str) -> Version | None:
 
 
 def _compared(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:
-    from babyrobot_levels.analysis.diff import diff
 
     if before is None or after is None:
         return _alone(title, before, after)
@@ -187,7 +184,7 @@ def _compared(title: str, before: Version | None, after: Version | None, limit: 
         return f"{one_line(title)}: not a valid level {which} the change\n" + _lines(
             title, before, after
         )
-    difference = diff(before.level, after.level, limit=_most(limit))
+    difference = brl.diff(before.level, after.level, limit=_most(limit))
     result = "the same MDP" if difference.same_game else "another MDP"
     return difference_text(difference, f"{title}: {result}", brief=limit is None)
 
@@ -219,7 +216,7 @@ WIDEST = 60
 _NEIGHBOURS = {"E": (1, 0), "S": (0, 1)}
 
 
-def difference_data(difference: Difference) -> dict[str, Any]:
+def difference_data(difference: brl.Difference) -> dict[str, Any]:
     """Return the difference for JSON: strings for infinite returns."""
     data = difference.to_dict()
     for name in ("best_return", "random_return"):
@@ -230,7 +227,7 @@ def difference_data(difference: Difference) -> dict[str, Any]:
     return data
 
 
-def difference_text(difference: Difference, title: str, *, brief: bool) -> str:
+def difference_text(difference: brl.Difference, title: str, *, brief: bool) -> str:
     """Return the difference as a text with a title.
 
     Args:
@@ -257,7 +254,7 @@ def _section(title: str, lines: list[str]) -> str:
     return f"{bold(title)}\n" + "".join(indent(f"{line}\n", "  ") for line in lines)
 
 
-def _mdp_lines(difference: Difference, brief: bool) -> Iterator[str]:
+def _mdp_lines(difference: brl.Difference, brief: bool) -> Iterator[str]:
     causes = [
         *map(_field_line, difference.game),
         *_listed("things", difference.things, thing_lines),
@@ -273,7 +270,7 @@ def _mdp_lines(difference: Difference, brief: bool) -> Iterator[str]:
         yield from _listed("transitions", changes, _transition_lines)
 
 
-def _return_lines(difference: Difference) -> Iterator[str]:
+def _return_lines(difference: brl.Difference) -> Iterator[str]:
     for name, (before, after) in (
         ("optimal return", difference.best_return),
         ("random return", difference.random_return),

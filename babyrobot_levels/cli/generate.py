@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.app import INTERRUPTED
 from babyrobot_levels.cli.console import FINDINGS, fail, flag, note, value_option, write
 from babyrobot_levels.cli.inputs import load_level
@@ -31,7 +32,6 @@ from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.scalars import resolve
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generation.search import UnsatisfiableError
     from babyrobot_levels.language.suite import SuiteFields
     from babyrobot_levels.suites.batch import Batch, Target
 
@@ -247,7 +247,6 @@ def _batch(
     from babyrobot_levels.suites.batch import Batch, Original, is_pattern, is_title
     from babyrobot_levels.suites.generate import described
     from babyrobot_levels.suites.sources import name_pattern
-    from babyrobot_levels.text.errors import LevelError
 
     own: dict[str, Any] = {}
     original, parents = None, frozenset[str]()
@@ -281,7 +280,7 @@ def _batch(
             maker.draw(0, 0)
     except ValueError as error:
         fail(f"--{error}")
-    except LevelError as error:
+    except brl.LevelError as error:
         # Only the theme can be wrong: the files must be valid wherever they are.
         fail(error.diagnostics[0].message, error.diagnostics[0].help)
     return batch
@@ -302,12 +301,11 @@ def _suite_named(suite: str, conditions: dict[str, Any]) -> SuiteFields:
     """Return a suite's fields, with the given count."""
     from babyrobot_levels.language.suite import SuiteFields
     from babyrobot_levels.suites.generate import fields_to_generate
-    from babyrobot_levels.suites.suite import load_suite
 
     given = [name for name in given_options(conditions) if name != "--count"]
     if given:
         fail(f"{given[0]} cannot be combined with a suite", "leave out one of the two")
-    loaded = load_suite(suite)
+    loaded = brl.load_suite(suite)
     fields = loaded.fields
     if not isinstance(fields, SuiteFields):
         fail(
@@ -335,11 +333,10 @@ def _digests_in(folders: list[Path], workers: Workers) -> frozenset[str]:
 def digest_of(path: Path) -> str | None:
     """Return the digest of a file's level, None for suites, invalid levels and random mazes."""
     from babyrobot_levels.library.level import load_file
-    from babyrobot_levels.text.errors import LevelError
 
     try:
         level = load_file(path)
-    except LevelError:
+    except brl.LevelError:
         return None
     return None if level.has_random_maze else level.digest
 
@@ -374,12 +371,11 @@ def _write(target: Target, workers: Workers, *, keep_going: bool) -> None:
 
 def _reason(target: Target, error: Exception) -> str:
     """Return why a level could not be made."""
-    from babyrobot_levels.generation.search import UnsatisfiableError
-    from babyrobot_levels.text.errors import BabyRobotError
-
-    if isinstance(error, UnsatisfiableError):
+    if isinstance(error, brl.UnsatisfiableError):
         return _unmet(error, from_options=target.batch.description.startswith("babyrobot"))
-    return str(error) if isinstance(error, BabyRobotError) else f"{type(error).__name__}: {error}"
+    return (
+        str(error) if isinstance(error, brl.BabyRobotError) else f"{type(error).__name__}: {error}"
+    )
 
 
 def _note_help(target: Target, error: Exception) -> None:
@@ -390,7 +386,7 @@ def _note_help(target: Target, error: Exception) -> None:
         note(f"  help: use a larger size, for example {_grown(target.batch.suite, needs)}")
 
 
-def _unmet(error: UnsatisfiableError, *, from_options: bool) -> str:
+def _unmet(error: brl.UnsatisfiableError, *, from_options: bool) -> str:
     """Return which condition was not met: by its option, or by its field in a suite."""
     from babyrobot_levels.language.suite import SuiteFields
 

@@ -7,19 +7,16 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note, value_option
 from babyrobot_levels.cli.meant import NO_LEVEL
 from babyrobot_levels.cli.parallel import Workers, map_all
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, read_path, summary
 from babyrobot_levels.text.files import RESERVED, make_folder
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.suites.suite import Suite
 
 LevelArgument = Annotated[
     str,
@@ -50,17 +47,15 @@ def check_name(name: str) -> None:
         )
 
 
-def load_level(text: str) -> Level:
+def load_level(text: str) -> brl.Level:
     """Return the level that an argument names."""
     from babyrobot_levels.language.share_code import is_code
-    from babyrobot_levels.library.catalogue import load
-    from babyrobot_levels.text.errors import LevelNotFoundError
 
     if text == str(STANDARD_INPUT):
         return _read_level()
     if ("\n" in text and not is_code(text)) or NO_LEVEL.fullmatch(text):
-        raise LevelNotFoundError(text)
-    return load(text)
+        raise brl.LevelNotFoundError(text)
+    return brl.load(text)
 
 
 def file_of(text: str) -> Path:
@@ -73,14 +68,14 @@ def file_of(text: str) -> Path:
     return Path(text) if looks_like_path(text) else find(text)
 
 
-def load_two(one: str, other: str) -> tuple[Level, Level]:
+def load_two(one: str, other: str) -> tuple[brl.Level, brl.Level]:
     """Return the levels that two arguments name; one of them may be standard input."""
     if one == other == str(STANDARD_INPUT):
         fail("only one of the two levels can be standard input")
     return load_level(one), load_level(other)
 
 
-def configuration_of(level: Level, held: str) -> int:
+def configuration_of(level: brl.Level, held: str) -> int:
     """Return the configuration that `--held` names: just these things held, or on."""
     from babyrobot_levels.analysis import pictures
 
@@ -101,14 +96,14 @@ def json_mapping(text: str) -> dict[str, Any]:
     return keywords
 
 
-def _read_level() -> Level:
+def _read_level() -> brl.Level:
     """Return the level on standard input."""
     from babyrobot_levels.library.level import load_source
 
     return load_source(read_path(STANDARD_INPUT))
 
 
-def with_seed(level: Level, maze_seed: int | None) -> Level:
+def with_seed(level: brl.Level, maze_seed: int | None) -> brl.Level:
     """Return a level with the maze of a seed, which is required if its maze is random."""
     if level.has_random_maze:
         if maze_seed is None:
@@ -141,26 +136,22 @@ def is_one_level(words: Sequence[str]) -> bool:
 
 def names_levels(word: str) -> bool:
     """Return whether an argument names a level, folder, pack or suite that exists."""
-    from babyrobot_levels.text.errors import BabyRobotError
-
     try:
         return not is_one_level([word]) or load_level(word) is not None
-    except BabyRobotError:
+    except brl.BabyRobotError:
         return False
 
 
-def levels_named(words: Sequence[str], split: str | None = None) -> Suite | list[Any]:
+def levels_named(words: Sequence[str], split: str | None = None) -> brl.Suite | list[Any]:
     """Return the levels that arguments name: a suite, or what `load` takes for each level.
 
     Args:
         words: the arguments.
         split: the part of a suite that is meant; None for all of it.
     """
-    from babyrobot_levels.suites.suite import Suite
-
     found = [(word, _named(word)) for word in words]
     for word, suite in found:
-        if not isinstance(suite, Suite):
+        if not isinstance(suite, brl.Suite):
             continue
         if len(words) > 1:
             fail(f"{word} is a suite, which stands alone", "leave out the other arguments")
@@ -204,15 +195,13 @@ def valid_levels(
     return [each for each in levels if each not in broken], len(broken)
 
 
-def each_loaded(levels: Suite | list[Any]) -> Iterator[Level]:
+def each_loaded(levels: brl.Suite | list[Any]) -> Iterator[brl.Level]:
     """Yield the levels that `levels_named` has returned."""
-    from babyrobot_levels.library.catalogue import load
-
     for level in levels:
-        yield load(level)
+        yield brl.load(level)
 
 
-def names_of_files(levels: Iterator[Level]) -> Iterator[tuple[str, Level]]:
+def names_of_files(levels: Iterator[brl.Level]) -> Iterator[tuple[str, brl.Level]]:
     """Yield each level with a name for a file, which none before it has."""
     taken = set(RESERVED)
     for level in levels:
@@ -238,16 +227,15 @@ def _is_input(word: str) -> bool:
     return word == str(STANDARD_INPUT) or "\n" in word
 
 
-def _named(word: str) -> Suite | list[Any]:
+def _named(word: str) -> brl.Suite | list[Any]:
     """Return what an argument names: a suite, or what `load` takes for each level."""
     from babyrobot_levels.suites.suite import named_levels
-    from babyrobot_levels.text.errors import BabyRobotError
 
     if _is_input(word) or NO_LEVEL.fullmatch(word):
         return [load_level(word)]
     try:
         return named_levels(word)  # type: ignore[return-value]
-    except BabyRobotError:
+    except brl.BabyRobotError:
         raise
     except ValueError as error:
         fail(str(error))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.app import INTERRUPTED
 from babyrobot_levels.cli.console import (
     FINDINGS,
@@ -31,10 +32,7 @@ from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.scoring.many import LevelMetrics, LevelValue
-    from babyrobot_levels.suites.suite import Suite
-
-    Row = LevelValue | LevelMetrics
+    Row = brl.LevelValue | brl.LevelMetrics
     Rows = Callable[..., Generator[Row]]
 
 RowsOption = Annotated[
@@ -93,7 +91,7 @@ def number(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
-def levels_for_rows(words: list[str], options: RowOptions) -> Suite | list[Any] | None:
+def levels_for_rows(words: list[str], options: RowOptions) -> brl.Suite | list[Any] | None:
     """Return the levels that arguments name; None for one level that is shown as a whole."""
     if not options.want_rows and is_one_level(words):
         return None
@@ -104,7 +102,7 @@ def levels_for_rows(words: list[str], options: RowOptions) -> Suite | list[Any] 
 
 
 def write_rows(
-    make: Rows, levels: Suite | list[Any], columns: Columns, options: RowOptions
+    make: Rows, levels: brl.Suite | list[Any], columns: Columns, options: RowOptions
 ) -> None:
     """Write a row for each level; end the command with status 1 if a level has an error.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     FINDINGS,
     ForceOption,
@@ -28,8 +29,6 @@ from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.packs.archive import Archive
-    from babyrobot_levels.library.packs.build import Packed
-    from babyrobot_levels.library.packs.store import Installation
 
 MAX_SHOWN = 10
 """The largest number of files that a message names."""
@@ -71,7 +70,6 @@ def pack(
     """
     from babyrobot_levels.library.packs import build as packing
     from babyrobot_levels.library.packs.archive import SUFFIX, PackError
-    from babyrobot_levels.linter.linting import lint
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
@@ -92,7 +90,7 @@ def pack(
             else "it describes the pack; see `babyrobot pack --help` for an example",
         )
     try:
-        packed = packing.pack(folder, lint)
+        packed = packing.pack(folder, brl.lint)
     except PackError as error:
         note(f"error: {one_line(f'{folder} cannot be packed: {error}')}")
         raise typer.Exit(FINDINGS) from None
@@ -121,14 +119,14 @@ def pack(
         note(f"the $schema line contains a path of your machine: {names}")
 
 
-def _report(packed: Packed, folder: Path, report_format: ReportFormat) -> None:
+def _report(packed: brl.Packed, folder: Path, report_format: ReportFormat) -> None:
     from babyrobot_levels.cli.reporting import FindingsFormat, write_report
 
     files = [folder / path for path in packed.paths]
     write_report(FindingsFormat(report_format), packed.diagnostics, files, clean="clean")
 
 
-def _warn(packed: Packed) -> None:
+def _warn(packed: brl.Packed) -> None:
     """Write the findings that do not prevent a pack to standard error."""
     if packed.diagnostics:
         from babyrobot_levels.cli.reporting import findings_text, summary
@@ -137,7 +135,7 @@ def _warn(packed: Packed) -> None:
         sys.stderr.write(f"{report}\n{summary(packed.diagnostics, len(packed.paths))}\n")
 
 
-def _inside(packed: Packed) -> dict[str, Any]:
+def _inside(packed: brl.Packed) -> dict[str, Any]:
     return {
         "levels": [
             {"name": name, "file": entry.file, "digest": entry.digest}
@@ -197,14 +195,13 @@ def install(
       babyrobot preview zoo/lion
     """
     from babyrobot_levels.library.packs import store
-    from babyrobot_levels.library.packs.archive import PackConflictError, PackError
 
     try:
         done = store.install(file, force=force)
-    except PackError as error:
+    except brl.PackError as error:
         note(f"error: {one_line(f'{file} was not installed: {error}')}")
         raise typer.Exit(FINDINGS) from None
-    except PackConflictError as error:
+    except brl.PackConflictError as error:
         fail(f"{file} was not installed: {error}", error.help)
     except IsADirectoryError:
         fail(f"{file} is a folder", "use `babyrobot pack` to make a pack of it")
@@ -231,11 +228,10 @@ def uninstall(
       babyrobot uninstall zoo
     """
     from babyrobot_levels.library.packs import carried_packs, store
-    from babyrobot_levels.library.packs.archive import PackConflictError, PackNotFoundError
 
     try:
         gone = store.uninstall(name)
-    except PackNotFoundError as error:
+    except brl.PackNotFoundError as error:
         for carried in carried_packs():
             if carried.name == name:
                 package = carried.package_name
@@ -244,12 +240,12 @@ def uninstall(
                     f"pip uninstall {package}" if package else None,
                 )
         fail(str(error), "see `babyrobot list --packs`")
-    except PackConflictError as error:
+    except brl.PackConflictError as error:
         fail(str(error), error.help)
     write(f"uninstalled {gone.name}{f' {gone.version}' if gone.version else ''}\n")
 
 
-def _to_dict(archive: Archive, done: Installation) -> dict[str, Any]:
+def _to_dict(archive: Archive, done: brl.Installation) -> dict[str, Any]:
     return {
         "name": done.pack.name,
         "version": done.pack.version,
@@ -264,7 +260,7 @@ def _to_dict(archive: Archive, done: Installation) -> dict[str, Any]:
     }
 
 
-def _write_installed(archive: Archive, done: Installation) -> None:
+def _write_installed(archive: Archive, done: brl.Installation) -> None:
     name, version = done.pack.name, done.pack.version
     if done.contents is None:
         write(f"{name} {version} is already installed\n")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.analysis.pictures import FORMATS, PictureFormat, titles_of
 from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode
 from babyrobot_levels.cli.inputs import configuration_of
@@ -24,8 +25,6 @@ from babyrobot_levels.render.words.rules import MOST
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.results import Solution
-    from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.scene.layout import Overlay, Rows
 
 Name = TypeVar("Name", bound=str)
@@ -39,7 +38,7 @@ class PolicyName(StrEnum):
 
 
 def picture(
-    level: Level, format_name: str, asked: Mapping[str, Any], report: Report
+    level: brl.Level, format_name: str, asked: Mapping[str, Any], report: Report
 ) -> str | bytes:
     """Return a picture, film or page, of whose making `report` is told.
 
@@ -88,13 +87,12 @@ def check_policy(chosen: PictureFormat, policy: str | None) -> None:
 def _refusing(help_text: str) -> Iterator[None]:
     """End the command if a picture cannot be made."""
     from babyrobot_levels.analysis.guides import EndlessVisitsError
-    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
         yield
     except EndlessVisitsError as error:
         fail(str(error), "leave out --visits, or give the level an end")
-    except UndefinedReturnError as error:
+    except brl.UndefinedReturnError as error:
         _end_unsolved(error)
     except ValueError as error:
         fail(str(error), help_text)
@@ -105,7 +103,7 @@ def _end_unsolved(error: ArithmeticError) -> NoReturn:
     raise typer.Exit(FINDINGS) from None
 
 
-def check_page_size(level: Level, help_text: str) -> None:
+def check_page_size(level: brl.Level, help_text: str) -> None:
     """End the command if a level is too large for a page, before it is solved for one."""
     from babyrobot_levels.render.page import without_panels
     from babyrobot_levels.render.page_format import TooLargeError
@@ -116,7 +114,7 @@ def check_page_size(level: Level, help_text: str) -> None:
         fail(str(error), help_text)
 
 
-def shown_configuration(level: Level, configuration: int | None) -> int | None:
+def shown_configuration(level: brl.Level, configuration: int | None) -> int | None:
     """Return the configuration whose values are shown; None without things.
 
     By default it is the one in which episodes begin.
@@ -129,20 +127,17 @@ def shown_configuration(level: Level, configuration: int | None) -> int | None:
 
 
 def solution_of(
-    level: Level,
+    level: brl.Level,
     discount: float | None = None,
     actions: str = "all",
     within: int | None = None,
-) -> Solution:
+) -> brl.Solution:
     """Return the solution of a level; end the command if it has none."""
-    from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
-
     try:
-        return solve(level, discount, actions=actions, within=within)
-    except UndefinedReturnError as error:
+        return brl.solve(level, discount, actions=actions, within=within)
+    except brl.UndefinedReturnError as error:
         _end_unsolved(error)
-    except EpisodeTooLongError as error:
+    except brl.EpisodeTooLongError as error:
         fail(str(error))
 
 
@@ -154,7 +149,7 @@ _COLUMNS = 100
 
 
 def text_picture(
-    level: Level,
+    level: brl.Level,
     *,
     plain: bool = False,
     configuration: int | None = None,
@@ -166,8 +161,8 @@ def text_picture(
 
 
 def solution_text(
-    level: Level,
-    solution: Solution,
+    level: brl.Level,
+    solution: brl.Solution,
     *,
     values: bool,
     policy: bool,
@@ -205,7 +200,7 @@ def solution_text(
 
 
 def values_text(
-    solution: Solution, configuration: int | None, never: Set[tuple[int, int]] = frozenset()
+    solution: brl.Solution, configuration: int | None, never: Set[tuple[int, int]] = frozenset()
 ) -> str:
     """Return the values in rows and columns, with two decimals."""
     rows = solution.at(configuration or 0).values.tolist()
@@ -217,14 +212,14 @@ def takes_pictures() -> bool:
     return colors_of(sys.stdout) > 0 and speaks_unicode(sys.stdout)
 
 
-def _values(solution: Solution, configuration: int | None) -> Rows[float | None]:
+def _values(solution: brl.Solution, configuration: int | None) -> Rows[float | None]:
     """Return the value of each cell, None where there is none."""
     rows = solution.at(configuration or 0).values.tolist()
     return [[None if math.isnan(value) else value for value in row] for row in rows]
 
 
 def _text(
-    level: Level,
+    level: brl.Level,
     overlay: Overlay | None,
     configuration: int | None,
     *,
@@ -266,7 +261,7 @@ def _text(
     return _joined(lines) + below + ("\n" + _joined(legend) if legend else "")
 
 
-def _is_small(level: Level, overlay: Overlay | None) -> bool:
+def _is_small(level: brl.Level, overlay: Overlay | None) -> bool:
     """Return whether a level is too wide for a terminal but as blocks of colour."""
     columns = room_of(sys.stdout).columns if sys.stdout.isatty() else sys.maxsize
     has_arrows = overlay is not None and overlay.actions is not None

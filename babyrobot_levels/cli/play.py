@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import fail, note, speaks_unicode, value_option, write
 from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
 from babyrobot_levels.cli.keyboard import NextKey, keyboard
@@ -24,8 +25,6 @@ from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
     import os
-
-    from babyrobot_levels.library.level import Level
 
 
 class PlayActions(StrEnum):
@@ -167,7 +166,7 @@ class _Game:
 
     def __init__(
         self,
-        level: Level,
+        level: brl.Level,
         seed: int | None,
         maze_seed: int | None,
         record: Path | None,
@@ -188,7 +187,7 @@ class _Game:
         self._use(self._env.get_wrapper_attr("level"))
         self.begin(seed)
 
-    def _use(self, level: Level) -> None:
+    def _use(self, level: brl.Level) -> None:
         """Set the level of the episode: one with a random maze has others."""
         from babyrobot_levels.render.text import TextPainter
         from babyrobot_levels.render.words.describe import goal_of
@@ -311,14 +310,12 @@ class _Game:
     def _solved(self) -> list[int]:
         """Return the optimal action of each state; none if the level has no solution."""
         from babyrobot_levels.analysis.guides import best_average, policy_of
-        from babyrobot_levels.analysis.solver.optimum import solve
-        from babyrobot_levels.analysis.solver.results import UndefinedReturnError
         from babyrobot_levels.render.page_format import rounded
 
         if self._policy is None:
             self._policy = []
-            with suppress(UndefinedReturnError):
-                solution = solve(self._level, actions="turns" if self._turns else "all")
+            with suppress(brl.UndefinedReturnError):
+                solution = brl.solve(self._level, actions="turns" if self._turns else "all")
                 best = best_average(self._level, solution)
                 limit = self._level.max_steps
                 told = rounded(best).replace("\N{MINUS SIGN}", "-")
@@ -433,12 +430,9 @@ class _Game:
 
 def _recorded(env: Any, path: Path) -> Any:
     """Return an environment whose episodes are recorded; end the command if that is impossible."""
-    from babyrobot_levels.language.play import PlayError
-    from babyrobot_levels.scoring.plays import RecordPlay
-
     try:
-        return RecordPlay(env, path)
-    except PlayError as error:
+        return brl.RecordPlay(env, path)
+    except brl.PlayError as error:
         fail(str(error))
     except OSError as error:
         fail(f"{path} cannot be written ({error.strerror or error})")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 import typer
 from typer.core import TyperCommand
 
+import babyrobot_levels as brl
 from babyrobot_levels.analysis.pictures import (
     FORMATS,
     MAX_SCALE,
@@ -60,11 +61,6 @@ from babyrobot_levels.render.text import WIDEST
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.source import printable
 from babyrobot_levels.text.words import AGENTS, listed
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.suites.suite import Suite
-
 
 if TYPE_CHECKING:
     FormatName: TypeAlias = str
@@ -287,7 +283,7 @@ def preview(
     }
     plain = chosen.name == "ascii" or output is not None
 
-    def drawn(level: Level, report: Report, **pages: str | None) -> str | bytes:
+    def drawn(level: brl.Level, report: Report, **pages: str | None) -> str | bytes:
         shown = _prepared(level, theme, coordinates, maze_seed, several=not one)
         if is_text:
             check_policy(chosen, policy)
@@ -319,7 +315,7 @@ def _is_folder(output: Path | None, picture_format: str | None) -> bool:
 
 
 def _put_all(
-    levels: Suite | list[Any],
+    levels: brl.Suite | list[Any],
     drawn: Callable[..., str | bytes],
     chosen: PictureFormat,
     output: Path | None,
@@ -401,13 +397,13 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
 
 
 def _prepared(
-    level: Level,
+    level: brl.Level,
     theme: str | None,
     coordinates: bool,
     maze_seed: int | None,
     *,
     several: bool = False,
-) -> Level:
+) -> brl.Level:
     """Return the level with the theme, coordinates and maze that are asked for.
 
     The seed is for the random mazes among several levels.
@@ -427,7 +423,7 @@ def _prepared(
 
 
 def _text(
-    level: Level, *, values: bool, policy: bool, held: str | None, plain: bool, rules: bool
+    level: brl.Level, *, values: bool, policy: bool, held: str | None, plain: bool, rules: bool
 ) -> str:
     configuration = None if held is None else configuration_of(level, held)
     if not (values or policy):

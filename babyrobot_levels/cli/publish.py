@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     FINDINGS,
     STANDARD_OUTPUT,
@@ -31,11 +32,6 @@ from babyrobot_levels.cli.parallel import JobsOption, jobs_for, working
 from babyrobot_levels.cli.pictures import format_by_suffix
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.publish.sheet import Sheet
-    from babyrobot_levels.suites.suite import Suite
 
 WORTH_IT = 16
 """With fewer levels, starting processes takes longer than it saves."""
@@ -104,9 +100,7 @@ def gallery(
       babyrobot gallery levels --key -o teacher
     """
     from babyrobot_levels.publish.gallery import check_place
-    from babyrobot_levels.publish.gallery import gallery as written
     from babyrobot_levels.scoring.many import reason
-    from babyrobot_levels.suites.batch import FolderError
 
     if key and no_answers:
         fail("--key and --no-answers cannot be combined", "leave out one of the two")
@@ -114,12 +108,12 @@ def gallery(
         fail("a gallery is a folder, and cannot be piped", "name the folder: -o DIR")
     try:
         check_place(output, force=force)
-        found: Suite | list[Any] = levels_named(levels, split)[:count]
+        found: brl.Suite | list[Any] = levels_named(levels, split)[:count]
         broken = 0
         if isinstance(found, list):
             found, broken = valid_levels(found, "gallery was", jobs=jobs, keep_going=keep_going)
         with working("writing") as report:
-            made = written(
+            made = brl.gallery(
                 found,
                 output,
                 title=title if title is not None else _title(levels),
@@ -132,7 +126,7 @@ def gallery(
                 jobs=jobs_for(len(found), jobs, WORTH_IT),
                 progress=report,
             )
-    except FolderError as error:
+    except brl.FolderError as error:
         fail(str(error), error.help)
     except ValueError as error:
         fail(str(error))
@@ -193,17 +187,14 @@ def dataset(
 
       babyrobot dataset levels --license cc-by-4.0 -o gallery
     """
-    from babyrobot_levels.publish.dataset import dataset as written
-    from babyrobot_levels.suites.batch import FolderError
-
     if output == STANDARD_OUTPUT:
         fail("a data set is a folder, and cannot be piped", "name the folder: -o DIR")
     try:
-        found: Suite | list[Any] = levels_named(levels, split)[:count]
+        found: brl.Suite | list[Any] = levels_named(levels, split)[:count]
         if isinstance(found, list):
             found, _ = valid_levels(found, "data set was", jobs=jobs)
         with working("writing") as report:
-            made = written(
+            made = brl.dataset(
                 found,
                 output,
                 title=title if title is not None else _title(levels),
@@ -212,7 +203,7 @@ def dataset(
                 jobs=jobs_for(len(found), jobs, WORTH_IT),
                 progress=report,
             )
-    except FolderError as error:
+    except brl.FolderError as error:
         fail(str(error), error.help)
     except (ImportError, ValueError) as error:
         fail(str(error))
@@ -316,7 +307,6 @@ def sheet(
       babyrobot sheet classics --landscape --paper letter --no-rules -o sheet.html
     """
     from babyrobot_levels.publish.sheet import MAX_LEVELS
-    from babyrobot_levels.publish.sheet import sheet as make
 
     chosen = _chosen_format(sheet_format, output)
     named = levels_named(levels, split)
@@ -327,7 +317,7 @@ def sheet(
     loaded = [_with_maze(level) for level in each_loaded(named)]
     with working("drawing") as report:
         try:
-            made = make(
+            made = brl.sheet(
                 loaded,
                 title=title,
                 per_page=per_page,
@@ -350,7 +340,7 @@ def sheet(
         _put(made, chosen, output)
 
 
-def _with_maze(level: Level) -> Level:
+def _with_maze(level: brl.Level) -> brl.Level:
     if not level.has_random_maze:
         return level
     name = one_line(level.name or "a level")
@@ -364,7 +354,7 @@ def _chosen_format(sheet_format: SheetFormat | None, output: Path | None) -> She
     return format_by_suffix(output, {f".{each}": each for each in SheetFormat})
 
 
-def _put(made: Sheet, chosen: SheetFormat, output: Path | None) -> None:
+def _put(made: brl.Sheet, chosen: SheetFormat, output: Path | None) -> None:
     """Write a sheet to a file, several PNG files, or standard output."""
     if chosen is SheetFormat.PNG and _has_other_letters(made):
         note("PNG files show Latin letters only, and there are others: use --format html")
@@ -379,7 +369,7 @@ def _put(made: Sheet, chosen: SheetFormat, output: Path | None) -> None:
         put(made.to_html() if chosen is SheetFormat.HTML else page(), None, chosen.upper())
 
 
-def _has_other_letters(made: Sheet) -> bool:
+def _has_other_letters(made: brl.Sheet) -> bool:
     """Return whether a sheet has letters that are not Latin, which Pillow's own font lacks."""
     from babyrobot_levels.render.scene.shapes import Text
 

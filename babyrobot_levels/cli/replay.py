@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     FINDINGS,
     FormatOption,
@@ -29,11 +30,6 @@ from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.text.files import SUFFIXES
 from babyrobot_levels.text.source import printable
-
-if TYPE_CHECKING:
-    from babyrobot_levels.scoring.grades import Grade
-    from babyrobot_levels.scoring.plays import Play
-    from babyrobot_levels.scoring.verify import Verification
 
 _LONGEST_SHOW = 12.0
 """The most seconds that showing an episode takes."""
@@ -100,14 +96,12 @@ def replay(
         raise typer.Exit(FINDINGS)
 
 
-def _read(file: Path) -> list[Play]:
+def _read(file: Path) -> list[brl.Play]:
     """Return the plays of a file; end the command if it cannot be read."""
-    from babyrobot_levels.scoring.plays import read_plays
-
     if file.suffix in SUFFIXES:
         fail(f"{file} is a level, and no play", f"to play it: babyrobot play {quoted(file)}")
     try:
-        return read_plays(file)
+        return brl.read_plays(file)
     except PlayError as error:
         note(f"error: {error}")
         raise typer.Exit(FINDINGS) from None
@@ -118,7 +112,7 @@ def _read(file: Path) -> list[Play]:
 # -- what is told --------------------------------------------------------------------------
 
 
-def _data(number: int, verification: Verification) -> dict[str, Any]:
+def _data(number: int, verification: brl.Verification) -> dict[str, Any]:
     """Return what is known about a play, for JSON: null where it is not known."""
     from babyrobot_levels.scoring.grades import bounds_of
 
@@ -160,7 +154,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
+def _facts(row: dict[str, Any], play: brl.Play) -> dict[str, str]:
     """Return what is told about one play."""
     steps = "1 step" if play.steps == 1 else f"{play.steps:,} steps"
     limit = f" of {play.max_steps:,}" if play.max_steps is not None else ""
@@ -187,13 +181,13 @@ def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
     }
 
 
-def help_text(row: Play | Grade) -> str:
+def help_text(row: brl.Play | brl.Grade) -> str:
     """Return what helped a player, as the game tells; the empty text for nothing."""
     counts = {"hints": row.hints, "undone": row.undone, "watched": row.watched}
     return ", ".join(f"{count} {name}" for name, count in counts.items() if count)
 
 
-def _discounted(play: Play) -> str:
+def _discounted(play: brl.Play) -> str:
     return f" (discount {play.discount:g})" if play.discount < 1 else ""
 
 
@@ -228,7 +222,7 @@ def _cells(row: dict[str, Any]) -> list[str]:
 # -- what is shown -------------------------------------------------------------------------
 
 
-def _show(play: Play) -> None:
+def _show(play: brl.Play) -> None:
     """Show an episode on a terminal, step by step; Ctrl-C ends that."""
     from babyrobot_levels.render.terminal import Terminal
     from babyrobot_levels.render.text import TextPainter
@@ -260,7 +254,7 @@ def _show(play: Play) -> None:
     write("\n")
 
 
-def _save_film(verification: Verification, path: Path) -> None:
+def _save_film(verification: brl.Verification, path: Path) -> None:
     with working("drawing") as report:
         try:
             film = verification.to_gif(progress=report)

@@ -11,12 +11,12 @@ from typing import IO, TYPE_CHECKING, Annotated, cast
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import fail, note, wants_color, width_of, write
 from babyrobot_levels.text.diagnostics import Severity, one_line
 
 if TYPE_CHECKING:
     from babyrobot_levels.linter.reporters import MachineFormat
-    from babyrobot_levels.text.diagnostics import Diagnostic
     from babyrobot_levels.text.source import SourceFile
 
 _RESET = "\x1b[0m"
@@ -62,7 +62,7 @@ FindingsOption = Annotated[
 
 def write_report(
     kind: FindingsFormat,
-    diagnostics: Sequence[Diagnostic],
+    diagnostics: Sequence[brl.Diagnostic],
     files: Sequence[Path],
     *,
     clean: str = "valid",
@@ -95,7 +95,7 @@ def write_report(
     write(render(cast("MachineFormat", kind.value), diagnostics, names, described, __version__))
 
 
-def findings_text(diagnostics: Iterable[Diagnostic], stream: IO[str]) -> str:
+def findings_text(diagnostics: Iterable[brl.Diagnostic], stream: IO[str]) -> str:
     """Return findings as text, separated by blank lines; empty if there are none.
 
     On a terminal they are in colour, and source lines are cut to its width.
@@ -105,7 +105,7 @@ def findings_text(diagnostics: Iterable[Diagnostic], stream: IO[str]) -> str:
     return "\n\n".join(shown) + "\n" if shown else ""
 
 
-def summary(diagnostics: Sequence[Diagnostic], files: int, clean: str = "valid") -> str:
+def summary(diagnostics: Sequence[brl.Diagnostic], files: int, clean: str = "valid") -> str:
     """Return the last line of a report: the number of findings and files.
 
     `clean` is the word for files without findings.
@@ -120,7 +120,7 @@ def summary(diagnostics: Sequence[Diagnostic], files: int, clean: str = "valid")
     return f"{listed} in 1 file" if files == 1 else f"{listed} in {affected} of {files} files"
 
 
-def _colored(diagnostic: Diagnostic, width: int | None) -> str:
+def _colored(diagnostic: brl.Diagnostic, width: int | None) -> str:
     color = _COLORS[diagnostic.severity]
     head = (
         f"{_BOLD}{one_line(diagnostic.location)}{_RESET}: "
@@ -172,9 +172,8 @@ def _note_file_of(path: Path) -> None:
     if path == STANDARD_INPUT or path.suffix or is_file(path):
         return
     from babyrobot_levels.library.catalogue import find
-    from babyrobot_levels.text.errors import LevelNotFoundError
 
-    with suppress(LevelNotFoundError):
+    with suppress(brl.LevelNotFoundError):
         file = find(path.as_posix())
         note(f"{path} is the name of a level, but this command takes files: {file}")
 

@@ -8,10 +8,11 @@ from collections.abc import Callable, Mapping
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.agents import FITTING, PLAYS, blamed, named_agent
 from babyrobot_levels.cli.console import (
     FINDINGS,
@@ -38,10 +39,6 @@ from babyrobot_levels.cli.solve import ActionSet, ActionsOption
 from babyrobot_levels.render.words.phrases import name_of
 from babyrobot_levels.text.source import printable
 from babyrobot_levels.text.words import AGENTS, BEST, NAMED, RANDOM
-
-if TYPE_CHECKING:
-    from babyrobot_levels.scoring.grades import Grade, Grades
-    from babyrobot_levels.scoring.results import LevelScore, Scores
 
 
 class Rule(StrEnum):
@@ -239,12 +236,8 @@ def score(
 # -- agents --------------------------------------------------------------------------------
 
 
-def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
+def _scores(what: list[str], *, trust: bool, **options: Any) -> brl.Scores:
     """Return the scores of an agent; end the command if there are none."""
-    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
-    from babyrobot_levels.scoring.score import score as scores_of
-    from babyrobot_levels.text.errors import BabyRobotError
-
     word, *names = what
     levels = levels_named(names)
     with working("scoring"), warnings.catch_warnings():
@@ -253,10 +246,10 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
         try:
             with blamed(word, is_reader=options["sight"] is not None):
                 agent = named_agent(word, trust=trust)
-                return scores_of(levels, agent, **options)
-        except (UndefinedReturnError, EpisodeTooLongError) as error:
+                return brl.score(levels, agent, **options)
+        except (brl.UndefinedReturnError, brl.EpisodeTooLongError) as error:
             fail(str(error))
-        except BabyRobotError:
+        except brl.BabyRobotError:
             raise
         except (TypeError, ValueError) as error:
             fail(
@@ -265,7 +258,7 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
             )
 
 
-def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:
+def _put(scores: brl.Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:
     """Write the scores of an agent."""
     if output is not None:
         pictures = {".svg": scores.to_svg, ".png": scores.to_png}
@@ -277,7 +270,7 @@ def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool)
         write("\n" + fact_lines({**_summary(scores), "returns": _limits(scores)}))
 
 
-def _written(found: Scores | Grades, kind: TableFormat) -> bool:
+def _written(found: brl.Scores | brl.Grades, kind: TableFormat) -> bool:
     """Write scores or grades for other programs; return whether they are for those."""
     if kind is TableFormat.CSV:
         write(found.to_csv())
@@ -297,7 +290,7 @@ def _save(makers: Mapping[str, Callable[[], Any]], output: Path, *, force: bool)
     save(output, makers[suffix](), force=force)
 
 
-def _score_cells(row: LevelScore) -> list[str]:
+def _score_cells(row: brl.LevelScore) -> list[str]:
     earned = short(row.expected_return)
     if row.episodes:
         earned += f" ({short(row.low)} to {short(row.high)})"
@@ -313,7 +306,7 @@ def _score_cells(row: LevelScore) -> list[str]:
     ]
 
 
-def _limits(scores: Scores) -> str:
+def _limits(scores: brl.Scores) -> str:
     """Return within how many steps returns are; of several levels, each may have its own."""
     from babyrobot_levels.render.words.phrases import limited
 
@@ -321,7 +314,7 @@ def _limits(scores: Scores) -> str:
     return limited(limits.pop()) if len(limits) == 1 else "within each level's max_steps"
 
 
-def _summary(scores: Scores) -> dict[str, str]:
+def _summary(scores: brl.Scores) -> dict[str, str]:
     """Return what several scores have in common; nothing for one."""
     if len(scores) < 2:
         return {}
@@ -362,28 +355,25 @@ def _may_hold_plays(word: str) -> bool:
     return Path(word).is_dir() or Path(word).suffix.lower() in (PLAYS, ".zip")
 
 
-def _grades(files: list[str], level: str | None, rule: Rule) -> Grades:
+def _grades(files: list[str], level: str | None, rule: Rule) -> brl.Grades:
     """Return the grades of plays; end the command if the levels are not fit for that."""
-    from babyrobot_levels.library.catalogue import load
-    from babyrobot_levels.scoring.grades import grade
-
     if level is not None:
         # What is wrong with a level, its errors tell.
         levels = levels_named([level])
-        if any(load(each).has_random_maze for each in levels):
+        if any(brl.load(each).has_random_maze for each in levels):
             fail(
                 "the maze of this level is random",
                 "give the level with its seed: a file, or a code",
             )
     with working("verifying"):
         try:
-            return grade(files, level, points=rule)
+            return brl.grade(files, level, points=rule)
         except ValueError as error:
             fail(str(error))
 
 
 def _put_grades(
-    grades: Grades,
+    grades: brl.Grades,
     kind: TableFormat,
     output: Path | None,
     *,
@@ -418,7 +408,7 @@ def _put_grades(
         _write_grades(grades, has_level=has_level)
 
 
-def _write_grades(grades: Grades, *, has_level: bool) -> None:
+def _write_grades(grades: brl.Grades, *, has_level: bool) -> None:
     """Write a table; the columns of help and notes are left out if they are empty."""
     rows = [_grade_cells(each) for each in grades]
     is_shown = {name: any(row[name] for row in rows) for name in ("help", "notes")}
@@ -428,7 +418,7 @@ def _write_grades(grades: Grades, *, has_level: bool) -> None:
     write_table(heading, [[row[name] for name in heading] for row in rows], less)
 
 
-def _grade_cells(row: Grade) -> dict[str, str]:
+def _grade_cells(row: brl.Grade) -> dict[str, str]:
     more = f" + {row.unfinished}" if row.unfinished else ""
     verified = "yes" if row.episodes or row.unfinished else "-"
     return {
@@ -455,7 +445,7 @@ def _told(text: str, longest: int = _LONGEST_NAME) -> str:
     return name_of(text, longest)
 
 
-def _notes(row: Grade) -> str:
+def _notes(row: brl.Grade) -> str:
     """Return what else there is to know about the plays of a player."""
     told = {
         "copies left out": row.copies,

@@ -6,10 +6,11 @@ import itertools
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from typer.core import TyperCommand
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
@@ -37,10 +38,6 @@ from babyrobot_levels.cli.inputs import (
 )
 from babyrobot_levels.cli.parallel import track, working
 from babyrobot_levels.text.files import SUFFIXES
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
-
 
 WORTH_A_LOOK = 10_000
 """Mazes of fewer cells fit into a file, or are quickly found not to."""
@@ -141,7 +138,7 @@ def share(
             _save(folder / f"{name}.yaml", level, force=force)
 
 
-def _save(path: Path, level: Level, *, force: bool) -> None:
+def _save(path: Path, level: brl.Level, *, force: bool) -> None:
     from babyrobot_levels.text.emitter import emit
 
     save(path, emit(level.to_dict(whole=True)), force=force)
@@ -154,12 +151,12 @@ class _Shown:
     page: str | None
     answers: bool
 
-    def of(self, level: Level) -> str:
+    def of(self, level: brl.Level) -> str:
         if self.page is None:
             return level.share_code()
         return f"{self.page}#{self._fragment(level)}"
 
-    def _fragment(self, level: Level) -> str:
+    def _fragment(self, level: brl.Level) -> str:
         from babyrobot_levels.analysis.sharing import fragment_of
         from babyrobot_levels.cli.pictures import check_page_size
         from babyrobot_levels.render.page_format import TooLargeError
@@ -213,7 +210,7 @@ def resolve(
     put(text, output, force=force)
 
 
-def _check_walls(level: Level) -> None:
+def _check_walls(level: brl.Level) -> None:
     """End the command if a maze has too many walls for a file, before they are all written."""
     from babyrobot_levels.text.source import MAX_BYTES
 

@@ -6,10 +6,11 @@ import math
 from enum import StrEnum
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.console import (
     TableFormat,
     TableOption,
@@ -42,12 +43,6 @@ from babyrobot_levels.cli.pictures import (
 )
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import WIDEST
-
-if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.results import ExactSolution, Solution
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.configurations import Things
-    from babyrobot_levels.suites.suite import Suite
 
 LONGEST_FRACTION = 15
 """Fractions of more characters are decimals in the table; JSON has them."""
@@ -165,11 +160,9 @@ def solve(
     _solve_many(many, options, within=steps, discount=discount, actions=str(actions))
 
 
-def _solve_many(levels: Suite | list[Any], options: RowOptions, **how: Any) -> None:
+def _solve_many(levels: brl.Suite | list[Any], options: RowOptions, **how: Any) -> None:
     """Write what each level is worth."""
     from dataclasses import fields
-
-    from babyrobot_levels.scoring.many import LevelValue, solve_many
 
     shown = (
         ("states", "states", str),
@@ -177,8 +170,8 @@ def _solve_many(levels: Suite | list[Any], options: RowOptions, **how: Any) -> N
         ("steps", "steps", number),
         ("reaches an exit", "success", lambda value: f"{100 * value:.4g} %"),
     )
-    columns = Columns([field.name for field in fields(LevelValue)], shown, "solving")
-    write_rows(partial(solve_many, **how), levels, columns, options)
+    columns = Columns([field.name for field in fields(brl.LevelValue)], shown, "solving")
+    write_rows(partial(brl.solve_many, **how), levels, columns, options)
 
 
 def _check_discount(discount: float | None) -> None:
@@ -235,13 +228,11 @@ def _solve_one(
         write("\n" + _fraction_table(fractions.at(shown or 0, heading).values.tolist()))
 
 
-def _fractions(level: Level, discount: float | None, actions: ActionSet) -> ExactSolution:
-    from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.analysis.solver.results import NotExactError
+def _fractions(level: brl.Level, discount: float | None, actions: ActionSet) -> brl.ExactSolution:
 
     try:
-        return solve(level, discount, actions=str(actions), exact=True)
-    except NotExactError as error:
+        return brl.solve(level, discount, actions=str(actions), exact=True)
+    except brl.NotExactError as error:
         fail(str(error))
 
 
@@ -272,7 +263,7 @@ def _exactly(value: Fraction | float, rounded: str) -> str:
     return f"{text} = {rounded}"
 
 
-def _exact_data(found: ExactSolution) -> dict[str, Any]:
+def _exact_data(found: brl.ExactSolution) -> dict[str, Any]:
     """Return for JSON what a solution has over the rationals: fractions as text."""
 
     def text(values: Any) -> Any:
@@ -294,7 +285,7 @@ def _exact_data(found: ExactSolution) -> dict[str, Any]:
     }
 
 
-def _limit(within: str | None, level: Level) -> int | None:
+def _limit(within: str | None, level: brl.Level) -> int | None:
     """Return the number of steps that --within asks for, None for no limit."""
     from babyrobot_levels.analysis.solver.results import check_within
 
@@ -312,10 +303,9 @@ def _refuse_within(within: str | None) -> NoReturn:
     fail(f"--within must be a number of steps from 1 on, or max_steps, not {within}")
 
 
-def _note_limit(level: Level, solution: Solution) -> None:
+def _note_limit(level: brl.Level, solution: brl.Solution) -> None:
     """Say that the level has a time limit, if that changes what an optimal policy earns."""
     from babyrobot_levels.analysis.solver.horizon import best_return_within
-    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
     from babyrobot_levels.render.words.phrases import limited, with_limit
 
     steps = level.max_steps
@@ -326,7 +316,7 @@ def _note_limit(level: Level, solution: Solution) -> None:
         within = best_return_within(
             level, steps, actions=solution.actions, discount=solution.discount, quick=True
         )
-    except EpisodeTooLongError:
+    except brl.EpisodeTooLongError:
         note(ignored)
         return
     if not math.isclose(within, solution.expected_return, rel_tol=1e-6, abs_tol=1e-6):
@@ -334,7 +324,9 @@ def _note_limit(level: Level, solution: Solution) -> None:
         note(f"{ignored}; {best} is {within:.4g} (--within max_steps)")
 
 
-def _turns(level: Level, solution: Solution, configuration: int | None, *, values: bool) -> str:
+def _turns(
+    level: brl.Level, solution: brl.Solution, configuration: int | None, *, values: bool
+) -> str:
     """Return letters and values of a robot that looks as at the start."""
     part = solution.at(configuration or 0, level.heading)
     rows = part.policy.tolist()
@@ -343,7 +335,7 @@ def _turns(level: Level, solution: Solution, configuration: int | None, *, value
     return text + ("\n" + values_text(part, None) if values and level.size[0] <= WIDEST else "")
 
 
-def _data(level: Level, solution: Solution) -> dict[str, Any]:
+def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
     """Return the solution for JSON: null for cells without a value, strings for infinities."""
     from babyrobot_levels.analysis.endings import ending_of
     from babyrobot_levels.analysis.solver.results import action_names
@@ -384,7 +376,7 @@ def _data(level: Level, solution: Solution) -> dict[str, Any]:
     return data
 
 
-def _configuration(things: Things, values: list[int]) -> dict[str, Any]:
+def _configuration(things: brl.Things, values: list[int]) -> dict[str, Any]:
     """Return for JSON what is where in a configuration."""
     found = things.at(values)
     return {
@@ -408,7 +400,10 @@ def _number(value: float) -> float | str | None:
 
 
 def _summary(
-    level: Level, solution: Solution, configuration: int | None, fractions: ExactSolution | None
+    level: brl.Level,
+    solution: brl.Solution,
+    configuration: int | None,
+    fractions: brl.ExactSolution | None,
 ) -> str:
     from babyrobot_levels.render.words.phrases import with_limit
 
@@ -437,7 +432,7 @@ def _summary(
     return fact_lines(facts)
 
 
-def _shown(level: Level, configuration: int) -> str:
+def _shown(level: brl.Level, configuration: int) -> str:
     """Return how many configurations there are, which one is shown, and how to see others."""
     from babyrobot_levels.mdp.states import configuration_words, held_sets
 
