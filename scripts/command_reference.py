@@ -140,6 +140,8 @@ def _completed(command: str, function: Callable[..., Any]) -> Iterator[tuple[str
         takes: Any = KINDS.get(str(parameter.info.metavar or "").strip("[]"), "")
         if isinstance(parameter.kind, type) and issubclass(parameter.kind, Enum):
             takes = [str(choice.value) for choice in parameter.kind]
+        if not takes and get_origin(parameter.kind) is Literal:
+            takes = [*get_args(parameter.kind)]
         if parameter.is_argument:
             own = {"uninstall": "pack", "schema": "schema"}.get(command, takes)
             has_several = parameter.is_list and parameter.info.metavar == "LEVEL"
@@ -173,7 +175,8 @@ def _parameters(command: Callable[..., Any]) -> Iterator[_Parameter]:
     for name, parameter in inspect.signature(command).parameters.items():
         kind, info = get_args(hints[name])[:2]
         if isinstance(info, OptionInfo | ArgumentInfo) and not info.hidden:
-            kinds = [inner for inner in get_args(kind) if inner is not type(None)] or [kind]
+            inner = () if get_origin(kind) is Literal else get_args(kind)
+            kinds = [each for each in inner if each is not type(None)] or [kind]
             is_optional = get_origin(kinds[0]) is list
             innermost = get_args(kinds[0])[0] if is_optional else kinds[0]
             is_list = is_optional or get_origin(kind) is list

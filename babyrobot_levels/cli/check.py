@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 def validate(
     paths: PathsArgument = None,
-    report_format: FindingsOption = FindingsFormat.TEXT,
+    report_format: FindingsOption = "text",
     jobs: JobsOption = None,
     ray: RayOption = False,
     ray_address: RayAddressOption = None,
@@ -227,7 +227,7 @@ def lint(
         ),
     ] = None,
     ignore: Annotated[list[str] | None, value_option("RULE", "Rules to leave out.")] = None,
-    report_format: FindingsOption = FindingsFormat.TEXT,
+    report_format: FindingsOption = "text",
     watch: Annotated[bool, flag("--watch", "Repeat whenever a file is saved.")] = False,
     jobs: JobsOption = None,
     ray: RayOption = False,

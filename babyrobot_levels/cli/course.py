@@ -1,8 +1,7 @@
 """`babyrobot course`: a course to begin with, and all that is made of one."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -11,12 +10,8 @@ from babyrobot_levels.cli.console import FINDINGS, fail, note, quoted, value_opt
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.text.diagnostics import one_line
 
-
-class Step(StrEnum):
-    """What is done with a course."""
-
-    NEW = "new"
-    BUILD = "build"
+Step = Literal["new", "build"]
+"""What is done with a course."""
 
 
 def course(
@@ -51,7 +46,7 @@ def course(
     from babyrobot_levels.publish import course as courses
 
     try:
-        if step is Step.NEW:
+        if step == "new":
             if output is not None:
                 fail("`new` writes to the folder itself", "leave out --output")
             made = courses.new_course(folder)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 import sys
-from enum import StrEnum
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Annotated, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import typer
 
@@ -38,12 +37,8 @@ if TYPE_CHECKING:
 MAX_PUDDLES = 10_000
 
 
-class Template(StrEnum):
-    """Templates for new levels."""
-
-    GRID = "grid"
-    MAZE = "maze"
-    DRAWING = "drawing"
+Template = Literal["grid", "maze", "drawing"]
+"""Templates for new levels."""
 
 
 def new_level(
@@ -79,7 +74,7 @@ def new_level(
     ] = "default",
     template: Annotated[
         Template, typer.Option(help="Start from fields, from a maze, or from a drawing.")
-    ] = Template.GRID,
+    ] = "grid",
     output: Annotated[
         Path | None,
         value_option("FILE", "Write to this file.  [default: levels/NAME.yaml]", "--output", "-o"),
@@ -105,7 +100,7 @@ def new_level(
     from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
     check_name(name)
-    if template is not Template.MAZE and maze_seed is None:
+    if template != "maze" and maze_seed is None:
         for option, given in (
             ("--loops", loops),
             ("--algorithm", algorithm != "depth-first"),
@@ -309,21 +304,15 @@ def _warn() -> None:
     note("there are unsaved changes: save them in the page, or press Ctrl-C again to lose them")
 
 
-class SchemaName(StrEnum):
-    """Kinds of files that have a schema."""
-
-    LEVEL = "level"
-    PACK = "pack"
-    PLAY = "play"
-    SUITE = "suite"
-    THEME = "theme"
+SchemaName = Literal["level", "pack", "play", "suite", "theme"]
+"""Kinds of files that have a schema."""
 
 
 def print_schema(
     name: Annotated[
         SchemaName,
         typer.Argument(metavar="NAME", help="`level`, `pack`, `play`, `suite` or `theme`."),
-    ] = SchemaName.LEVEL,
+    ] = "level",
     output: OutputOption = None,
     force: ForceOption = False,
 ) -> None:

@@ -120,10 +120,11 @@ def pack(
 
 
 def _report(packed: brl.Packed, folder: Path, report_format: ReportFormat) -> None:
-    from babyrobot_levels.cli.reporting import FindingsFormat, write_report
+    from babyrobot_levels.cli.reporting import write_report
 
     files = [folder / path for path in packed.paths]
-    write_report(FindingsFormat(report_format), packed.diagnostics, files, clean="clean")
+    as_json = report_format is ReportFormat.JSON
+    write_report("json" if as_json else "text", packed.diagnostics, files, clean="clean")
 
 
 def _warn(packed: brl.Packed) -> None:

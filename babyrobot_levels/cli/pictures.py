@@ -8,9 +8,8 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Set
 from contextlib import contextmanager
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar
 
 import typer
 
@@ -30,11 +29,8 @@ if TYPE_CHECKING:
 Name = TypeVar("Name", bound=str)
 
 
-class PolicyName(StrEnum):
-    """Policies of films and pages."""
-
-    BEST = "best"
-    RANDOM = "random"
+PolicyName = Literal["best", "random"]
+"""Policies of films and pages."""
 
 
 def picture(
@@ -75,7 +71,7 @@ def format_by_suffix(output: Path, suffixes: Mapping[str, Name]) -> Name:
 
 def check_policy(chosen: PictureFormat, policy: str | None) -> None:
     """End the command if a picture shall show a policy that only films and pages can follow."""
-    if policy == PolicyName.RANDOM and "seed" not in chosen.options:
+    if policy == "random" and "seed" not in chosen.options:
         others = listed(titles_of("seed"), "or")
         fail(
             f"a {chosen.kind} cannot show a random policy",

@@ -6,9 +6,8 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -27,11 +26,8 @@ if TYPE_CHECKING:
     import os
 
 
-class PlayActions(StrEnum):
-    """The actions with which a level can be played."""
-
-    ALL = "all"
-    TURNS = "turns"
+PlayActions = Literal["all", "turns"]
+"""The actions with which a level can be played."""
 
 
 _MOVES = {
@@ -72,7 +68,7 @@ def play(
             help="What the robot can do: move to all sides, or turn left, turn right and move "
             "forward.",
         ),
-    ] = PlayActions.ALL,
+    ] = "all",
     record: Annotated[
         Path | None,
         value_option(
@@ -109,7 +105,7 @@ def play(
             "`babyrobot play` needs a terminal",
             "use `babyrobot preview` to look at a level",
         )
-    game = _Game(loaded, seed, maze_seed, record, turns=actions is PlayActions.TURNS)
+    game = _Game(loaded, seed, maze_seed, record, turns=actions == "turns")
     # A closed terminal ends the game as q does. However it ends, its last episode is recorded.
     with (
         closing(game),

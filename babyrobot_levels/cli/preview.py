@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar, get_args
 
 import typer
 from typer.core import TyperCommand
@@ -72,11 +72,8 @@ Item = TypeVar("Item")
 _PLAYED = listed(titles_of("seed"))
 
 
-class MoveSet(StrEnum):
-    """The sets of actions of robots that do not turn."""
-
-    ALL = "all"
-    MOVES = "moves"
+MoveSet = Literal["all", "moves"]
+"""The sets of actions of robots that do not turn."""
 
 
 class PreviewCommand(TyperCommand):
@@ -88,15 +85,18 @@ class PreviewCommand(TyperCommand):
         for index, word in enumerate(args):
             whole.append(word)
             following = args[index + 1] if index + 1 < len(args) else ""
-            if word == "--policy" and following not in list(PolicyName):
-                whole.append(PolicyName.BEST)
+            if word == "--policy" and following not in get_args(PolicyName):
+                whole.append("best")
         # A word after `--policy` that is no policy is a level, or a mistake.
         after = {args[index + 1] for index in range(len(args) - 1) if args[index] == "--policy"}
         extra = super().parse_args(ctx, whole)
         levels = ctx.params.get("levels") or []
-        for word in sorted(after & {*levels} - {*PolicyName}):
+        for word in sorted(after & {*levels} - {*get_args(PolicyName)}):
             if len(levels) > 1 and not names_levels(word):
-                fail(f"invalid --policy {word!r}", f"expected one of {', '.join(PolicyName)}")
+                fail(
+                    f"invalid --policy {word!r}",
+                    f"expected one of {', '.join(get_args(PolicyName))}",
+                )
         return extra
 
 
@@ -144,7 +144,7 @@ def preview(
     actions: Annotated[
         MoveSet,
         typer.Option(help="The actions of the agent: stay and the four moves; or the moves."),
-    ] = MoveSet.ALL,
+    ] = "all",
     trust: Annotated[
         bool,
         flag(
@@ -250,7 +250,7 @@ def preview(
     _check_for("answers", chosen, given=no_answers, name="--no-answers")
     _check_for("learn", chosen, given=learn)
     _check_for("visits", chosen, given=visits)
-    if no_answers and (values or policy == PolicyName.BEST):
+    if no_answers and (values or policy == "best"):
         fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
     if agent is not None and (is_text or policy is not None):
         fail(

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args
 
 import typer
 
@@ -211,19 +210,12 @@ def dataset(
     write(f"wrote a data set to {one_line(str(output))}: {splits}\n")
 
 
-class SheetFormat(StrEnum):
-    """Output formats of sheets."""
-
-    PDF = "pdf"
-    HTML = "html"
-    PNG = "png"
+SheetFormat = Literal["pdf", "html", "png"]
+"""Output formats of sheets."""
 
 
-class Paper(StrEnum):
-    """Papers."""
-
-    A4 = "a4"
-    LETTER = "letter"
+Paper = Literal["a4", "letter"]
+"""Papers."""
 
 
 def sheet(
@@ -279,7 +271,7 @@ def sheet(
             "N", "Number of levels on a page.  [default: 4, with --grids 3]", min=1, max=24
         ),
     ] = None,
-    paper: Annotated[Paper, typer.Option(help="Size of the pages.")] = Paper.A4,
+    paper: Annotated[Paper, typer.Option(help="Size of the pages.")] = "a4",
     landscape: Annotated[bool, flag("--landscape", "Make the pages wider than high.")] = False,
     theme: Annotated[
         str, typer.Option(metavar="THEME", help="Theme of the pictures; `print` is grey.")
@@ -350,13 +342,13 @@ def _with_maze(level: brl.Level) -> brl.Level:
 
 def _chosen_format(sheet_format: SheetFormat | None, output: Path | None) -> SheetFormat:
     if sheet_format is not None or output is None:
-        return sheet_format or SheetFormat.PDF
-    return format_by_suffix(output, {f".{each}": each for each in SheetFormat})
+        return sheet_format or "pdf"
+    return format_by_suffix(output, {f".{each}": each for each in get_args(SheetFormat)})
 
 
 def _put(made: brl.Sheet, chosen: SheetFormat, output: Path | None) -> None:
     """Write a sheet to a file, several PNG files, or standard output."""
-    if chosen is SheetFormat.PNG and _has_other_letters(made):
+    if chosen == "png" and _has_other_letters(made):
         note("PNG files show Latin letters only, and there are others: use --format html")
     files = made.files(output or "sheet", chosen)
     if output is not None:
@@ -366,7 +358,7 @@ def _put(made: brl.Sheet, chosen: SheetFormat, output: Path | None) -> None:
         fail("several pages are several PNG files", "save them with -o FILE.png")
     else:
         (page,) = files.values()
-        put(made.to_html() if chosen is SheetFormat.HTML else page(), None, chosen.upper())
+        put(made.to_html() if chosen == "html" else page(), None, chosen.upper())
 
 
 def _has_other_letters(made: brl.Sheet) -> bool:

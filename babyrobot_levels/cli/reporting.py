@@ -5,9 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from enum import StrEnum
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Annotated, cast
+from typing import IO, TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -16,7 +15,6 @@ from babyrobot_levels.cli.console import fail, note, wants_color, width_of, writ
 from babyrobot_levels.text.diagnostics import Severity, one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.linter.reporters import MachineFormat
     from babyrobot_levels.text.source import SourceFile
 
 _RESET = "\x1b[0m"
@@ -41,14 +39,8 @@ PathsArgument = Annotated[
 ]
 
 
-class FindingsFormat(StrEnum):
-    """The output format of findings."""
-
-    TEXT = "text"
-    JSON = "json"
-    GITHUB = "github"
-    SARIF = "sarif"
-    JUNIT = "junit"
+FindingsFormat = Literal["text", "json", "github", "sarif", "junit"]
+"""The output format of findings."""
 
 
 FindingsOption = Annotated[
@@ -77,7 +69,7 @@ def write_report(
         clean: the word for files without findings.
         ending: the last line of the text format.
     """
-    if kind is FindingsFormat.TEXT:
+    if kind == "text":
         report = findings_text(diagnostics, sys.stdout)
         last = summary(diagnostics, len(files), clean)
         write(report + ("\n" if report else "") + last + "\n" + (ending and ending + "\n"))
@@ -88,11 +80,11 @@ def write_report(
     names = [shown_name(path) for path in files]
     described: dict[str, str] = {}
     # Only these two describe codes.
-    if kind in (FindingsFormat.GITHUB, FindingsFormat.SARIF):
+    if kind in ("github", "sarif"):
         from babyrobot_levels.linter.rules import titles
 
         described = titles()
-    write(render(cast("MachineFormat", kind.value), diagnostics, names, described, __version__))
+    write(render(kind, diagnostics, names, described, __version__))
 
 
 def findings_text(diagnostics: Iterable[brl.Diagnostic], stream: IO[str]) -> str:

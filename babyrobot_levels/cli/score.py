@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -35,27 +34,17 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.cli.inputs import SplitOption, levels_named, names_levels
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
-from babyrobot_levels.cli.solve import ActionSet, ActionsOption
+from babyrobot_levels.cli.solve import ActionsOption
 from babyrobot_levels.render.words.phrases import name_of
 from babyrobot_levels.text.source import printable
 from babyrobot_levels.text.words import AGENTS, BEST, NAMED, RANDOM
 
-
-class Rule(StrEnum):
-    """By what points are given."""
-
-    REGRET = "regret"
-    SHARE = "share"
-    SUCCESS = "success"
-    TRIES = "tries"
+Rule = Literal["regret", "share", "success", "tries"]
+"""By what points are given."""
 
 
-class Sight(StrEnum):
-    """What an agent sees that reads and writes."""
-
-    MAP = "map"
-    VIEW = "view"
-    WORDS = "words"
+Sight = Literal["map", "view", "words"]
+"""What an agent sees that reads and writes."""
 
 
 def score(
@@ -106,7 +95,7 @@ def score(
             metavar="NAMES", help="What a model observes; several names with commas: a dict."
         ),
     ] = "position",
-    actions: ActionsOption = ActionSet.ALL,
+    actions: ActionsOption = "all",
     stochastic: Annotated[
         bool,
         flag("--stochastic", "Let a model sample, not take its likeliest action."),
@@ -196,7 +185,7 @@ def score(
                 "leave them out: episodes are scored under the conditions under which they were "
                 "played",
             )
-        grades = _grades(what, level, points or Rule.REGRET)
+        grades = _grades(what, level, points or "regret")
         _put_grades(
             grades, table_format, output, totals=totals, has_level=level is None, force=force
         )

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from enum import StrEnum
 from fractions import Fraction
 from functools import partial
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
@@ -57,12 +56,8 @@ MAX_OTHERS = 3
 """How many other sets of held things are named."""
 
 
-class ActionSet(StrEnum):
-    """The sets of actions that a robot may have."""
-
-    ALL = "all"
-    MOVES = "moves"
-    TURNS = "turns"
+ActionSet = Literal["all", "moves", "turns"]
+"""The sets of actions that a robot may have."""
 
 
 ActionsOption = Annotated[
@@ -80,7 +75,7 @@ def solve(
         float | None,
         value_option("G", "Discount factor, above 0 and at most 1.  [default: the level's]"),
     ] = None,
-    actions: ActionsOption = ActionSet.ALL,
+    actions: ActionsOption = "all",
     within: Annotated[
         str | None,
         value_option(
@@ -218,13 +213,13 @@ def _solve_one(
         _note_limit(loaded, solution)
     shown = shown_configuration(loaded, configuration)
     write(_summary(loaded, solution, shown, fractions) + "\n")
-    if actions is ActionSet.TURNS:
+    if actions == "turns":
         write(_turns(loaded, solution, shown, values=fractions is None))
     else:
         values = fractions is None
         write(solution_text(loaded, solution, values=values, policy=True, configuration=shown))
     if fractions is not None:
-        heading = loaded.heading if actions is ActionSet.TURNS else None
+        heading = loaded.heading if actions == "turns" else None
         write("\n" + _fraction_table(fractions.at(shown or 0, heading).values.tolist()))
 
 
@@ -366,7 +361,7 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
                 "give a smaller --within, or leave out --format json",
             )
         data["policies"] = solution.policies.tolist()
-    if solution.actions == ActionSet.TURNS:
+    if solution.actions == "turns":
         data["headings"] = list(SIDES)
     if level.has_things:
         things, rows = level.things(), level.compile().configurations.tolist()
@@ -425,7 +420,7 @@ def _summary(
         facts["method"] = "policy iteration over the rationals: no action is better"
     if not level.exits:
         del facts["reaches an exit"]
-    if solution.actions == ActionSet.TURNS:
+    if solution.actions == "turns":
         facts["heading"] = f"{level.heading} (L turns left, R turns right, F goes forward, . none)"
     if configuration is not None:
         facts["configurations"] = _shown(level, configuration)
