@@ -84,7 +84,9 @@ copybutton_exclude = ".linenos, .gp, .go"
 with mock(["gymnax", "jax"]):
     vars(import_module("jax"))["jit"] = lambda function, **_options: function
     vars(import_module("jax.tree_util"))["register_dataclass"] = lambda kind: kind
-    import_module("babyrobot_levels.jax")
+    levels_in_jax = import_module("babyrobot_levels.jax")
+    for public_name in levels_in_jax.__all__:
+        getattr(levels_in_jax, public_name)
 
 
 def link_rule(_app: Sphinx, name: str, source: list[str]) -> None:

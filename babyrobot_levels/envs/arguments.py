@@ -25,7 +25,7 @@ from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.configurations import Values
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.text.words import did_you_mean, meant
+from babyrobot_levels.text.words import did_you_mean, meant, words_beside
 
 MAX_IMAGE_SIDE = 4096
 
@@ -56,25 +56,13 @@ def check_names(given: Iterable[str], function: Callable[..., Any], *others: str
     accepted += others
     for name in given:
         if name not in accepted:
-            told = _ELSEWHERE.get(name)
+            told = words_beside(__file__)["elsewhere"].get(name)
             guess = f"; {told}" if told else did_you_mean(name, accepted)
             # TorchRL's GymEnv passes `frameskip`, and knows Python's words where it is refused.
             raise TypeError(
                 f"unexpected keyword argument {name!r}{guess}; "
                 f"accepted arguments: {', '.join(accepted)}"
             )
-
-
-_ELSEWHERE = {
-    "max_steps": "use `max_episode_steps`",
-    "desc": "write the map as a level, or let `babyrobot import lake.txt -o lake.yaml` write it, "
-    'and give that: gymnasium.make("babyrobot/Level-v0", level="lake.yaml")',
-    "map_name": "each map has an id: '4x4' is babyrobot/frozen-lake-v0, '8x8' is "
-    "babyrobot/frozen-lake-8x8-v0",
-    "is_slippery": "how slippery it is, the field `skid` of the level says; lakes without it are "
-    "babyrobot/frozen-lake-dry-v0 and babyrobot/frozen-lake-8x8-dry-v0",
-}
-"""What to do instead of giving an argument, such as those of Gymnasium's FrozenLake."""
 
 
 def checked_given(name: str, value: Any) -> Any:
@@ -88,18 +76,8 @@ def checked_given(name: str, value: Any) -> Any:
         MissingArgument: it is missing.
     """
     if value is None:
-        raise error.MissingArgument(_MISSING[name])
+        raise error.MissingArgument(words_beside(__file__)["missing"][name])
     return value
-
-
-_MISSING = {
-    "level": "which level? Give its name, for example "
-    'gymnasium.make("babyrobot/Level-v0", level="final-maze"), '
-    "or a path, a mapping or a `Level`; `babyrobot list` shows the names",
-    "suite": "which suite? Give its name, for example "
-    'gymnasium.make("babyrobot/Suite-v0", suite="small-mazes"), '
-    "or a path, a mapping or a `Suite`",
-}
 
 
 class ObservationOptions(TypedDict, total=False):

@@ -19,19 +19,6 @@ from babyrobot_levels.text.words import SHORT, did_you_mean, nearest, shortened,
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
 
-TYPES = {
-    "int_type": "an integer",
-    "float_type": "a number",
-    "string_type": "a text",
-    "bool_type": "`true` or `false`",
-    "tuple_type": "a list",
-    "dict_type": "a mapping",
-    "model_type": "a mapping",
-    "model_attributes_type": "a mapping",
-    "entries": "a list of mappings",
-}
-
-
 SAMPLES = {bool: "true", float: "1", int: "1", str: "name"}
 """Values of the plain types, for showing the form of what holds them."""
 
@@ -75,8 +62,9 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         if len(names) > 1 and field in fields:
             help_text = f"add `{field}: {_form(field, fields)}`"
         return "BR202", f"missing field `{field}`", help_text
-    if kind in TYPES or kind == "pair" or (is_form and kind == "literal_error"):
-        words = TYPES.get(kind) or context.get("what", "")
+    types = _words("types")
+    if kind in types or kind == "pair" or (is_form and kind == "literal_error"):
+        words = types.get(kind) or context.get("what", "")
         code, guess = "BR203", ""
         if is_form:
             words = next(part.words for part in _parts(info) if isinstance(part, Forms))
@@ -316,7 +304,7 @@ def _form_help(error: Any, model: type[BaseModel]) -> str | None:
     if meant is not None:
         shown = flow(meant) if is_entry else f"{field}: {flow(meant)}"
         return f"write `{shown}`{_words('after').get(field, '')}"
-    if TYPES.get(error["type"]) not in ("a list", "a mapping", "a list of mappings"):
+    if _words("types").get(error["type"]) not in ("a list", "a mapping", "a list of mappings"):
         return None
     sample = _sample_of(info[field])
     if not is_entry:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cache
+from importlib import import_module
 from types import ModuleType
 
 WORTH_LOADING = 500_000
@@ -57,19 +58,16 @@ def _kernel_for(cells: int) -> ModuleType | None:
         _asked_for += cells
         if _asked_for < WORTH_LOADING:
             return None
-    return load()
+    return load("babyrobot_levels.mdp.mazes.kernel")
 
 
 @cache
-def load() -> ModuleType | None:
-    """Return the kernel, None without Numba. What it compiles, Numba keeps for other processes."""
+def load(kernel: str) -> ModuleType | None:
+    """Return a module of loops, None without Numba, which keeps what it compiles for others."""
     try:
         import numba
 
-        if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-            return None
-        from babyrobot_levels.mdp.mazes import kernel
+        return None if numba.config.DISABLE_JIT else import_module(kernel)  # type: ignore[attr-defined]
     except (ImportError, RuntimeError):
         # Numba raises the latter where it finds no folder to keep what it compiles.
         return None
-    return kernel

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from support.worlds import World
 
-from babyrobot_levels.analysis.learning import monte_carlo
+from babyrobot_levels.analysis.learning.algorithms import monte_carlo
 from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.library.catalogue import load

@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.worlds import World, level_of, worlds
 
-from babyrobot_levels.analysis.learning import (
-    Sweep,
+from babyrobot_levels.analysis.learning.algorithms import (
     policy_evaluation,
     policy_iteration,
     value_iteration,
 )
+from babyrobot_levels.analysis.learning.results import Sweep
 from babyrobot_levels.analysis.solver.evaluation import evaluate, evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from babyrobot_levels.analysis.learning import Trials, q_learning, sarsa
+from babyrobot_levels.analysis.learning.algorithms import q_learning, sarsa
+from babyrobot_levels.analysis.learning.results import Trials
 from babyrobot_levels.analysis.solver.evaluation import evaluate
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Evaluation

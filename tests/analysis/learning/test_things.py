@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from babyrobot_levels.analysis.learning import (
-    Sweep,
-    Trials,
+from babyrobot_levels.analysis.learning.algorithms import (
     monte_carlo,
     policy_evaluation,
     policy_iteration,
@@ -18,6 +16,7 @@ from babyrobot_levels.analysis.learning import (
     sarsa,
     value_iteration,
 )
+from babyrobot_levels.analysis.learning.results import Sweep, Trials
 from babyrobot_levels.analysis.solver.evaluation import evaluate
 from babyrobot_levels.analysis.solver.optimum import solve
 
