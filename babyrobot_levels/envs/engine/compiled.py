@@ -31,8 +31,7 @@ class CompiledEngine:
     def update(self, span: Span) -> None:
         """Read a slot of the tables and observations again, after it was written."""
         ends = self._memory[: len(self._sources)].tolist()
-        for number, names in _SPANS.items():
-            source = self._sources[number]
+        for number, (source, names) in enumerate(self._sources):
             copy = self._memory[ends[number - 1] if number else len(ends) : ends[number]]
             copy = copy.view(source.dtype)[: source.size].reshape(source.shape)
             for name in names:
@@ -103,7 +102,7 @@ def _packed(tables: Tables, observations: NDArray[np.int64]) -> NDArray[np.int64
         tables: the tables of the levels.
         observations: the observation of each state, int64 `[states, numbers]`.
     """
-    arrays = [_as_words(array) for array in _arrays_of(tables, observations)]
+    arrays = [_as_words(array) for array, _ in _arrays_of(tables, observations)]
     ends = len(arrays) + np.cumsum([array.size for array in arrays])
     return np.concatenate([ends, *arrays])
 
@@ -115,44 +114,27 @@ def _as_words(array: NDArray[Any]) -> NDArray[np.int64]:
     return words
 
 
-def _arrays_of(tables: Tables, observations: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
-    """Return the arrays that the loops read, in the order of `_packed`."""
-    return (
-        tables.next_state,
-        tables.reward,
-        tables.outcome_info,
-        tables.first,
-        tables.threshold,
-        tables.state_info,
-        tables.starts,
-        tables.first_start,
-        tables.limit,
-        observations,
-        tables.offset,
-        tables.held,
-        np.array(
-            [
-                tables.num_actions,
-                tables.draws_levels,
-                tables.draws_starts,
-                tables.tells_hits,
-                tables.held.shape[1],
-            ],
-            np.int64,
-        ),
-    )
+def _arrays_of(
+    tables: Tables, observations: NDArray[np.int64]
+) -> list[tuple[NDArray[Any], tuple[str, ...]]]:
+    """Return the arrays that the loops read, in the order of `_packed`.
 
-
-_SPANS = {
-    0: ("rows", "outcomes"),
-    1: ("rows", "outcomes"),
-    2: ("rows", "outcomes"),
-    4: ("stochastic",),
-    5: ("states",),
-    6: ("starts",),
-    7: ("starts",),
-    8: ("level",),
-    9: ("states",),
-    11: ("states",),
-}
-"""The arrays that change when a level is written into a slot, and which parts of them."""
+    With each are the spans of it that change when a level is written into a slot.
+    """
+    rows = ("rows", "outcomes")
+    chosen = (tables.num_actions, tables.draws_levels, tables.draws_starts, tables.tells_hits)
+    return [
+        (tables.next_state, rows),
+        (tables.reward, rows),
+        (tables.outcome_info, rows),
+        (tables.first, ()),
+        (tables.threshold, ("stochastic",)),
+        (tables.state_info, ("states",)),
+        (tables.starts, ("starts",)),
+        (tables.first_start, ("starts",)),
+        (tables.limit, ("level",)),
+        (observations, ("states",)),
+        (tables.offset, ()),
+        (tables.held, ("states",)),
+        (np.array([*chosen, tables.held.shape[1]], np.int64), ()),
+    ]
