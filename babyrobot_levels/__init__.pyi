@@ -104,6 +104,7 @@ from .publish.gallery import gallery as gallery
 from .publish.packing import pack as pack
 from .publish.sheet import Sheet as Sheet
 from .publish.sheet import sheet as sheet
+from .registry.entries import ExtensionError as ExtensionError
 from .scoring.answers import GradedAnswer as GradedAnswer
 from .scoring.answers import grade_agent as grade_agent
 from .scoring.answers import grade_policy as grade_policy

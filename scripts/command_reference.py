@@ -14,7 +14,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
-from babyrobot_levels.cli.commands import COMMANDS
+from babyrobot_levels.cli.commands import COMMANDS, function_of
 
 _HEAD = """\
 # The command line
@@ -65,7 +65,7 @@ class _Parameter:
     @property
     def _value(self) -> str:
         if self.info.metavar:
-            return str(self.info.metavar)
+            return str(self.info.metavar).strip("<>" if self.info.parser else "")
         if isinstance(self.kind, type) and issubclass(self.kind, Enum):
             return "|".join(str(choice.value) for choice in self.kind)
         if get_origin(self.kind) is Literal:
@@ -84,7 +84,7 @@ class _Parameter:
 
 def reference() -> str:
     """Return the reference of all commands, as Markdown."""
-    commands = {name: line.function() for name, line in COMMANDS.items()}
+    commands = {name: function_of(name) for name in COMMANDS}
     tables = []
     for group in dict.fromkeys(line.group for line in COMMANDS.values()):
         rows = [f"| {group} | |", "|---|---|"]
@@ -109,6 +109,7 @@ KINDS = {
 def completion() -> str:
     """Return the table of what shells complete, as JSON."""
     import babyrobot_levels as brl
+    from babyrobot_levels.cli.convert import TARGETS
     from babyrobot_levels.convert.formats import FORMATS
     from babyrobot_levels.language.json_schema import SCHEMAS
     from babyrobot_levels.language.looks import BUILTIN_THEMES
@@ -119,12 +120,12 @@ def completion() -> str:
     gallery = [brl.load(path) for path in sorted(gallery_folder().glob("**/*.yaml"))
                if "kind: suite" not in path.read_text("utf-8")]  # fmt: skip
     table = {
-        "commands": {name: dict(_completed(name, line.function()))
-                     for name, line in COMMANDS.items()},
+        "commands": {name: dict(_completed(name, function_of(name))) for name in COMMANDS},
         "options": ["--help", "--version", "--install-completion", "--show-completion"],
         "words": {
             "algorithm": [*ALGORITHMS],
-            "format": [*FORMATS],
+            "format": [*FORMATS.own],
+            "target": TARGETS,
             "rule": [word for each in all_pages() for word in (each.code, each.name)],
             "schema": [*SCHEMAS],
             "tag": sorted({tag for level in gallery for tag in level.tags}),
@@ -140,6 +141,10 @@ def _completed(command: str, function: Callable[..., Any]) -> Iterator[tuple[str
         takes: Any = KINDS.get(str(parameter.info.metavar or "").strip("[]"), "")
         if isinstance(parameter.kind, type) and issubclass(parameter.kind, Enum):
             takes = [str(choice.value) for choice in parameter.kind]
+        elif parameter.info.parser and "|" in (parameter.info.metavar or ""):
+            takes = str(parameter.info.metavar)[1:-1].split("|")
+        elif takes == "format" and command == "export":
+            takes = "target"
         if not takes and get_origin(parameter.kind) is Literal:
             takes = [*get_args(parameter.kind)]
         if parameter.is_argument:

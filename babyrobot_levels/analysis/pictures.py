@@ -20,6 +20,7 @@ from babyrobot_levels.analysis.picture_options import (
     TextOptions,
     takes,
 )
+from babyrobot_levels.registry.entries import Entries
 from babyrobot_levels.text.errors import warn
 from babyrobot_levels.text.words import BEST, RANDOM
 
@@ -417,7 +418,7 @@ TEXT, STILL, FILM, PAGE = "text", "still picture", "film", "page"
 _PROGRESS, _BOTH = ("progress",), ("progress", "tell")
 _HTML = (".html", ".htm")
 
-FORMATS = {
+_OWN = {
     each.name: each
     for each in (
         PictureFormat("text", "text", TEXT, "text/plain", (".txt",), TextOptions),
@@ -429,15 +430,25 @@ FORMATS = {
         PictureFormat("html", "HTML", PAGE, "text/html", _HTML, PageOptions, to_html, ("tell",)),
     )
 }
+
+FORMATS = Entries("pictures", _OWN, lambda each: isinstance(each, PictureFormat))
 """The formats by name; of several with the same suffix, the last one is meant by it."""
 
-SUFFIXES = {suffix: each.name for each in FORMATS.values() for suffix in each.suffixes}
-"""The format of a file, by its suffix."""
+SUFFIXES = {suffix: each.name for each in _OWN.values() for suffix in each.suffixes}
+"""The format of a file, by its suffix; see `format_for` for those of extensions."""
+
+
+def format_for(suffix: str) -> str | None:
+    """Return the name of the format of a file, by its suffix; None if there is none."""
+    if suffix in SUFFIXES or not suffix:
+        return SUFFIXES.get(suffix)
+    others = (name for name, each in FORMATS.added() if suffix in each.suffixes)
+    return next(others, None)
 
 
 def titles_of(option: str) -> list[str]:
     """Return the titles of the formats that have an option."""
-    return [each.title for each in FORMATS.values() if option in each.options]
+    return [each.title for each in _OWN.values() if option in each.options]
 
 
 class Pictured:

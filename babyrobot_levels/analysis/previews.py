@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.analysis.metrics import metrics
-from babyrobot_levels.analysis.pictures import FORMATS, SUFFIXES
+from babyrobot_levels.analysis.pictures import FORMATS, format_for
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
 from babyrobot_levels.language.metric_names import NEEDS, SOLVED
 from babyrobot_levels.mdp.gridworld import GridWorld, LevelLike, world_of
 from babyrobot_levels.text.budget import READ, OverBudgetError, within
 from babyrobot_levels.text.words import no_format
 
-_MAKERS = {name: each.make for name, each in FORMATS.items() if each.make is not None}
 _HEIGHT = 720
 """The height of a page in a notebook, in pixels."""
 
@@ -81,15 +80,16 @@ def preview(
     """
     file = None if path is None else Path(path)
     suffix = "" if file is None else file.suffix.lower()
-    chosen = format or ("svg" if file is None else SUFFIXES.get(suffix, suffix.removeprefix(".")))
-    if chosen not in _MAKERS:
+    chosen = format or ("svg" if file is None else format_for(suffix) or suffix.removeprefix("."))
+    make = FORMATS[chosen].make if chosen in FORMATS else None
+    if make is None:
         told = "; the drawing as text is `level.draw()`" * (chosen in FORMATS)
-        name = format or suffix.removeprefix(".")
-        raise ValueError(no_format(name, _MAKERS) + told)
+        known = [name for name, each in FORMATS.own.items() if each.make is not None]
+        raise ValueError(no_format(format or suffix.removeprefix("."), known) + told)
     world = world_of(level)
     if maze_seed is not None or world.has_random_maze:
         world = world.with_maze_seed(maze_seed or 0)
-    return Preview(world, chosen, _MAKERS[chosen](world, file, **shown), file)
+    return Preview(world, chosen, make(world, file, **shown), file)
 
 
 def play(

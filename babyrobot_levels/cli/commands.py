@@ -4,90 +4,85 @@ import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache, wraps
-from importlib import import_module
-from typing import Annotated, Any, NamedTuple
+from functools import cache, partial, wraps
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from babyrobot_levels import __version__
 from babyrobot_levels.cli import meant
+from babyrobot_levels.registry.entries import Entries, resolve
+from babyrobot_levels.registry.manifest import Command
 from babyrobot_levels.text.budget import COMMAND, UNLIMITED, within
-
-
-class Line(NamedTuple):
-    """A command as the overview lists it.
-
-    Attributes:
-        group: what it is for, the heading under which it stands.
-        place: its module and function.
-        summary: what it does, in a few words.
-    """
-
-    group: str
-    place: str
-    summary: str
-
-    def function(self) -> Callable[..., Any]:
-        """Import the command's function."""
-        module, _, name = self.place.partition(":")
-        function: Callable[..., Any] = getattr(
-            import_module(f"babyrobot_levels.cli.{module}"), name
-        )
-        return _limited(function) if name in LIMITED else function
-
 
 _SUPPORT = "Editors and assistants"
 
-COMMANDS = {
-    "new-level": Line("Create", "create:new_level", "Write a new level file."),
-    "generate": Line("Create", "generate:generate", "Generate many levels."),
-    "edit": Line("Create", "create:edit", "Edit a level in the browser."),
-    "import": Line("Create", "convert:import_level", "Convert a file of another program."),
-    "validate": Line("Check", "check:validate", "Check level files for errors."),
-    "lint": Line("Check", "check:lint", "Check level files for errors and likely mistakes."),
-    "format": Line("Check", "check:format_levels", "Format level files."),
-    "expect": Line("Check", "expect:expect", "State facts about levels in their files."),
-    "rule": Line("Check", "check:rule", "Explain an error code or a lint rule."),
-    "preview": Line("Look and play", "preview:preview", "Draw a level, or save a picture or page."),
-    "play": Line("Look and play", "play:play", "Play a level in the terminal."),
-    "replay": Line("Look and play", "replay:replay", "Verify and show recorded episodes."),
-    "show": Line("Look and play", "show:show", "Show the facts about a level."),
-    "list": Line("Look and play", "show:list_levels", "List levels, suites or packs."),
-    "solve": Line("Analyse", "solve:solve", "Compute an optimal policy and its values."),
-    "score": Line("Analyse", "score:score", "Score agents and recorded episodes."),
-    "compare": Line("Analyse", "compare:compare", "Test whether two levels are the same MDP."),
-    "diff": Line("Analyse", "diff:diff", "Show what differs between two levels."),
-    "share": Line("Share", "share:share", "Print a level as a share code or a link."),
-    "sheet": Line("Share", "publish:sheet", "Print levels on an exercise sheet, or its key."),
-    "export": Line("Share", "convert:export_level", "Convert a level for another program."),
-    "gallery": Line("Share", "publish:gallery", "Write web pages of many levels."),
-    "dataset": Line("Share", "publish:dataset", "Write levels as a data set of rows."),
-    "course": Line("Share", "course:course", "Begin a course, or build all that it hands out."),
-    "resolve": Line("Share", "share:resolve", "Write out a level's maze as walls."),
-    "pack": Line("Share", "packs:pack", "Pack a folder of levels into one file."),
-    "install": Line("Share", "packs:install", "Install a pack."),
-    "uninstall": Line("Share", "packs:uninstall", "Remove an installed pack."),
-    "schema": Line(_SUPPORT, "create:print_schema", "Print a JSON schema."),
-    "mcp": Line(_SUPPORT, "assistants:mcp", "Serve tools for assistants that write levels."),
-    "skill": Line(_SUPPORT, "assistants:skill", "Print a page for assistants that write levels."),
+_OWN = {
+    "new-level": Command("Create", "create:new_level", "Write a new level file."),
+    "generate": Command("Create", "generate:generate", "Generate many levels."),
+    "edit": Command("Create", "create:edit", "Edit a level in the browser."),
+    "import": Command("Create", "convert:import_level", "Convert a file of another program."),
+    "validate": Command("Check", "check:validate", "Check level files for errors."),
+    "lint": Command("Check", "check:lint", "Check level files for errors and likely mistakes."),
+    "format": Command("Check", "check:format_levels", "Format level files."),
+    "expect": Command("Check", "expect:expect", "State facts about levels in their files."),
+    "rule": Command("Check", "check:rule", "Explain an error code or a lint rule."),
+    "preview": Command(
+        "Look and play", "preview:preview", "Draw a level, or save a picture or page."
+    ),
+    "play": Command("Look and play", "play:play", "Play a level in the terminal."),
+    "replay": Command("Look and play", "replay:replay", "Verify and show recorded episodes."),
+    "show": Command("Look and play", "show:show", "Show the facts about a level."),
+    "list": Command("Look and play", "show:list_levels", "List levels, suites or packs."),
+    "solve": Command("Analyse", "solve:solve", "Compute an optimal policy and its values."),
+    "score": Command("Analyse", "score:score", "Score agents and recorded episodes."),
+    "compare": Command("Analyse", "compare:compare", "Test whether two levels are the same MDP."),
+    "diff": Command("Analyse", "diff:diff", "Show what differs between two levels."),
+    "share": Command("Share", "share:share", "Print a level as a share code or a link."),
+    "sheet": Command("Share", "publish:sheet", "Print levels on an exercise sheet, or its key."),
+    "export": Command("Share", "convert:export_level", "Convert a level for another program."),
+    "gallery": Command("Share", "publish:gallery", "Write web pages of many levels."),
+    "dataset": Command("Share", "publish:dataset", "Write levels as a data set of rows."),
+    "course": Command("Share", "course:course", "Begin a course, or build all that it hands out."),
+    "resolve": Command("Share", "share:resolve", "Write out a level's maze as walls."),
+    "pack": Command("Share", "packs:pack", "Pack a folder of levels into one file."),
+    "install": Command("Share", "packs:install", "Install a pack."),
+    "uninstall": Command("Share", "packs:uninstall", "Remove an installed pack."),
+    "schema": Command(_SUPPORT, "create:print_schema", "Print a JSON schema."),
+    "mcp": Command(_SUPPORT, "assistants:mcp", "Serve tools for assistants that write levels."),
+    "skill": Command(
+        _SUPPORT, "assistants:skill", "Print a page for assistants that write levels."
+    ),
 }
 
-LIMITED = {
+_LIMITED = {
     "expect", "preview", "play", "replay", "show", "solve", "score", "compare", "diff", "share",
-    "sheet", "export_level", "gallery", "dataset", "course",
+    "sheet", "export", "gallery", "dataset", "course",
 }  # fmt: skip
-"""The functions of the commands whose work for a level is limited, unless with `--no-limit`."""
+
+COMMANDS = {
+    name: command._replace(place=f"babyrobot_levels.cli.{command.place}", limited=name in _LIMITED)
+    for name, command in _OWN.items()
+}
+"""The commands of the package. Those of extensions are asked for where another one is meant."""
+
+_ALL = Entries("commands", COMMANDS, lambda each: isinstance(each, Command))
+
+
+def function_of(name: str) -> Callable[..., Any]:
+    """Import the function of a command."""
+    command = _ALL[name]
+    function = (resolve if name in COMMANDS else partial(_ALL.imported, name))(command.place)
+    return _limited(function) if command.limited else function
 
 
 @cache
 def _command(name: str) -> Any:
-    line = COMMANDS[name]
-    function = line.function()
+    function = function_of(name)
     alone = typer.Typer(add_completion=False, **_PLAIN)
     cls = getattr(function, "command_class", None)
-    alone.command(name, short_help=line.summary, cls=cls)(function)
+    alone.command(name, short_help=_ALL[name].summary, cls=cls)(function)
     return typer.main.get_command(alone)
 
 
@@ -125,10 +120,10 @@ class _Registry(Mapping[str, Any]):
         return _command(name)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(COMMANDS)
+        return iter(_ALL)
 
     def __len__(self) -> int:
-        return len(COMMANDS)
+        return len(_ALL)
 
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
@@ -162,24 +157,24 @@ class _Commands(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands."""
-        return list(COMMANDS)
+        return list(_ALL)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command that is meant, or suggest similar ones."""
         name = args[0]
-        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
-            known = {each: line.summary for each, line in COMMANDS.items()}
+        if name not in _ALL and not name.startswith("-") and not ctx.resilient_parsing:
+            known = {each: command.summary for each, command in _ALL.items()}
             ctx.fail(f"No such command {name!r}.{meant.commands(name, known, *args[1:2])}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands, group by group, without importing them."""
-        width = max(map(len, COMMANDS))
-        for group in dict.fromkeys(line.group for line in COMMANDS.values()):
+        width = max(map(len, _ALL))
+        for group in dict.fromkeys(command.group for command in _ALL.values()):
             rows = [
-                (name.ljust(width), line.summary)
-                for name, line in COMMANDS.items()
-                if line.group == group
+                (name.ljust(width), command.summary)
+                for name, command in _ALL.items()
+                if command.group == group
             ]
             with formatter.section(group):
                 formatter.write_dl(rows)

@@ -8,7 +8,7 @@ import struct
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import IO, Annotated, Any, NoReturn
@@ -35,6 +35,15 @@ def value_option(metavar: str | None, help_text: str, *names: str, **more: Any) 
 def flag(name: str, help_text: str) -> Any:
     """Return an option without a value."""
     return typer.Option(name, help=help_text)
+
+
+def not_one_of(word: str, known: Iterable[str]) -> NoReturn:
+    """Refuse a value of an option, as typer refuses what is none of its choices.
+
+    Raises:
+        typer.BadParameter: always.
+    """
+    raise typer.BadParameter(f"{word!r} is not one of {', '.join(map(repr, known))}.")
 
 
 class ReportFormat(StrEnum):

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,6 +15,7 @@ from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
     fail,
+    not_one_of,
     note,
     put,
     save,
@@ -36,6 +36,7 @@ from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.convert import formats
 from babyrobot_levels.convert.formats import (
     FORMATS,
+    MODELS,
     UnknownFormatError,
     format_of,
     is_environment,
@@ -52,21 +53,22 @@ if TYPE_CHECKING:
 MAX_REPORTED = 40
 """The largest number of losses that are reported."""
 
-
 PICTURES = ("png", "svg")
 """The formats of pictures that levels are exported to."""
 
-WRITTEN = (*formats.WRITTEN, *PICTURES)
-"""The formats that levels are exported to."""
+TARGETS = [*(name for name, each in FORMATS.own.items() if each.is_written), *MODELS, *PICTURES]
+"""The formats of the package that levels are exported to."""
 
-_SUFFIXES = {**formats.SUFFIXES, **{f".{name}": name for name in PICTURES}}
+_SUFFIXES = [*formats.SUFFIXES, *(f".{name}" for name in PICTURES)]
 
-if TYPE_CHECKING:
-    WorldFormat: TypeAlias = str
-    ExportFormat: TypeAlias = str
-else:
-    WorldFormat = StrEnum("WorldFormat", [(name, name) for name in FORMATS])
-    ExportFormat = StrEnum("ExportFormat", [(name, name) for name in WRITTEN])
+
+def _world_format(word: str) -> str:
+    return word if word in FORMATS else not_one_of(word, FORMATS)
+
+
+def _export_format(word: str) -> str:
+    is_known = word in PICTURES or formats.is_written(word)
+    return word if is_known else not_one_of(word, [*formats.written(), *PICTURES])
 
 
 StrictOption = Annotated[
@@ -94,9 +96,12 @@ def import_level(
         ),
     ],
     world_format: Annotated[
-        WorldFormat | None,
+        str | None,
         value_option(
-            "FORMAT", f"Format of the file: {', '.join(FORMATS)}.  [default: detected]", "--from"
+            "FORMAT",
+            f"Format of the file: {', '.join(FORMATS.own)}.  [default: detected]",
+            "--from",
+            parser=_world_format,
         ),
     ] = None,
     output: OutputOption = None,
@@ -170,13 +175,13 @@ def import_level(
     put(text, output, force=force)
 
 
-*_FIRST, _LAST = (each.texts for each in FORMATS.values())
+*_FIRST, _LAST = (each.texts for each in FORMATS.own.values())
 import_level.__doc__ = (import_level.__doc__ or "").replace(
     "FORMATS", f"{', '.join(_FIRST)}, and {_LAST}"
 )
 
 
-def _is_environment(file: Path, chosen: WorldFormat | None) -> bool:
+def _is_environment(file: Path, chosen: str | None) -> bool:
     """Return whether the argument is the id of an environment, and not a file."""
     name = str(file)
     if chosen == "minigrid":
@@ -192,7 +197,7 @@ def _environment(env_id: str, seed: int, kwargs: str | None, slippery: bool | No
 
 def _converted(
     file: Path,
-    world_format: WorldFormat | None,
+    world_format: str | None,
     slippery: bool | None,
     seed: int | None,
     kwargs: str | None,
@@ -245,12 +250,13 @@ def _guessed(source: SourceFile) -> str:
 def export_level(
     level: LevelArgument,
     to: Annotated[
-        ExportFormat | None,
+        str | None,
         value_option(
             "FORMAT",
-            f"Output format: {', '.join(WRITTEN)}.  "
-            f"[default: by the suffix of the file, {listed([*_SUFFIXES], 'or')}]",
+            f"Output format: {', '.join(TARGETS)}.  "
+            f"[default: by the suffix of the file, {listed(_SUFFIXES, 'or')}]",
             "--to",
+            parser=_export_format,
         ),
     ] = None,
     output: OutputOption = None,
@@ -296,6 +302,8 @@ def export_level(
 
 def _by_suffix(output: Path | None) -> str:
     suffix = output.suffix.lower() if output is not None else ""
-    if suffix not in _SUFFIXES:
-        fail("the output format is missing", f"add --to with one of {', '.join(WRITTEN)}")
-    return _SUFFIXES[suffix]
+    name = suffix[1:] if suffix[1:] in PICTURES else formats.format_for(suffix)
+    if name is None:
+        known = ", ".join([*formats.written(), *PICTURES])
+        fail("the output format is missing", f"add --to with one of {known}")
+    return name

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 import typer
 from typer.core import TyperCommand
@@ -19,6 +18,7 @@ from babyrobot_levels.analysis.pictures import (
     TEXT,
     PictureFormat,
     dressed,
+    format_for,
     titles_of,
 )
 from babyrobot_levels.cli.agents import PLAYS, blamed, named_agent, table_of
@@ -26,6 +26,7 @@ from babyrobot_levels.cli.console import (
     OutputOption,
     fail,
     flag,
+    not_one_of,
     note,
     put,
     value_option,
@@ -62,14 +63,13 @@ from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.source import printable
 from babyrobot_levels.text.words import AGENTS, listed
 
-if TYPE_CHECKING:
-    FormatName: TypeAlias = str
-else:
-    FormatName = StrEnum("FormatName", [(name, name) for name in FORMATS])
-
 Item = TypeVar("Item")
 
 _PLAYED = listed(titles_of("seed"))
+
+
+def _picture_format(word: str) -> str:
+    return word if word in FORMATS else not_one_of(word, FORMATS)
 
 
 MoveSet = Literal["all", "moves"]
@@ -103,12 +103,13 @@ class PreviewCommand(TyperCommand):
 def preview(
     levels: LevelsArgument,
     picture_format: Annotated[
-        FormatName | None,
-        typer.Option(
-            "--format",
-            help="Output format; `text` is drawn with lines and colours on a terminal, and is "
+        str | None,
+        value_option(
+            f"<{'|'.join(FORMATS.own)}>",
+            "Output format; `text` is drawn with lines and colours on a terminal, and is "
             "`ascii` elsewhere.  [default: by the suffix of the file, else text]",
-            show_default=False,
+            "--format",
+            parser=_picture_format,
         ),
     ] = None,
     output: OutputOption = None,
@@ -244,7 +245,7 @@ def preview(
     is_text = chosen.kind == TEXT
     _check_for("seed", chosen, given=seed is not None)
     if held is not None and "held" not in chosen.options:
-        kinds = dict.fromkeys(each.kind for each in FORMATS.values() if "held" in each.options)
+        kinds = dict.fromkeys(each.kind for each in FORMATS.own.values() if "held" in each.options)
         shown = listed([kind if kind == TEXT else f"{kind}s" for kind in kinds])
         fail(f"--held is for {shown}", "leave out --held")
     _check_for("answers", chosen, given=no_answers, name="--no-answers")
@@ -373,7 +374,7 @@ def _chosen_format(asked: str | None, output: Path | None, folder: Path | None) 
         return FORMATS[asked]
     if output is None:
         return FORMATS["text" if folder is None else "svg"]
-    return FORMATS[format_by_suffix(output, SUFFIXES)]
+    return FORMATS[format_for(output.suffix.lower()) or format_by_suffix(output, SUFFIXES)]
 
 
 def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> float | None:

@@ -241,6 +241,9 @@ def list_levels(
     suites: Annotated[
         bool, typer.Option("--suites", help="List suites instead of levels.")
     ] = False,
+    extensions: Annotated[
+        bool, typer.Option("--extensions", help="List extensions instead of levels.")
+    ] = False,
     difficulty: Annotated[
         str | None,
         value_option(
@@ -254,7 +257,7 @@ def list_levels(
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """List the levels that have names, the suites or the packs.
+    """List the levels that have names, the suites, the packs or the extensions.
 
     Levels are searched in levels/ of the current folder, in the folders of the environment
     variable BABYROBOT_LEVELS, in the gallery that comes with this package, in your own folder, and
@@ -275,14 +278,15 @@ def list_levels(
     from babyrobot_levels.library.packs import unusable_packs
     from babyrobot_levels.library.search_path import PATH_VARIABLE, path_folders
 
-    if packs or suites:
-        both = packs and suites
-        asked = {"--tag": tag, "--difficulty": difficulty, "--sort": sort, "--suites": both}
+    others = {"packs": packs, "suites": suites, "extensions": extensions}
+    if other := next((name for name, given in others.items() if given), None):
+        asked: dict[str, Any] = {"--tag": tag, "--difficulty": difficulty, "--sort": sort}
+        asked |= {f"--{name}": given for name, given in others.items() if name != other}
         if what := next((name for name, given in asked.items() if given), None):
-            fail(
-                f"{what} cannot be combined with --{'packs' if packs else 'suites'}",
-                f"leave out {what}",
-            )
+            fail(f"{what} cannot be combined with --{other}", f"leave out {what}")
+        if other == "extensions":
+            list_extensions(report_format)
+            return
         (list_packs if packs else list_suites)(report_format)
         _note_all(unusable_packs())
         return
@@ -441,6 +445,26 @@ def list_suites(report_format: ReportFormat) -> None:
     else:
         cells = [(row["name"], f"{row['levels']:,}", one_line(row["title"] or "")) for row in rows]
         write_table(("NAME", "LEVELS", "TITLE"), cells, ("TITLE",))
+
+
+def list_extensions(report_format: ReportFormat) -> None:
+    """Write the extensions that are installed, and note what of them cannot be used."""
+    # What the package has itself, which extensions cannot take.
+    import babyrobot_levels.convert.formats
+    import babyrobot_levels.library.level  # noqa: F401
+    from babyrobot_levels.registry.entries import installed
+
+    if report_format is ReportFormat.JSON:
+        write_json([each.to_dict() for each in installed()])
+    elif installed():
+        cells = [
+            (each.name, each.distribution, "; ".join(each.words()), each.summary)
+            for each in installed()
+        ]
+        write_table(("NAME", "FROM", "ADDS", "DESCRIPTION"), cells, ("DESCRIPTION", "ADDS"))
+    else:
+        note("no extensions are installed")
+    _note_all(f"extension {fault}" for each in installed() for fault in each.faults())
 
 
 def _row(pack: KnownPack, *hides: KnownPack) -> _Row:

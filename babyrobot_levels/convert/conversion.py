@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import LONGEST_COLOR, is_color
+from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.diagnostics import one_line
@@ -186,7 +187,7 @@ def file_text(world: World, *, schema: str | None, name: str | None, title: str)
     for key, value in fields.items():
         if key in world.comments:
             lines.append(f"# {world.comments[key]}\n")
-        lines.append(emit_field(key, value))
+        lines.append(emit_field(key, plain(value)))
     return _tidy("".join(lines))
 
 

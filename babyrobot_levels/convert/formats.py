@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePath
@@ -25,6 +25,7 @@ from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.registry.entries import Entries
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import SUFFIXES as SUFFIXES_OF_LEVELS
@@ -76,7 +77,7 @@ class Format:
         return self.codec.write(level)
 
 
-FORMATS = {
+_OWN = {
     "babyrobot": Format(
         "keyword setup of PyPI babyrobot", "setups of PyPI babyrobot", setups.CODEC
     ),
@@ -106,6 +107,9 @@ FORMATS = {
 }
 """The formats by name. Of several that hold the same data, a later one is the more particular."""
 
+FORMATS = Entries("formats", _OWN, lambda each: isinstance(each, Format))
+"""The same, and those of extensions."""
+
 
 def _prism(level: Level) -> Conversion:
     # Imported here as the tables need NumPy, which other formats do without.
@@ -124,13 +128,33 @@ MODELS: Mapping[str, Callable[[Level], Conversion]] = {"prism": _prism, "umb": _
 """What writes levels for model checkers, by the format, which is the suffix of the file as well."""
 
 SUFFIXES = {
-    **{suffix: name for name, each in FORMATS.items() for suffix in each.written_suffixes},
+    **{suffix: name for name, each in _OWN.items() for suffix in each.written_suffixes},
     **{f".{name}": name for name in MODELS},
 }
 """The formats of files that levels are written to, by their suffixes."""
 
-WRITTEN = (*(name for name, each in FORMATS.items() if each.is_written), *MODELS)
-"""The formats that levels are written in."""
+
+def written() -> list[str]:
+    """Return the names of the formats that levels are written in."""
+    others = (name for name, each in FORMATS.added() if each.is_written)
+    return [*(name for name, each in _OWN.items() if each.is_written), *MODELS, *others]
+
+
+def is_written(name: str) -> bool:
+    """Return whether levels are written in a format of this name."""
+    return name in MODELS or (name in FORMATS and FORMATS[name].is_written)
+
+
+def format_for(suffix: str) -> str | None:
+    """Return the name of the format of a file that a level is written to, None if it has none."""
+    if suffix in SUFFIXES:
+        return SUFFIXES[suffix]
+    others = (name for name, each in FORMATS.added() if suffix in each.written_suffixes)
+    return next(others, None)
+
+
+_PLAIN = ("", ".txt", ".json", ".py", *SUFFIXES_OF_LEVELS)
+"""Suffixes that say nothing of a format."""
 
 
 def guess(source: SourceFile) -> list[str]:
@@ -140,13 +164,26 @@ def guess(source: SourceFile) -> list[str]:
         ConversionError: it is blank, or looks like JSON or Python but is malformed.
     """
     suffix = PurePath(source.name).suffix.lower()
-    by_suffix = [name for name, each in FORMATS.items() if suffix in each.suffixes]
-    if by_suffix:
-        return by_suffix
+    others = () if suffix in _PLAIN else FORMATS.added()
+    for formats in (_OWN.items(), others):
+        by_suffix = [name for name, each in formats if suffix in each.suffixes]
+        if by_suffix:
+            return by_suffix
+    return _by_content(source, _OWN) or [*_by_extensions(source)]
+
+
+def _by_extensions(source: SourceFile) -> Iterator[str]:
+    for name, each in FORMATS.added():
+        # What fails does not have the others fail.
+        with suppress(Exception):
+            yield from _by_content(source, {name: each})
+
+
+def _by_content(source: SourceFile, formats: Mapping[str, Format]) -> list[str]:
     letters = set(source.text) - set("\r\n")
     if not letters - {" "}:
         raise ConversionError("the text is blank")
-    drawn = [name for name, each in FORMATS.items() if each.codec.draws(source, letters)]
+    drawn = [name for name, each in formats.items() if each.codec.draws(source, letters)]
     if drawn or not looks_like_data(source.text):
         return drawn
     try:
@@ -156,7 +193,7 @@ def guess(source: SourceFile) -> list[str]:
         if source.text.lstrip()[0] in "('\"":
             return []
         raise
-    return [name for name, each in FORMATS.items() if each.codec.holds(data)][-1:]
+    return [name for name, each in formats.items() if each.codec.holds(data)][-1:]
 
 
 class UnknownFormatError(ConversionError):
@@ -379,15 +416,16 @@ def export(
 
 def _by_suffix(path: str | os.PathLike[str] | None) -> str:
     suffix = "" if path is None else Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise ValueError("give the format: one of " + ", ".join(WRITTEN))
-    return SUFFIXES[suffix]
+    name = format_for(suffix)
+    if name is None:
+        raise ValueError("give the format: one of " + ", ".join(written()))
+    return name
 
 
 def converted(level: Level, name: str) -> Conversion:
     """Return a level in a format by its name; see `export`."""
-    if name not in WRITTEN:
-        raise ValueError(no_format(name, WRITTEN))
+    if not is_written(name):
+        raise ValueError(no_format(name, written()))
     if name in MODELS:
         return MODELS[name](level)
     conversion = FORMATS[name].write(level)

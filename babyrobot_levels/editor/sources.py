@@ -93,7 +93,7 @@ def known() -> dict[str, Any]:
         "levels": [
             {"name": each.name, "title": each.title, "size": [*each.size]} for each in levels()
         ],
-        "formats": [{"name": name, "title": each.title} for name, each in FORMATS.items()],
+        "formats": [{"name": name, "title": each.title} for name, each in FORMATS.own.items()],
     }
 
 
@@ -132,7 +132,7 @@ def _read(text: str, kind: str | None) -> str:
     source = SourceFile("the text", text)
     if kind is None and _is_level(source):
         return text
-    found = [kind] if kind in FORMATS else guess(source)
+    found = [kind] if kind and kind in FORMATS else guess(source)
     if not found:
         raise RefusedError("the text is no level and no map of a known format")
     if len(found) > 1:

@@ -37,7 +37,7 @@ _INT = np.dtype(np.intp)
 
 def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
     """Raise a ValueError if an argument is not one of its choices."""
-    if value not in [*choices]:  # A mapping would have to hash it.
+    if not isinstance(value, str) or value not in choices:
         known = ", ".join(map(repr, choices))
         guess = did_you_mean(value, choices) if isinstance(value, str) else ""
         raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
@@ -126,7 +126,7 @@ def checked_observation(**options: Unpack[ObservationOptions]) -> Observation:
     names = checked_names(observation)
     check_choice("planes_dtype", given["planes_dtype"], DTYPES)
     changed = {name for name, default in _DEFAULTS.items() if _differs(given[name], default)}
-    for kind, observer in OBSERVATIONS.items():
+    for kind, observer in OBSERVATIONS.own.items():
         if kind not in names and not changed.isdisjoint(observer.options):
             raise ValueError(f"{' and '.join(observer.options)} need observation={kind!r}")
     return Observation(

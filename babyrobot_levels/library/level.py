@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +16,7 @@ from babyrobot_levels.analysis.pictures import Pictured
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.language.share_code import decode
 from babyrobot_levels.mdp.gridworld import GridWorld, playable
+from babyrobot_levels.registry.entries import Entries
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
@@ -22,6 +25,10 @@ if TYPE_CHECKING:
     import gymnasium
 
     from babyrobot_levels.analysis.previews import Facts, Preview
+
+
+_METHODS: Entries[Callable[..., Any]] = Entries("methods", {})
+"""What extensions add to levels."""
 
 
 class Level(Pictured, GridWorld):
@@ -45,6 +52,9 @@ class Level(Pictured, GridWorld):
 
         # pydantic would call it for the levels that it makes, too.
         __init__.__pydantic_base_init__ = True
+
+        def _added(self, name: str) -> Any:
+            return partial(_METHODS[name], self) if name in _METHODS else None
 
     def __hash__(self) -> int:
         # Some fields are mappings, which have none; equal levels are alike in these.

@@ -265,7 +265,14 @@ class Telling(Public):
             if inspect.getattr_static(type(self), name, None) is not None:
                 # A property raised the error: let it do so again.
                 return object.__getattribute__(self, name)
-            raise no_attribute(self, name)
+            added = self._added(name)
+            if added is None:
+                raise no_attribute(self, name)
+            return added
+
+        def _added(self, name: str) -> Any:
+            """Return an attribute that somebody else adds, None if nobody does."""
+            return None
 
 
 def no_item(owner: Any, name: Any) -> NoReturn:

@@ -115,7 +115,7 @@ def test_what_is_lost_is_told_whatever_else_is(name: str, monkeypatch: pytest.Mo
         # A format that does not know the field, and says nothing of it.
         with monkeypatch.context() as patches:
             kept = write(without)
-            patches.setitem(FORMATS, name, writing(name, lambda _, kept=kept: kept))  # type: ignore[misc]
+            patches.setitem(FORMATS.own, name, writing(name, lambda _, kept=kept: kept))  # type: ignore[misc]
             told = [lost.field.partition(".")[0] for lost in export(level, name).warnings]
         if level.digest != without.digest and {field, NEEDED.get(field)}.isdisjoint(told):
             assert "MDP" in told, field
@@ -195,7 +195,7 @@ def test_a_difference_that_no_field_explains_is_reported(monkeypatch: pytest.Mon
     def careless(level: Level) -> Conversion:
         return sokoban.write(level.replace(walls=None))
 
-    monkeypatch.setitem(FORMATS, "sokoban", writing("sokoban", careless))
+    monkeypatch.setitem(FORMATS.own, "sokoban", writing("sokoban", careless))
     level = level_of({"version": 1, "walls": [{"at": [0, 0], "side": "E"}]})
     (lost,) = export(level, "sokoban").warnings
     assert lost.field == "MDP"

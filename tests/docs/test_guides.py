@@ -21,8 +21,8 @@ from support.sessions import babyrobot
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import pictures as formats_of_pictures
 from babyrobot_levels.analysis.learning import algorithms
-from babyrobot_levels.cli.convert import PICTURES, WRITTEN
-from babyrobot_levels.convert.formats import FORMATS, MODELS
+from babyrobot_levels.cli.convert import PICTURES
+from babyrobot_levels.convert.formats import FORMATS, MODELS, written
 from babyrobot_levels.convert.setups import _PLAYING, KEYWORDS
 from babyrobot_levels.language.json_schema import SCHEMAS
 from babyrobot_levels.language.metric_names import METRICS
@@ -60,7 +60,7 @@ def test_the_table_has_all_formats_of_other_programs() -> None:
     names = {name: row for row in table for name in re.findall(r"`([a-z-]+)`", row[0])}
     assert [*names] == [*FORMATS, *MODELS, *PICTURES]
     assert [name for name, row in names.items() if row[2]] == [*FORMATS]
-    assert [name for name, row in names.items() if row[3]] == [*WRITTEN]
+    assert [name for name, row in names.items() if row[3]] == [*written(), *PICTURES]
     for name, each in FORMATS.items():
         for suffix in {*each.suffixes, *each.written_suffixes}:
             assert f"`{suffix}`" in "".join(names[name]), name

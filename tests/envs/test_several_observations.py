@@ -17,7 +17,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 
-NAMES = tuple(reversed(OBSERVATIONS))
+NAMES = tuple(reversed([*OBSERVATIONS]))
 
 
 @pytest.mark.parametrize("level", ["final-maze", "things of all kinds", "random mazes with things"])

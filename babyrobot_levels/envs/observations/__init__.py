@@ -17,6 +17,7 @@ from babyrobot_levels.envs.observations.numbers import NumericObserver, VectorOb
 from babyrobot_levels.envs.observations.planes import PlaneObserver
 from babyrobot_levels.envs.observations.views import ViewObserver
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.registry.entries import Entries
 
 
 class ImageObserver(Observer):
@@ -70,7 +71,7 @@ class ImageObserver(Observer):
         return picture
 
 
-OBSERVATIONS: dict[str, type[Observer]] = {
+_OWN: dict[str, type[Observer]] = {
     "position": NumericObserver,
     "index": NumericObserver,
     "walls": NumericObserver,
@@ -79,6 +80,13 @@ OBSERVATIONS: dict[str, type[Observer]] = {
     "image": ImageObserver,
     "view": ViewObserver,
 }
+
+
+def _is_observer(found: Any) -> bool:
+    return isinstance(found, type) and issubclass(found, Observer)
+
+
+OBSERVATIONS = Entries("observations", _OWN, _is_observer)
 """What makes each observation, by its name."""
 
 

@@ -25,7 +25,7 @@ from babyrobot_levels.render.words.happenings import happenings
 TEXTS = {f"text-{sight}": sight for sight in SIGHTS}
 """The sights of worlds of text by their names here: `view` is an observation as well."""
 
-NAMES = (*OBSERVATIONS, *TEXTS)
+NAMES = (*OBSERVATIONS.own, *TEXTS)
 """The names of all sights."""
 
 Sensor = Callable[[Level, int], Hashable]

@@ -3,17 +3,21 @@
 import importlib
 import pkgutil
 import re
-from collections.abc import Sequence
-from functools import cache, lru_cache
+from collections.abc import Callable, Sequence
+from functools import cache, lru_cache, partial
 from importlib import resources
 from typing import overload
 
 from babyrobot_levels.linter.rule import REGISTERED, Rule
+from babyrobot_levels.registry.entries import OWN_CODES, Entries
 from babyrobot_levels.text.diagnostics import Severity
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.words import did_you_mean
 
 _NAME = re.compile(r"[a-z0-9-]+")
+
+_ADDED: Entries[Callable[..., object]] = Entries("rules", {})
+"""The functions of the rules of extensions, by code."""
 
 
 class UnknownRuleError(BabyRobotError, ValueError):
@@ -27,7 +31,13 @@ def all_rules() -> tuple[Rule, ...]:
     """Return all rules, sorted by code."""
     for module in pkgutil.iter_modules(__path__):
         importlib.import_module(f"{__name__}.{module.name}")
-    return tuple(sorted(REGISTERED.values(), key=lambda rule: rule.code))
+    own = (rule for rule in REGISTERED.values() if rule.code.startswith(OWN_CODES))
+    return tuple(sorted(own, key=lambda rule: rule.code))
+
+
+def added_rules() -> tuple[Rule, ...]:
+    """Return the rules of extensions, sorted by code."""
+    return tuple(REGISTERED[code] for code in sorted(dict(_ADDED.added())) if code in REGISTERED)
 
 
 @cache
@@ -38,7 +48,10 @@ def all_pages() -> tuple[Rule, ...]:
 
 def find(word: str) -> Rule | None:
     """Return the rule or error with a code or a name; None if there is none."""
-    return next((rule for rule in all_pages() if rule.is_called(word)), None)
+    for rules in (all_pages, added_rules):
+        if found := next((rule for rule in rules() if rule.is_called(word)), None):
+            return found
+    return None
 
 
 @overload
@@ -79,15 +92,22 @@ def select(select: Sequence[str] | None, ignore: Sequence[str] = ()) -> tuple[Ru
 
 @lru_cache(maxsize=64)
 def _selected(select: tuple[str, ...] | None, ignore: tuple[str, ...]) -> tuple[Rule, ...]:
-    for word in [*(select or ()), *ignore]:
-        if not any(_match(word, rule) for rule in all_rules()):
-            known = [each for rule in all_rules() for each in (rule.code, rule.name)]
+    words, rules = [*(select or ()), *ignore], all_rules()
+    if "ALL" in map(str.upper, words) or not all(map(partial(_is_known, rules=rules), words)):
+        rules += added_rules()
+    for word in words:
+        if not _is_known(word, rules):
+            known = [each for rule in rules for each in (rule.code, rule.name)]
             raise UnknownRuleError(f"unknown rule `{word}`{did_you_mean(word, known)}")
     return tuple(
         rule
-        for rule in all_rules()
+        for rule in rules
         if _selection(rule, select) > max((_match(word, rule) for word in ignore), default=0)
     )
+
+
+def _is_known(word: str, rules: Sequence[Rule]) -> bool:
+    return any(_match(word, rule) for rule in rules)
 
 
 def _selection(rule: Rule, select: Sequence[str] | None) -> int:
