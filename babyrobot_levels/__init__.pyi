@@ -41,8 +41,6 @@ from .analysis.solver.results import Simulation as Simulation
 from .analysis.solver.results import Solution as Solution
 from .analysis.solver.results import UndefinedReturnError as UndefinedReturnError
 from .analysis.strip import strip as strip
-from .assistants.server import mcp as mcp
-from .assistants.skill import skill as skill
 from .convert.conversion import Conversion as Conversion
 from .convert.conversion import ConversionError as ConversionError
 from .convert.conversion import ConversionWarning as ConversionWarning
@@ -60,6 +58,8 @@ from .envs.samplers import WeightedSampler as WeightedSampler
 from .envs.single import LevelEnv as LevelEnv
 from .envs.text import TextObservation as TextObservation
 from .envs.vector.env import LevelVectorEnv as LevelVectorEnv
+from .extensions.assistants.server import mcp as mcp
+from .extensions.assistants.skill import skill as skill
 from .generation.mutation import crossover as crossover
 from .generation.mutation import mutate as mutate
 from .generation.search import UnsatisfiableError as UnsatisfiableError

@@ -89,7 +89,7 @@ ASKED = {
 TOOL = """
 import sys
 from contextlib import nullcontext
-from babyrobot_levels.assistants.tools import Tools
+from babyrobot_levels.extensions.assistants.tools import Tools
 from babyrobot_levels.text.errors import BabyRobotError
 try:
     from babyrobot_levels.text.budget import COMMAND, within

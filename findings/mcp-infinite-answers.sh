@@ -9,7 +9,7 @@
 # Why it matters: returns, distances and shares of levels that cannot be won are -inf, inf and NaN. A tool that worked for every level of a
 #   test takes an agent's program down at the first closed maze.
 # Here: numbers that are not finite are sent as texts, such as "inf", and the schema says so
-#   (`test_infinities_are_texts` in tests/assistants/test_tools.py).
+#   (`test_infinities_are_texts` in tests/extensions/assistants/test_tools.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

@@ -9,7 +9,7 @@
 # Why it matters: tools for levels take files as texts, and JSON is YAML: places in error messages, comments and the
 #   order of keys are gone before the tool sees the file, but only for authors who write JSON.
 # Here: tools take a level as a text alone
-#   (`test_an_assistant_goes_from_a_brief_to_a_clean_level` in tests/assistants/test_server.py).
+#   (`test_an_assistant_goes_from_a_brief_to_a_clean_level` in tests/extensions/assistants/test_server.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

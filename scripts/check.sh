@@ -41,7 +41,7 @@ beside_pages() {
 # Runs the tests with libraries that learn, those of the sweep or the others.
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
-        tests/assistants/test_server.py tests/envs tests/scoring tests/language_agents/test_trl.py \
+        tests/extensions/assistants/test_server.py tests/envs tests/scoring tests/language_agents/test_trl.py \
         tests/publish/test_dataset.py tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 make_libraries() {
@@ -88,7 +88,7 @@ storm)
     PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
     beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm \
         tests/extensions/sight/test_readers.py \
-        tests/assistants/test_server.py tests/language_agents/test_verifiers.py
+        tests/extensions/assistants/test_server.py tests/language_agents/test_verifiers.py
     exit
     ;;
 otter)

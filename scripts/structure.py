@@ -263,7 +263,7 @@ def picture(layers: list[list[Room]]) -> str:
     imports it meets that line in a dot.
     """
     rooms = [room for layer in reversed(layers) for room in layer]
-    hues = {room.name: hue for room, hue in zip(reversed(rooms), HUES, strict=True)}
+    hues = {room.name: hue for room, hue in zip(reversed(rooms), HUES, strict=False)}
     imported = [room.name for room in rooms if any(room.name in each.imports for each in rooms)]
     columns = {name: FIRST_COLUMN + COLUMN * number for number, name in enumerate(imported)}
     tops: dict[str, float] = {}

@@ -51,7 +51,7 @@ SLOW = {
 """Files and folders in which every test is slow. Elsewhere the test itself is marked."""
 
 LIBRARIES = {
-    "assistants/test_server.py",
+    "extensions/assistants/test_server.py",
     "extensions/sight/test_readers.py",
     "in_otter",
     "jax_levels",

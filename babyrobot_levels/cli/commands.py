@@ -50,9 +50,11 @@ _OWN = {
     "install": Command("Share", "packs:install", "Install a pack."),
     "uninstall": Command("Share", "packs:uninstall", "Remove an installed pack."),
     "schema": Command(_SUPPORT, "create:print_schema", "Print a JSON schema."),
-    "mcp": Command(_SUPPORT, "assistants:mcp", "Serve tools for assistants that write levels."),
+    "mcp": Command(
+        _SUPPORT, "assistants.commands:mcp", "Serve tools for assistants that write levels."
+    ),
     "skill": Command(
-        _SUPPORT, "assistants:skill", "Print a page for assistants that write levels."
+        _SUPPORT, "assistants.commands:skill", "Print a page for assistants that write levels."
     ),
 }
 
@@ -61,8 +63,14 @@ _LIMITED = {
     "sheet", "export", "gallery", "dataset", "course",
 }  # fmt: skip
 
+
+def _place(short: str) -> str:
+    """Return where a function is, by its module in this room, or in an extension's folder."""
+    return f"babyrobot_levels.{'extensions' if '.' in short else 'cli'}.{short}"
+
+
 COMMANDS = {
-    name: command._replace(place=f"babyrobot_levels.cli.{command.place}", limited=name in _LIMITED)
+    name: command._replace(place=_place(command.place), limited=name in _LIMITED)
     for name, command in _OWN.items()
 }
 """The commands of the package. Those of extensions are asked for where another one is meant."""

@@ -16,7 +16,7 @@ import os
 import sys
 
 import babyrobot_levels as brl
-from babyrobot_levels.assistants.worker import Worker
+from babyrobot_levels.extensions.assistants.worker import Worker
 
 if __name__ == "__main__":
     multiprocessing.set_start_method(sys.argv[1])

@@ -17,7 +17,7 @@ from babyrobot_levels.text.errors import how_to_install
 if TYPE_CHECKING:
     from mcp.server import MCPServer
 
-    from babyrobot_levels.assistants.worker import Worker
+    from babyrobot_levels.extensions.assistants.worker import Worker
 
 _ESCAPE = re.compile(rb"\\(?:u[dD][89abAB]..\\u[dD][c-fC-F]..|(u[dD][89a-fA-F]..)|.)")
 """An escape in JSON; a half of a surrogate pair without the other one is a group."""
@@ -48,8 +48,8 @@ def mcp(folder: str | os.PathLike[str] | None = None, *, seconds: float = 60.0) 
     except ImportError:
         message = f"the server needs the package `mcp`, 2.0 or later: {how_to_install('mcp')}"
         raise ImportError(message, name="mcp") from None
-    from babyrobot_levels.assistants.tools import Tools
-    from babyrobot_levels.assistants.worker import Worker
+    from babyrobot_levels.extensions.assistants.tools import Tools
+    from babyrobot_levels.extensions.assistants.worker import Worker
 
     if folder is not None and not Path(folder).is_dir():
         raise NotADirectoryError(f"there is no folder {folder}")
@@ -97,7 +97,7 @@ def _tool(name: str, method: Callable[..., Any], worker: Worker) -> Callable[...
     from mcp.server.mcpserver.exceptions import ToolError
     from mcp.types import CallToolResult, TextContent
 
-    from babyrobot_levels.assistants.tools import RefusedError
+    from babyrobot_levels.extensions.assistants.tools import RefusedError
 
     @functools.wraps(method)
     def call(**arguments: Any) -> CallToolResult:

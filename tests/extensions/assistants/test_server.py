@@ -17,10 +17,10 @@ import pytest
 from support.places import ROOT
 
 import babyrobot_levels as brl
-from babyrobot_levels.assistants.tools import Tools
+from babyrobot_levels.extensions.assistants.tools import Tools
 from babyrobot_levels.render.templates import static
 
-EXAMPLE = static("assistants/example.yaml")
+EXAMPLE = static("extensions/assistants/example.yaml")
 COMMAND = ["-m", "babyrobot_levels", "mcp"]
 ENVIRONMENT = {"PYTHONPATH": str(ROOT)}
 

@@ -11,12 +11,17 @@ import pytest
 from support.hostile import BROKEN
 
 import babyrobot_levels as brl
-from babyrobot_levels.assistants.skill import language_page
-from babyrobot_levels.assistants.tools import MAX_FINDINGS, MAX_PLAYS, RefusedError, Tools
+from babyrobot_levels.extensions.assistants.skill import language_page
+from babyrobot_levels.extensions.assistants.tools import (
+    MAX_FINDINGS,
+    MAX_PLAYS,
+    RefusedError,
+    Tools,
+)
 from babyrobot_levels.render.templates import static
 from babyrobot_levels.text.errors import BabyRobotError
 
-EXAMPLE = static("assistants/example.yaml")
+EXAMPLE = static("extensions/assistants/example.yaml")
 TOOLS = Tools()
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.assistants.tools import RefusedError
-from babyrobot_levels.assistants.worker import Worker
+from babyrobot_levels.extensions.assistants.tools import RefusedError
+from babyrobot_levels.extensions.assistants.worker import Worker
 
 
 @pytest.mark.slow

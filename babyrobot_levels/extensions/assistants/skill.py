@@ -39,7 +39,7 @@ def skill(path: str | os.PathLike[str] | None = None, *, force: bool = False) ->
     """
     schema = level_schema()
     made = {
-        "example": static("assistants/example.yaml").rstrip(),
+        "example": static("extensions/assistants/example.yaml").rstrip(),
         "marks": _lines(_marks()),
         "drawn": _listed(fields_with(DRAWN)),
         "fields": _lines(_rows(schema["properties"])),
@@ -54,7 +54,8 @@ def skill(path: str | os.PathLike[str] | None = None, *, force: bool = False) ->
             if rule.code.startswith("BR5") and not rule.name.endswith("-without-effect")
         ),
     }
-    text = re.sub(r"\{\{(\w+)\}\}", lambda found: made[found[1]], static("assistants/skill.md"))
+    template = static("extensions/assistants/skill.md")
+    text = re.sub(r"\{\{(\w+)\}\}", lambda found: made[found[1]], template)
     if path is not None:
         write_new(Path(path), text, force=force)
     return text

@@ -18,7 +18,7 @@ from babyrobot_levels.analysis.previews import show
 from babyrobot_levels.analysis.shown import actions_shown, overlay_given
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution
-from babyrobot_levels.assistants.results import (
+from babyrobot_levels.extensions.assistants.results import (
     Answered,
     Checked,
     Drawn,
@@ -29,7 +29,7 @@ from babyrobot_levels.assistants.results import (
     Page,
     Solved,
 )
-from babyrobot_levels.assistants.skill import language_page
+from babyrobot_levels.extensions.assistants.skill import language_page
 from babyrobot_levels.language.documents import is_suite, theme_folders
 from babyrobot_levels.language.share_code import decode, is_code
 from babyrobot_levels.library.level import Level, load_source

@@ -7,8 +7,8 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from babyrobot_levels.assistants.results import Result
-from babyrobot_levels.assistants.tools import RefusedError, Tools
+from babyrobot_levels.extensions.assistants.results import Result
+from babyrobot_levels.extensions.assistants.tools import RefusedError, Tools
 from babyrobot_levels.parallel.processes import begin, starting
 from babyrobot_levels.text.budget import COMMAND, within
 from babyrobot_levels.text.errors import BabyRobotError
