@@ -7,7 +7,7 @@
 # Seen: `b'first'`. A field that is compared with a text is never equal, without an error.
 # Why it matters: data sets of levels and episodes are filtered by names: `record["levels/name"] == "first"` finds nothing.
 # Here: docs/datasets.md says so, and the test of what is written decodes what it reads
-#   (`test_croissant_describes_what_is_there` in tests/publish/test_dataset.py).
+#   (`test_croissant_describes_what_is_there` in tests/extensions/publish/test_dataset.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

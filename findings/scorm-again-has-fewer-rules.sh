@@ -9,7 +9,7 @@
 # Why it matters: in Moodle, which keeps the first rule, a level that was opened and closed counts as done, and who stores
 #   an episode in `suspend_data` loses it where the second holds. Tests with this stand-in show neither.
 # Here: pages set "incomplete" when they begin, and store little; the side of the school in tests has the first rule
-#   (tests/publish/test_scorm_in_browser.py).
+#   (tests/extensions/publish/test_scorm_in_browser.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

@@ -42,7 +42,7 @@ beside_pages() {
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
         tests/extensions/assistants/test_server.py tests/envs tests/scoring tests/language_agents/test_trl.py \
-        tests/publish/test_dataset.py tests/e2e/test_examples.py tests/docs/test_benchmark.py
+        tests/extensions/publish/test_dataset.py tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 make_libraries() {
     make_venv .venv-libraries

@@ -57,7 +57,7 @@ LIBRARIES = {
     "jax_levels",
     "language_agents",
     "on_ray",
-    "publish/test_dataset.py",
+    "extensions/publish/test_dataset.py",
     "site",
     "storm",
 }

@@ -40,11 +40,15 @@ _OWN = {
     "compare": Command("Analyse", "compare:compare", "Test whether two levels are the same MDP."),
     "diff": Command("Analyse", "diff:diff", "Show what differs between two levels."),
     "share": Command("Share", "share:share", "Print a level as a share code or a link."),
-    "sheet": Command("Share", "publish:sheet", "Print levels on an exercise sheet, or its key."),
+    "sheet": Command(
+        "Share", "publish.commands:sheet", "Print levels on an exercise sheet, or its key."
+    ),
     "export": Command("Share", "convert:export_level", "Convert a level for another program."),
-    "gallery": Command("Share", "publish:gallery", "Write web pages of many levels."),
-    "dataset": Command("Share", "publish:dataset", "Write levels as a data set of rows."),
-    "course": Command("Share", "course:course", "Begin a course, or build all that it hands out."),
+    "gallery": Command("Share", "publish.commands:gallery", "Write web pages of many levels."),
+    "dataset": Command("Share", "publish.commands:dataset", "Write levels as a data set of rows."),
+    "course": Command(
+        "Share", "publish.commands:course", "Begin a course, or build all that it hands out."
+    ),
     "resolve": Command("Share", "share:resolve", "Write out a level's maze as walls."),
     "pack": Command("Share", "packs:pack", "Pack a folder of levels into one file."),
     "install": Command("Share", "packs:install", "Install a pack."),

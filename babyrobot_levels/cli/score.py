@@ -371,7 +371,7 @@ def _put_grades(
     force: bool,
 ) -> None:
     """Write the grades of plays."""
-    from babyrobot_levels.publish.class_page import class_page
+    from babyrobot_levels.scoring.class_page import class_page
 
     to_csv = grades.totals_to_csv if totals else grades.to_csv
     if output is not None:

@@ -199,7 +199,7 @@ def cite(level: Level, argument: str, *, as_json: bool) -> None:
         argument: the argument that names it, which is `pack/name` for a level of a pack.
         as_json: whether to print it as JSON.
     """
-    from babyrobot_levels.publish.citation import citation, cited_name, pack_in
+    from babyrobot_levels.library.citation import citation, cited_name, pack_in
 
     if level.has_random_maze:
         fail(

@@ -9,7 +9,7 @@ from posixpath import dirname, join, normpath
 import pytest
 
 from babyrobot_levels.editor.state import served_script, widget_script
-from babyrobot_levels.publish.wall import ASSETS
+from babyrobot_levels.extensions.publish.wall import ASSETS
 from babyrobot_levels.render.templates import put_together, static
 
 ENTRIES = [
@@ -20,12 +20,12 @@ ENTRIES = [
     ("editor", "site.js"),
     ("editor", "widget.js"),
     ("editor", "worker.js"),
-    ("publish", "level.css"),
-    ("publish", "played_level.js"),
-    ("publish", "scorm.js"),
-    ("publish", "site.css"),
-    ("publish", "wall.css"),
-    ("publish", "wall.js"),
+    ("extensions/publish", "level.css"),
+    ("extensions/publish", "played_level.js"),
+    ("extensions/publish", "scorm.js"),
+    ("extensions/publish", "site.css"),
+    ("extensions/publish", "wall.css"),
+    ("extensions/publish", "wall.js"),
     ("render", "page.css"),
     ("render", "page.js"),
 ]
@@ -33,7 +33,7 @@ ENTRIES = [
 
 FILES = sorted(
     f"{room}/static/{file.name}"
-    for room in ("render", "editor", "publish")
+    for room in ("render", "editor", "extensions/publish")
     for file in files("babyrobot_levels").joinpath(room, "static").iterdir()
 )
 
@@ -157,7 +157,7 @@ def test_every_module_and_sheet_is_in_a_page() -> None:
                 used.add(other)
                 new.append(other)
     # Python puts this sheet before that of the icons.
-    used.add("publish/static/icons.css")
+    used.add("extensions/publish/static/icons.css")
     assert sorted(used) == [path for path in FILES if path.endswith((".js", ".css"))]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
-from babyrobot_levels.publish.facts import Facts, Files
+from babyrobot_levels.extensions.publish.facts import Facts, Files
 
 
 def facts_of_wall(

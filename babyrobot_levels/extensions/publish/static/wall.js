@@ -1,8 +1,8 @@
 // The wall of a gallery: filters, search, order, films, and the visitor's progress. The address
 // after its `#` holds what is chosen, so that it can be linked and the Back button returns to it.
 
-import { byId, starSigns } from "../../render/static/dom.js";
-import { STORE, storedProgress, storeProgress } from "../../render/static/progress.js";
+import { byId, starSigns } from "../../../render/static/dom.js";
+import { STORE, storedProgress, storeProgress } from "../../../render/static/progress.js";
 
 const SORTS = ["size", "difficulty", "steps", "return"];
 const FILM_DELAY = 150; // Milliseconds: the pointer passes over tiles on its way to another.

@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.publish import gallery as writing
 from babyrobot_levels.library import search_path
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
 from babyrobot_levels.library.search_path import gallery_order, gallery_place
-from babyrobot_levels.publish import gallery as writing
 from babyrobot_levels.render.page_format import rounded
 
 LEVELS = ["final-maze", "treasure-chests", "first-key"]

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.publish.facts import HARDNESS, Facts, Files, facts_of, measured
+from babyrobot_levels.extensions.publish.facts import HARDNESS, Facts, Files, facts_of, measured
 
 FILES = Files("a/index.html", "a/level.yaml", "a/a.svg", "a/a.png", "a/tile.png", None)
 

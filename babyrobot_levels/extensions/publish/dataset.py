@@ -14,11 +14,11 @@ from typing import Any
 from babyrobot_levels.analysis.metrics import Metrics, metrics
 from babyrobot_levels.analysis.pictures import to_png
 from babyrobot_levels.analysis.shown import MAX_SOLVED
+from babyrobot_levels.extensions.publish.gallery import MAZE_SEED, TILE_SIDE, Progress, title_of
 from babyrobot_levels.language.metric_names import METRICS
 from babyrobot_levels.language.play import program
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.parallel.executor import Failure
-from babyrobot_levels.publish.gallery import MAZE_SEED, TILE_SIDE, Progress, title_of
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.templates import as_html, html, static
@@ -240,7 +240,7 @@ def _card(made: Dataset, title: str, terms: str | None, recipe: str) -> str:
         "recipe": recipe,
     }
     marked = {name: as_html(text) for name, text in texts.items()}
-    return html("publish/static/dataset.md.jinja", **marked)
+    return html("extensions/publish/static/dataset.md.jinja", **marked)
 
 
 def _croissant(folder: Path, made: Dataset, title: str, terms: str | None) -> dict[str, Any]:
@@ -263,7 +263,7 @@ def _croissant(folder: Path, made: Dataset, title: str, terms: str | None) -> di
         fields = [_field(split, path, name, *about) for name, about in columns().items()]
         records.append({"@type": "cr:RecordSet", "@id": split, "name": split, "field": fields})
     return {
-        "@context": json.loads(static("publish/static/croissant.json")),
+        "@context": json.loads(static("extensions/publish/static/croissant.json")),
         "@type": "sc:Dataset",
         "name": title,
         "description": f"Levels of grid worlds with their exact metrics. Written by {program()}.",

@@ -1,10 +1,10 @@
 // The page of a level that can be played.
 
-import { checked } from "../../render/static/checks.js";
-import { byId } from "../../render/static/dom.js";
-import { learnAddressed, showLevel } from "../../render/static/player.js";
-import { goOn } from "../../render/static/progress.js";
-import { starsOf } from "../../render/static/result.js";
+import { checked } from "../../../render/static/checks.js";
+import { byId } from "../../../render/static/dom.js";
+import { learnAddressed, showLevel } from "../../../render/static/player.js";
+import { goOn } from "../../../render/static/progress.js";
+import { starsOf } from "../../../render/static/result.js";
 import { playWhenSeen, reach } from "./level.js";
 
 /** @type {any} */

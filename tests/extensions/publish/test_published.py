@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from babyrobot_levels.extensions.publish.published import FIGURES, comparisons
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.publish.published import FIGURES, comparisons
 
 NAMES = sorted({figure.level for figure in FIGURES})
 

@@ -11,8 +11,8 @@ import pytest
 from support.markup import VOID, Reader
 from support.walls import facts_of_wall
 
-from babyrobot_levels.publish.facts import Facts
-from babyrobot_levels.publish.wall import ASSETS, icons_style, wall_html
+from babyrobot_levels.extensions.publish.facts import Facts
+from babyrobot_levels.extensions.publish.wall import ASSETS, icons_style, wall_html
 
 HOSTILE = "\"><script>alert('x')</script><img src=x onerror=alert(1)>&amp;$title\u202e"
 

@@ -17,7 +17,7 @@ from support.markup import Reader
 from support.scenes import bounds
 
 import babyrobot_levels as brl
-from babyrobot_levels.publish.sheet_pages import LINE
+from babyrobot_levels.extensions.publish.sheet_pages import LINE
 from babyrobot_levels.render.scene import shapes
 from babyrobot_levels.render.scene.shapes import Scene, Text
 

@@ -12,12 +12,12 @@ import pytest
 from playwright.sync_api import expect
 from support.walls import facts_of_wall
 
-from babyrobot_levels.publish.wall import ASSETS, wall_html
+from babyrobot_levels.extensions.publish.wall import ASSETS, wall_html
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-    from babyrobot_levels.publish.facts import Facts
+    from babyrobot_levels.extensions.publish.facts import Facts
 
 pytestmark = pytest.mark.slow
 

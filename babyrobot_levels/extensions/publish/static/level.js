@@ -1,7 +1,7 @@
 // The page of a level: tabs, texts to copy, and what the visitor has reached.
 
-import { byId } from "../../render/static/dom.js";
-import { reachedIn } from "../../render/static/progress.js";
+import { byId } from "../../../render/static/dom.js";
+import { reachedIn } from "../../../render/static/progress.js";
 
 const COPIED = 2000; // Milliseconds for which a button says so.
 const level = byId("level");

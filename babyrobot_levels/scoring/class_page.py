@@ -17,7 +17,7 @@ def class_page(grades: Grades) -> str:
     """Return the grades of a class as a page that needs nothing else."""
     worth = {each.level: each.worth for each in grades}
     return html(
-        "publish/static/class.html",
+        "scoring/static/class.html",
         levels=grades.levels,
         possible=[*worth.values(), math.fsum(worth.values())],
         totals={player: [*points.values()] for player, points in grades.totals.items()},

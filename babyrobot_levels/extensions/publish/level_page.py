@@ -12,9 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from babyrobot_levels.extensions.publish.facts import Facts
+from babyrobot_levels.extensions.publish.published import Comparison, comparisons
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.play import program
 from babyrobot_levels.library.catalogue import files_in
+from babyrobot_levels.library.citation import bibtex, citation
 from babyrobot_levels.library.level import Level, load_file
 from babyrobot_levels.library.search_path import gallery_place
 from babyrobot_levels.mdp.states import (
@@ -22,9 +25,6 @@ from babyrobot_levels.mdp.states import (
     initial_configuration,
     shown_configurations,
 )
-from babyrobot_levels.publish.citation import bibtex, citation
-from babyrobot_levels.publish.facts import Facts
-from babyrobot_levels.publish.published import Comparison, comparisons
 from babyrobot_levels.render.page import Guide, bare, page_data
 from babyrobot_levels.render.page_format import TooLargeError, rounded
 from babyrobot_levels.render.scene.build import build_scene
@@ -76,7 +76,7 @@ def level_html(
         solved = solved_values(level, facts, guide)
         tabs = {"values": "Values", **tabs} if key else {"play": "Play", "values": "Values", **tabs}
     return html(
-        "publish/static/level.html",
+        "extensions/publish/static/level.html",
         facts=facts,
         gallery=title,
         key=key,
@@ -106,7 +106,9 @@ def with_neighbours(page: str, previous: Facts | None, following: Facts | None) 
     """Return a page with links to the levels before and after it, None where there is none."""
     nav = ""
     if previous is not None or following is not None:
-        nav = html("publish/static/neighbours.html", previous=previous, following=following)
+        nav = html(
+            "extensions/publish/static/neighbours.html", previous=previous, following=following
+        )
     return page.replace(_NEIGHBOURS, nav, 1)
 
 
@@ -133,7 +135,8 @@ def programs(facts: Facts, *, answers: bool) -> tuple[str, str]:
     """Return a program that loads the level, and one that trains an agent in it."""
     named = load_name(facts)
     given = {"named": as_html(named), "in_package": named == facts.name, "answers": answers}
-    load, train = (html(f"publish/static/{name}.py.jinja", **given) for name in ("play", "train"))
+    programs = (f"extensions/publish/static/{name}.py.jinja" for name in ("play", "train"))
+    load, train = (html(program, **given) for program in programs)
     return load.rstrip(), train.rstrip()
 
 

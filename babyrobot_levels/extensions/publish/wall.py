@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from urllib.parse import quote
 
 from babyrobot_levels.analysis.endings import SURE
+from babyrobot_levels.extensions.publish.facts import Facts
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.play import program
-from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.render.page import common_data, common_module, icon_svg
 from babyrobot_levels.render.templates import embedded_json, html, put_together, static
 
@@ -165,7 +165,7 @@ def wall_html(
         for level in facts
     ]
     return html(
-        "publish/static/wall.html",
+        "extensions/publish/static/wall.html",
         title=title,
         key=key,
         answers=answers,
@@ -260,9 +260,9 @@ _SYMBOL = re.compile(r'<symbol id="(\w+)" viewBox="0 0 24 24">(.*)</symbol>')
 
 def icons_style() -> str:
     """Return the style sheet of the icons."""
-    return static("publish/static/icons.css") + "".join(
+    return static("extensions/publish/static/icons.css") + "".join(
         f".i-{name} {{ --shape: url('data:image/svg+xml,{_svg(shapes)}'); }}\n"
-        for name, shapes in _SYMBOL.findall(static("publish/static/icons.svg"))
+        for name, shapes in _SYMBOL.findall(static("extensions/publish/static/icons.svg"))
     )
 
 
@@ -286,13 +286,15 @@ def _style(path: str) -> str:
 ASSETS: dict[str, Callable[[], str]] = {
     "icon.svg": lambda: icon_svg(Theme()),
     "icons.css": icons_style,
-    "site.css": lambda: _style("publish/static/site.css"),
-    "level.css": lambda: _style("publish/static/level.css"),
-    "level.js": lambda: _script("publish/static/level.js"),
+    "site.css": lambda: _style("extensions/publish/static/site.css"),
+    "level.css": lambda: _style("extensions/publish/static/level.css"),
+    "level.js": lambda: _script("extensions/publish/static/level.js"),
     "player.css": lambda: _style("render/static/player.css"),
     # With what is the same for all levels that can be played.
-    "player.js": lambda: _script("publish/static/played_level.js", common_module(common_data())),
-    "wall.css": lambda: _style("publish/static/wall.css"),
-    "wall.js": lambda: _script("publish/static/wall.js"),
+    "player.js": lambda: _script(
+        "extensions/publish/static/played_level.js", common_module(common_data())
+    ),
+    "wall.css": lambda: _style("extensions/publish/static/wall.css"),
+    "wall.js": lambda: _script("extensions/publish/static/wall.js"),
 }
 """The text of each file, by its name in the folder `assets`."""

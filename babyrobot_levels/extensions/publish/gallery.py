@@ -16,6 +16,9 @@ from typing import Any
 from babyrobot_levels.analysis import pictures
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.results import Solution
+from babyrobot_levels.extensions.publish.facts import Facts, Files, facts_of, measured
+from babyrobot_levels.extensions.publish.level_page import level_html, values_svgs, with_neighbours
+from babyrobot_levels.extensions.publish.wall import ASSETS, wall_html
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
@@ -23,9 +26,6 @@ from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import gallery_folder, gallery_order
 from babyrobot_levels.parallel import executor_for
-from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
-from babyrobot_levels.publish.level_page import level_html, values_svgs, with_neighbours
-from babyrobot_levels.publish.wall import ASSETS, wall_html
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.raster import reduced, to_png
 from babyrobot_levels.render.scene.layout import CELL

@@ -7,7 +7,7 @@ from pathlib import Path
 from support.plays import record
 
 import babyrobot_levels as brl
-from babyrobot_levels.publish.class_page import class_page
+from babyrobot_levels.scoring.class_page import class_page
 
 LEVELS = ({"version": 1, "size": [3, 1], "max_steps": 9, "name": name} for name in ("row", "lane"))
 

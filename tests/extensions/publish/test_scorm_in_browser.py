@@ -15,7 +15,7 @@ from support.places import ROOT
 from support.sites import hosted
 
 import babyrobot_levels as brl
-from babyrobot_levels.publish.schools import scorm
+from babyrobot_levels.extensions.publish.schools import scorm
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page

@@ -18,7 +18,7 @@ _PYTHON = "3.13"
 
 def _text(name: str, **values: str) -> str:
     """Return a file of the folder `static/schools`, filled in."""
-    path = f"publish/static/schools/{name}.jinja"
+    path = f"extensions/publish/static/schools/{name}.jinja"
     return html(path, distribution=DISTRIBUTION, python=_PYTHON, **values)
 
 
@@ -32,7 +32,7 @@ def gradescope(course: Course) -> Mapping[str, bytes]:
     results = "/autograder/results/results.json"
     return {
         "setup.sh": _text("setup.sh").encode(),
-        "run_autograder": static("publish/static/schools/run_autograder").encode(),
+        "run_autograder": static("extensions/publish/static/schools/run_autograder").encode(),
         "grade.py": _autograder("/autograder/submission", results, "to_gradescope"),
         **_files_of(course),
     }
@@ -61,7 +61,7 @@ def prairielearn(course: Course, title: str) -> Mapping[str, bytes]:
         },
     }
     files = [f"{name}.py" for name in course.fields.functions]
-    page = html("publish/static/prairielearn.html", title=title, files=files)
+    page = html("extensions/publish/static/prairielearn.html", title=title, files=files)
     script = _autograder("/grade/student", "/grade/results/results.json", "to_prairielearn")
     tests = {"grade.py": script, **_files_of(course)}
     return {
@@ -102,9 +102,9 @@ _SCORM = "http://www.adlnet.org/xsd/adlcp_rootv1p2"
 def scorm(levels: Sequence[Level], title: str) -> Mapping[str, bytes]:
     """Return the files of a package of SCORM 1.2: each level is a page that reports its score."""
     files = {"imsmanifest.xml": _manifest(levels, title)}
-    files["scorm.js"] = put_together("publish/static/scorm.js").encode()
+    files["scorm.js"] = put_together("extensions/publish/static/scorm.js").encode()
     for level in levels:
-        page = html("publish/static/scorm.html", title=level.title or level.name)
+        page = html("extensions/publish/static/scorm.html", title=level.title or level.name)
         files[f"{level.name}/index.html"] = page.encode()
         files[f"{level.name}/level.html"] = level.to_html(answers=False).encode()
     return files

@@ -18,11 +18,8 @@ from support.worlds import level
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.guides import guide_of
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.publish.citation import bibtex, citation
-from babyrobot_levels.publish.facts import Facts, Files, facts_of, measured
-from babyrobot_levels.publish.level_page import (
+from babyrobot_levels.extensions.publish.facts import Facts, Files, facts_of, measured
+from babyrobot_levels.extensions.publish.level_page import (
     MAX_SHOWN,
     level_html,
     load_name,
@@ -31,6 +28,9 @@ from babyrobot_levels.publish.level_page import (
     with_neighbours,
     yaml_html,
 )
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.citation import bibtex, citation
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import MAX_CELLS
 
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"

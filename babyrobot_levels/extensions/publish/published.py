@@ -123,5 +123,5 @@ _COMPUTED: dict[str, Callable[[Level], Table]] = {
 }
 """What computes a figure, by the name that it has in the list of figures."""
 
-FIGURES = tuple(Figure(**each) for each in json.loads(static("publish/published.json")))
+FIGURES = tuple(Figure(**each) for each in json.loads(static("extensions/publish/published.json")))
 """All figures, in the order in which the pages of their levels show them."""

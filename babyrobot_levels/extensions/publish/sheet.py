@@ -18,10 +18,10 @@ from babyrobot_levels.analysis.pictures import dressed, still
 from babyrobot_levels.analysis.shown import Shown as ShownInNotebook
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
+from babyrobot_levels.extensions.publish.sheet_pages import INK, Entry, PageStyle, pages_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import initial_configuration, shown_configurations
-from babyrobot_levels.publish.sheet_pages import INK, Entry, PageStyle, pages_of
 from babyrobot_levels.render.notebook.html import picture_of, strip
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.pdf import to_pdf, width_of
@@ -169,7 +169,7 @@ class Sheet(ShownInNotebook, public=True):
         """Return the sheet as an HTML document, which prints page by page."""
         width, height = (side / _PIXELS for side in (self.pages[0].width, self.pages[0].height))
         return html(
-            "publish/static/sheet.html",
+            "extensions/publish/static/sheet.html",
             title=self.title,
             width=number(width),
             height=number(height),
