@@ -48,7 +48,6 @@ from .convert.formats import export as export
 from .convert.formats import import_ as import_
 from .convert.setups import from_setup as from_setup
 from .convert.setups import register_babyrobot as register_babyrobot
-from .editor.notebook import edit as edit
 from .envs.rollout import Rollout as Rollout
 from .envs.rollout import rollout as rollout
 from .envs.samplers import PrioritizedSampler as PrioritizedSampler
@@ -60,6 +59,7 @@ from .envs.text import TextObservation as TextObservation
 from .envs.vector.env import LevelVectorEnv as LevelVectorEnv
 from .extensions.assistants.server import mcp as mcp
 from .extensions.assistants.skill import skill as skill
+from .extensions.editor.notebook import edit as edit
 from .extensions.publish.course import BuiltCourse as BuiltCourse
 from .extensions.publish.course import course as course
 from .extensions.publish.course import new_course as new_course

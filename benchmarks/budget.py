@@ -105,8 +105,8 @@ except (BabyRobotError, ValueError, ArithmeticError) as error:
 
 EDITOR = """
 import json, sys, threading, time
-from babyrobot_levels.editor.protocol import answer, prepare
-from babyrobot_levels.editor.session import Session
+from babyrobot_levels.extensions.editor.protocol import answer, prepare
+from babyrobot_levels.extensions.editor.session import Session
 
 session, lock = Session("version: 1\\n"), threading.Lock()
 

@@ -106,7 +106,7 @@ def editor_page() -> str:
     """Return the page on the editor, with the keys that the front end knows."""
     from babyrobot_levels.render.templates import static
 
-    script = static("editor/static/keys.js")
+    script = static("extensions/editor/static/keys.js")
     lines = []
     for group in script[script.index("const KEYS") : script.index("];\n\n")].split(" title: ")[1:]:
         title = group.split('"')[1]
@@ -275,7 +275,7 @@ def _editor() -> bytes:
     """Return the picture of the editor in a browser."""
     from support.editors import is_shown, served
 
-    from babyrobot_levels.editor.sources import session_of
+    from babyrobot_levels.extensions.editor.sources import session_of
 
     with served(session_of("gallery/first-key")) as address, _page(1200, 760) as page:
         page.goto(address)
@@ -289,7 +289,7 @@ def _while_drawing() -> bytes:
     """Return the picture of the editor after the shorter way of a level was closed in a run."""
     from support.editors import is_shown, served
 
-    from babyrobot_levels.editor.session import Session
+    from babyrobot_levels.extensions.editor.session import Session
 
     level = brl.load("dyna-maze").replace(expect=None)
     closing = [*["ArrowDown"] * 4, "ArrowRight", "m", "ArrowDown", "Shift+ArrowRight"]

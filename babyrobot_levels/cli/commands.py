@@ -21,7 +21,7 @@ _SUPPORT = "Editors and assistants"
 _OWN = {
     "new-level": Command("Create", "create:new_level", "Write a new level file."),
     "generate": Command("Create", "generate:generate", "Generate many levels."),
-    "edit": Command("Create", "create:edit", "Edit a level in the browser."),
+    "edit": Command("Create", "editor.commands:edit", "Edit a level in the browser."),
     "import": Command("Create", "convert:import_level", "Convert a file of another program."),
     "validate": Command("Check", "check:validate", "Check level files for errors."),
     "lint": Command("Check", "check:lint", "Check level files for errors and likely mistakes."),

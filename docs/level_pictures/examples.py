@@ -19,7 +19,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
 
-from babyrobot_levels.editor.findings import Linting, findings_of
+from babyrobot_levels.extensions.editor.findings import Linting, findings_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.linter.runner import Report, lint_source

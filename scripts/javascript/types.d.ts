@@ -277,10 +277,10 @@ interface Mark {
 type Game = import("../../babyrobot_levels/render/static/game.js").Game;
 type Painter = import("../../babyrobot_levels/render/static/paint.js").Painter;
 type View = import("../../babyrobot_levels/render/static/view.js").View;
-type Editor = import("../../babyrobot_levels/editor/static/editor.js").Editor;
-type Stage = import("../../babyrobot_levels/editor/static/stage.js").Stage;
-type Overlay = import("../../babyrobot_levels/editor/static/overlay.js").Overlay;
-type Pointer = import("../../babyrobot_levels/editor/static/pointer.js").Pointer;
+type Editor = import("../../babyrobot_levels/extensions/editor/static/editor.js").Editor;
+type Stage = import("../../babyrobot_levels/extensions/editor/static/stage.js").Stage;
+type Overlay = import("../../babyrobot_levels/extensions/editor/static/overlay.js").Overlay;
+type Pointer = import("../../babyrobot_levels/extensions/editor/static/pointer.js").Pointer;
 
 /** How an episode ended. */
 type End = "exit" | "good" | "hit" | "over" | "time";

@@ -20,7 +20,7 @@ from support.sessions import FILES, environment, run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import app
-from babyrobot_levels.editor.server import EditorServer
+from babyrobot_levels.extensions.editor.server import EditorServer
 
 TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
 GROUP: Any = typer.main.get_command(app)
@@ -164,7 +164,9 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         monkeypatch.setattr(EditorServer, "run", EditorServer.close)
         monkeypatch.setattr("webbrowser.open", lambda address: True)
         # As if Python for browsers was downloaded.
-        monkeypatch.setattr("babyrobot_levels.editor.site.write_site", lambda *given: 18_000_000)
+        monkeypatch.setattr(
+            "babyrobot_levels.extensions.editor.site.write_site", lambda *_: 18_000_000
+        )
     result = run_here(arguments, variables, given)
     if arguments[0] == "play":
         # The call is right, but here is no terminal.

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { changed } from "../../babyrobot_levels/editor/static/differences.js";
+import { changed } from "../../babyrobot_levels/extensions/editor/static/differences.js";
 import {
   cellsAlong,
   runAlong,
@@ -8,8 +8,8 @@ import {
   spotAt,
   spotOf,
   usualSide,
-} from "../../babyrobot_levels/editor/static/spots.js";
-import { markOf, plainLines } from "../../babyrobot_levels/editor/static/yaml_lines.js";
+} from "../../babyrobot_levels/extensions/editor/static/spots.js";
+import { markOf, plainLines } from "../../babyrobot_levels/extensions/editor/static/yaml_lines.js";
 
 test("a spot has its cell, and the side that is near", () => {
   assert.deepEqual(spotAt([1.5, 0.1], [3, 2]), { at: [1.5, 0.1], cell: [1, 0], side: "N", rim: null });
@@ -51,7 +51,7 @@ test("marks count characters as the editor of texts does", () => {
   assert.deepEqual(markOf(finding, ["\u{1f916}\u{1f916} ab"]), { from: 4, to: 6, kind: "mark error" });
 });
 
-// As `tests/editor/test_differences.py` has them.
+// As `tests/extensions/editor/test_differences.py` has them.
 const DIFFERENCES = [
   [
     { a: 1, b: [1, 2] },

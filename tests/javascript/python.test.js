@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
 
-import { Python, PythonConnection } from "../../babyrobot_levels/editor/static/python.js";
+import { Python, PythonConnection } from "../../babyrobot_levels/extensions/editor/static/python.js";
 
 const workers = [];
 

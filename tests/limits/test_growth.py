@@ -12,8 +12,8 @@ from support.combinations import combined
 from support.work import counted_calls
 
 import babyrobot_levels as brl
-from babyrobot_levels.editor.protocol import answer
-from babyrobot_levels.editor.session import Session
+from babyrobot_levels.extensions.editor.protocol import answer
+from babyrobot_levels.extensions.editor.session import Session
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.checking import formatted
 from babyrobot_levels.text.budget import COMMAND, OverBudgetError, within

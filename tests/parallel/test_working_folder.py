@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from support.strangers import run_among, strangers
 
-from babyrobot_levels.editor import runtime
+from babyrobot_levels.extensions.editor import runtime
 
 PROGRAM = """\
 import multiprocessing

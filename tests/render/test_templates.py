@@ -8,18 +8,18 @@ from posixpath import dirname, join, normpath
 
 import pytest
 
-from babyrobot_levels.editor.state import served_script, widget_script
+from babyrobot_levels.extensions.editor.state import served_script, widget_script
 from babyrobot_levels.extensions.publish.wall import ASSETS
 from babyrobot_levels.render.templates import put_together, static
 
 ENTRIES = [
-    ("editor", "editor.css"),
-    ("editor", "playground.js"),
-    ("editor", "served.js"),
-    ("editor", "service.js"),
-    ("editor", "site.js"),
-    ("editor", "widget.js"),
-    ("editor", "worker.js"),
+    ("extensions/editor", "editor.css"),
+    ("extensions/editor", "playground.js"),
+    ("extensions/editor", "served.js"),
+    ("extensions/editor", "service.js"),
+    ("extensions/editor", "site.js"),
+    ("extensions/editor", "widget.js"),
+    ("extensions/editor", "worker.js"),
     ("extensions/publish", "level.css"),
     ("extensions/publish", "played_level.js"),
     ("extensions/publish", "scorm.js"),
@@ -33,7 +33,7 @@ ENTRIES = [
 
 FILES = sorted(
     f"{room}/static/{file.name}"
-    for room in ("render", "editor", "extensions/publish")
+    for room in ("render", "extensions/editor", "extensions/publish")
     for file in files("babyrobot_levels").joinpath(room, "static").iterdir()
 )
 

@@ -10,8 +10,8 @@ from threading import Thread
 
 from playwright.sync_api import Page, expect
 
-from babyrobot_levels.editor.server import EditorServer
-from babyrobot_levels.editor.session import Session
+from babyrobot_levels.extensions.editor.server import EditorServer
+from babyrobot_levels.extensions.editor.session import Session
 
 
 @dataclass(frozen=True, slots=True)

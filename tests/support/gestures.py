@@ -5,10 +5,10 @@ from __future__ import annotations
 from random import Random
 from typing import Any
 
-from babyrobot_levels.editor.gestures import GROUND
-from babyrobot_levels.editor.places import places_of
-from babyrobot_levels.editor.protocol import answer
-from babyrobot_levels.editor.session import Session
+from babyrobot_levels.extensions.editor.gestures import GROUND
+from babyrobot_levels.extensions.editor.places import places_of
+from babyrobot_levels.extensions.editor.protocol import answer
+from babyrobot_levels.extensions.editor.session import Session
 
 
 def send(session: Session, do: str, **fields: Any) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from typing import Any
 from unittest.mock import patch
 
 import babyrobot_levels
-from babyrobot_levels.editor.site import MORE, PACKAGES
+from babyrobot_levels.extensions.editor.site import MORE, PACKAGES
 from babyrobot_levels.mdp.numeric import LIBRARIES
 
 TEXT = "version: 1\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
@@ -63,7 +63,7 @@ def modules_that_fail() -> Iterator[str]:
 
 def state_of_level(name: str) -> Any:
     """Return what the editor shows of a level, and the copies that it makes."""
-    from babyrobot_levels.editor.sources import FORMS, session_of
+    from babyrobot_levels.extensions.editor.sources import FORMS, session_of
     from support.gestures import send
 
     session = session_of(name)
@@ -73,7 +73,7 @@ def state_of_level(name: str) -> Any:
 
 def texts_after(name: str, seed: int, count: int) -> list[Any]:
     """Return, after each of some random gestures, the text, or why it was refused."""
-    from babyrobot_levels.editor.sources import session_of
+    from babyrobot_levels.extensions.editor.sources import session_of
     from support.gestures import random_gesture, send
 
     session, rng = session_of(name), Random(seed)
@@ -86,7 +86,7 @@ def texts_after(name: str, seed: int, count: int) -> list[Any]:
 
 def replies(text: str, messages: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return the replies to messages about a text."""
-    from babyrobot_levels.editor.session import Session
+    from babyrobot_levels.extensions.editor.session import Session
     from support.gestures import send
 
     session = Session(text)

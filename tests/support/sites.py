@@ -9,7 +9,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Thread
 
-from babyrobot_levels.editor.runtime import TARBALL, WHEELS, runtime_file, runtime_folder
+from babyrobot_levels.extensions.editor.runtime import TARBALL, WHEELS, runtime_file, runtime_folder
 from support.places import ROOT
 
 RUNTIME = ROOT / ".venv-runtime"

@@ -8,8 +8,8 @@ import pytest
 from support.sessions import babyrobot
 
 import babyrobot_levels as brl
-from babyrobot_levels.editor.protocol import answer
-from babyrobot_levels.editor.session import Session
+from babyrobot_levels.extensions.editor.protocol import answer
+from babyrobot_levels.extensions.editor.session import Session
 
 SENTENCE = "rewards of up to 1e+308 are too large to add up; use at most 1e+140"
 

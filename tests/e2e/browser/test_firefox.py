@@ -16,8 +16,8 @@ from support.learned import LEARNED, runs_of
 from support.playground import guide, level
 
 import babyrobot_levels as brl
-from babyrobot_levels.editor.session import Session
-from babyrobot_levels.editor.sources import session_of
+from babyrobot_levels.extensions.editor.session import Session
+from babyrobot_levels.extensions.editor.sources import session_of
 from babyrobot_levels.render.page import page_data, to_html
 
 WORLD = level(size=[4, 3], walls=[{"at": [1, 0], "side": "E"}])

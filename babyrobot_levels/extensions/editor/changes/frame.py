@@ -1,0 +1,186 @@
+"""The size of a level, the wind in its columns and rows, and its maze written out as walls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from babyrobot_levels.extensions.editor.changes.draft import (
+    Draft,
+    RefusedError,
+    as_cell,
+    forget_missing,
+    lying_in,
+    put_exits,
+    put_starts,
+)
+from babyrobot_levels.extensions.editor.changes.shapes import Box, Entry, Run, placed
+from babyrobot_levels.extensions.editor.gestures import Resize, Wind
+from babyrobot_levels.language.base import SIDE_NAMES
+from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.kinds import LISTED, Where
+from babyrobot_levels.mdp.drawn import resolved_fields
+from babyrobot_levels.mdp.grid import OPPOSITE
+
+_WHERE = {kind.field: kind.where for kind in LISTED}
+"""What the entries of each list stand on."""
+
+_NAMES = {side: name for name, side in SIDE_NAMES.items()}
+
+
+def resize(draft: Draft, gesture: Resize) -> None:
+    """Give the level another size. What would lie outside is removed; starts and exits must not."""
+    level = draft.level
+    change = _Change(level.size, gesture.size, gesture.shift)
+    starts, exits = change.cells(level.starts), change.cells(level.exits)
+    is_default = not {"exit", "exit_one_of", "map"} & {*draft.data}
+    for what, before, after in (("start", level.starts, starts), ("exit", level.exits, exits)):
+        if before and not after and not (what == "exit" and is_default):
+            raise RefusedError(f"the {what} would lie outside: move it first")
+    if draft.canvas is not None:
+        draft.canvas.resize(*change.new, *change.shift)
+    else:
+        draft.data["size"] = [*change.new]
+    put_starts(draft, starts)
+    if not is_default:
+        put_exits(draft, exits, is_drawn_by_lot=level.exit_one_of is not None)
+    for field in _WHERE:
+        if field in draft.data:
+            moved = (change.entry(field, entry) for entry in draft.data[field])
+            draft.data[field] = [entry for entry in moved if entry is not None]
+    _move_wind(draft, change)
+    forget_missing(draft)
+
+
+def blow(draft: Draft, gesture: Wind) -> None:
+    """Set the wind in a column or row, instead of one that blows the other way there."""
+    count = draft.level.size[0 if gesture.side in ("N", "S") else 1]
+    if gesture.index >= count:
+        what = "columns" if gesture.side in ("N", "S") else "rows"
+        raise RefusedError(f"the level has {count} {what}, counted from 0")
+    wind = draft.data.get("wind") or {}
+    strengths = {gesture.side: gesture.strength}
+    if gesture.strength:
+        strengths[OPPOSITE[gesture.side]] = 0
+    for side, strength in strengths.items():
+        values = [*(wind.get(_NAMES[side]) or [0] * count)]
+        values[gesture.index] = strength
+        wind[_NAMES[side]] = values
+    _put_wind(draft, wind)
+
+
+def resolve(draft: Draft) -> None:
+    """Write the maze out as walls."""
+    level = draft.level
+    if level.maze is None:
+        raise RefusedError("the level has no maze")
+    if level.has_random_maze:
+        raise RefusedError("each reset draws another maze: give it a seed first")
+    for field, value in resolved_fields(level, level.grid()).items():
+        if value is None:
+            draft.data.pop(field, None)
+        else:
+            draft.data[field] = value
+
+
+def _put_wind(draft: Draft, wind: dict[str, list[int]]) -> None:
+    draft.data["wind"] = {side: wind[side] for side in SIDE_NAMES if any(wind.get(side) or ())}
+
+
+def _move_wind(draft: Draft, change: _Change) -> None:
+    wind = draft.data.get("wind")
+    if wind:
+        across, down = change.shift
+        _put_wind(
+            draft,
+            {
+                side: _moved_line(values or [], *args)
+                for side, values in wind.items()
+                for args in [
+                    (across, change.new[0]) if side in ("north", "south") else (down, change.new[1])
+                ]
+            },
+        )
+
+
+def _moved_line(values: list[int], shift: int, count: int) -> list[int]:
+    """Return a value for each of so many columns or rows, 0 for those that are new."""
+    places = range(-shift, count - shift)
+    return [values[place] if 0 <= place < len(values) else 0 for place in places]
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """A size that becomes another one, and how far everything moves to the east and south."""
+
+    old: tuple[int, int]
+    new: tuple[int, int]
+    shift: tuple[int, int]
+
+    def cells(self, cells: Iterable[Cell]) -> list[Cell]:
+        """Return where cells come to lie, without those outside."""
+        return [moved for cell in cells if (moved := self.cell(cell)) is not None]
+
+    def cell(self, cell: Cell) -> Cell | None:
+        """Return where a cell comes to lie, None outside."""
+        x, y = cell[0] + self.shift[0], cell[1] + self.shift[1]
+        return (x, y) if 0 <= x < self.new[0] and 0 <= y < self.new[1] else None
+
+    def box(self, box: Box) -> Box | None:
+        """Return what comes to lie inside of a rectangle."""
+        moved = Box(box.x + self.shift[0], box.y + self.shift[1], box.columns, box.rows)
+        return moved.within(Box(0, 0, *self.new))
+
+    def run(self, run: Run) -> Run | None:
+        """Return what comes to lie inside of a run of sides. The outer wall moves with the rim."""
+        across, along = (0, 1) if run.axis == "E" else (1, 0)
+        last = self.new[across] - 1
+        if run.line < 0:
+            line = -1
+        elif run.line == self.old[across] - 1:
+            line = last
+        else:
+            line = run.line + self.shift[across]
+            if not 0 <= line < last:
+                return None
+        step = self.shift[along]
+        moved = Run(run.axis, line, run.first + step, run.stop + step).part(0, self.new[along])
+        return moved if moved.first < moved.stop else None
+
+    def entry(self, field: str, entry: Entry) -> Entry | None:
+        """Return an entry with its new place, None if that is outside."""
+        if _WHERE[field] is Where.SIDE:
+            run = self.run(Run.of_entry(entry))
+            return None if run is None else placed(entry, run)
+        if _WHERE[field] is Where.RECTANGLE:
+            box = self.box(Box.of(entry))
+            return None if box is None else box.put(entry)
+        return self._thing(entry)
+
+    def _thing(self, entry: Entry) -> Entry | None:
+        """Return an entry that stands in cells with its new place."""
+        moved = {**entry}
+        for name in ("at", "to"):
+            if isinstance(entry.get(name), list):
+                cell = self.cell(as_cell(entry[name]))
+                if cell is None:
+                    return None
+                moved[name] = [*cell]
+        if entry.get("path"):
+            path = self.cells(map(as_cell, entry["path"]))
+            if len(path) < len(entry["path"]):
+                return None
+            moved["path"] = [[*cell] for cell in path]
+        if entry.get("within"):
+            box = self.box(Box.of(entry["within"]))
+            if box is None:
+                return None
+            moved["within"] = box.put(entry["within"])
+        if entry.get("start"):
+            begin = self.cells([as_cell(entry["start"])])
+            moved |= {"start": [*begin[0]]} if begin else {}
+            if not begin:
+                del moved["start"]
+        if entry.get("one_of"):
+            return lying_in(moved, self.cells(map(as_cell, entry["one_of"])))
+        return moved

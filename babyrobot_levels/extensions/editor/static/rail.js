@@ -1,0 +1,178 @@
+// The rail of tools, and the options of the one at hand.
+
+import { element } from "../../../render/static/paint.js";
+import { html, tapped } from "./html.js";
+import { TOOLS, toolNamed } from "./tools.js";
+
+/** Return an icon of strokes in a square of 24 by 24. */
+function iconElement(path) {
+  return element("svg", { viewBox: "0 0 24 24", class: "icon", "aria-hidden": true }, element("path", { d: path }));
+}
+
+/**
+ * Return a button with an icon, and a name where there is room, or with a text, and the key that does the same.
+ *
+ * @param {{ icon?: string, key?: string, text?: string, named?: string, title?: string, [attribute: string]: any }} shown
+ * @param {(event: Event) => void} onclick
+ */
+export function toolButton({ icon, key, text, named, title, ...attributes }, onclick) {
+  const shown = [
+    icon === undefined ? null : iconElement(icon),
+    named === undefined ? null : html("span", { class: "tool-name", "aria-hidden": "true" }, named),
+    text ?? null,
+    key === undefined ? null : html("kbd", { "aria-hidden": "true" }, key),
+  ];
+  const label = text === undefined ? title : undefined;
+  return html("button", { type: "button", title, "aria-label": label, onclick, ...attributes }, ...shown);
+}
+
+export const MODIFIERS = [
+  {
+    name: "rectangle",
+    title: "Rectangle",
+    hint: "Brushes fill rectangles; Shift does the same",
+    key: "R",
+    icon: "M4 6h16v12H4z",
+  },
+  {
+    name: "fill",
+    title: "Fill",
+    hint: "Brushes fill all connected cells of the same kind",
+    key: "F",
+    icon: "M11 4l8 8-7 7a1.5 1.5 0 0 1-2 0l-6-6a1.5 1.5 0 0 1 0-2zM4 12h14M21 16c1 1.5 1.3 2 1.3 2.7a1.3 1.3 0 0 1-2.6 0c0-.7.3-1.2 1.3-2.7z",
+  },
+];
+
+/** The buttons of the tools and of what changes brushes: a toolbar that arrow keys move in. */
+export class Rail {
+  constructor(editor, place) {
+    this.editor = editor;
+    this.tools = TOOLS.map(({ name, title, hint, icon, key }) =>
+      toolButton(
+        {
+          icon,
+          key,
+          named: title,
+          title: tapped(`${title} (${key}): ${hint}`),
+          "aria-label": title,
+          "aria-keyshortcuts": key,
+          "data-tool": name,
+        },
+        () => editor.choose(name),
+      ),
+    );
+    this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) =>
+      toolButton(
+        { icon, key, named: title, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name },
+        () => editor.toggle(name),
+      ),
+    );
+    const line = html("span", { class: "divider", role: "separator" });
+    place.append(...this.tools, line, ...this.modifiers);
+    place.addEventListener("keydown", (event) => this.step(event));
+    editor.on("tool", () => this.show());
+    editor.on("mode", () => place.toggleAttribute("inert", editor.mode !== "edit"));
+    this.show();
+  }
+
+  show() {
+    const { tool, modifiers } = this.editor;
+    for (const button of this.tools) {
+      const isChosen = button.dataset.tool === tool;
+      button.setAttribute("aria-pressed", isChosen);
+      button.tabIndex = isChosen ? 0 : -1;
+      if (isChosen) button.scrollIntoView({ block: "nearest", inline: "nearest" });
+    }
+    for (const button of this.modifiers) button.setAttribute("aria-pressed", modifiers[button.dataset.modifier]);
+  }
+
+  step(event) {
+    const way = { ArrowUp: -1, ArrowLeft: -1, ArrowDown: 1, ArrowRight: 1 }[event.key];
+    const at = this.tools.indexOf(event.target);
+    if (way === undefined || at < 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const next = this.tools[(at + way + this.tools.length) % this.tools.length];
+    this.editor.choose(next.dataset.tool);
+    next.focus();
+  }
+}
+
+/** What the tool at hand draws, in words, with the fields that can be chosen beforehand. */
+export class Options {
+  constructor(editor, place) {
+    this.editor = editor;
+    this.place = place;
+    editor.on("tool", () => this.show());
+    this.show();
+  }
+
+  show() {
+    const { tool } = this.editor;
+    if (this.shown === tool) return this.refresh();
+    this.shown = tool;
+    const { title, hint: told } = toolNamed(tool);
+    const hint = tapped(told);
+    const fields = { glass: () => this.glass(), area: () => this.area(), item: () => this.item() }[tool]?.() ?? [];
+    this.place.replaceChildren(
+      html("strong", {}, title),
+      ...fields,
+      html("span", { class: "hint", title: hint }, hint),
+    );
+    return this.refresh();
+  }
+
+  /** Show the values at hand in the fields. */
+  refresh() {
+    const { tool, options } = this.editor;
+    for (const field of this.place.querySelectorAll("[data-option]")) {
+      const value = options[tool]?.[field.dataset.option];
+      if (field.tagName === "BUTTON") field.setAttribute("aria-pressed", value === field.value);
+      else if (field.getRootNode().activeElement !== field) field.value = value ?? "";
+    }
+  }
+
+  choose(name, value) {
+    const { tool, options } = this.editor;
+    const { [name]: before, ...others } = options[tool];
+    this.editor.set("tool", {
+      options: { ...options, [tool]: value === undefined ? others : { ...others, [name]: value } },
+    });
+  }
+
+  choices(name, title, values) {
+    const buttons = values.map((value) =>
+      toolButton({ text: value[0].toUpperCase() + value.slice(1), value, "data-option": name }, () =>
+        this.choose(name, value),
+      ),
+    );
+    return html("span", { class: "choices", role: "group", "aria-label": title }, ...buttons);
+  }
+
+  field(name, title, attributes, read) {
+    const input = html("input", { ...attributes, "data-option": name });
+    input.addEventListener("input", () => input.checkValidity() && this.choose(name, read(input)));
+    return html("label", {}, title, input);
+  }
+
+  number(name, title, attributes) {
+    return this.field(name, title, { type: "number", ...attributes }, ({ value }) =>
+      value === "" ? undefined : Number(value),
+    );
+  }
+
+  glass() {
+    return [this.number("pass", "Lets through", { min: 0.05, max: 0.95, step: 0.05, required: "" })];
+  }
+
+  area() {
+    return [
+      this.field("color", "Colour", { type: "color" }, ({ value }) => value),
+      this.number("reward", "Reward", { step: "any", placeholder: "as it is" }),
+    ];
+  }
+
+  item() {
+    return [this.choices("shape", "Shape", ["key", "coin", "gem", "star", "box"])];
+  }
+}
