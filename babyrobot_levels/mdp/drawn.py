@@ -9,7 +9,7 @@ from babyrobot_levels.language.cells import GLASS_PASS, sides_of
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.kinds import MARKED
 from babyrobot_levels.language.level import LevelSpec
-from babyrobot_levels.mdp.grid import BIT, Grid, door_sides, neighbour
+from babyrobot_levels.mdp.grid import BIT, Grid, neighbour, stretches
 
 
 def drawing_of(level: LevelSpec, grid: Grid) -> d.Drawing:
@@ -49,9 +49,10 @@ def _marks(level: LevelSpec, grid: Grid, side: str) -> str:
     for cell, where in grid.glass:
         if where == side and marks[cell] == solid:
             marks[cell] = glass
-    for cell, where, _ in door_sides(level, grid):
-        if where == side:
-            marks[cell] = ord(d.DOOR)
+    for door in level.doors:
+        for cells, where in stretches(door, grid.width, grid.height):
+            if where == side:
+                marks[cells] = d.DOOR.encode() * door.length
     return marks.decode("ascii")
 
 

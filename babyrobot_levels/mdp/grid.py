@@ -130,14 +130,14 @@ def build_grid(level: LevelFields) -> Grid:
     walls = _maze_walls(level, blocked)
     passes: dict[Side, array[float]] = {}
     for wall in level.walls:
-        for cells, side in _stretches(wall, width, height):
+        for cells, side in stretches(wall, width, height):
             walls[cells] = walls[cells].translate(_WITH[side])
             # A wall without `pass` keeps glass that is already there.
             if "pass_" in wall.model_fields_set and (wall.pass_ or side in passes):
                 table = passes.setdefault(side, array("d", bytes(8 * len(walls))))
                 table[cells] = array("d", [wall.pass_]) * wall.length
     for opening in level.openings:
-        for cells, side in _stretches(opening, width, height):
+        for cells, side in stretches(opening, width, height):
             walls[cells] = walls[cells].translate(_WITHOUT[side])
             if side in passes:
                 passes[side][cells] = array("d", bytes(8 * opening.length))
@@ -194,7 +194,7 @@ def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
     return walls
 
 
-def _stretches(entry: Opening, width: int, height: int) -> list[tuple[slice, Side]]:
+def stretches(entry: Opening, width: int, height: int) -> list[tuple[slice, Side]]:
     """Return the cells along which a wall or an opening runs, and their side: from both sides."""
     x, y = entry.at
     first, step = y * width + x, 1 if entry.side in ("N", "S") else width
@@ -256,17 +256,17 @@ def grid_with_doors(level: LevelFields, grid: Grid, closed: Sequence[bool]) -> G
     if not any(closed):
         return grid
     walls = bytearray(grid.wall_bits)
-    for cell, side, index in door_sides(level, grid):
-        if closed[index]:
-            walls[cell] |= BIT[side]
+    for door in compress(level.doors, closed):
+        for cells, side in stretches(door, grid.width, grid.height):
+            walls[cells] = walls[cells].translate(_WITH[side])
     return replace(grid, wall_bits=bytes(walls))
 
 
 MAX_PROBLEMS = 100
 """At most so many errors are reported."""
 
-Doors = dict[tuple[int, str], int]
-"""The number of the door at each cell and side, from both sides."""
+Doors = dict[str, "array[int]"]
+"""For each side and cell the number of the door there, counted from 1, or 0; from both sides."""
 
 
 def check_placement(level: LevelFields, grid: Grid) -> None:
@@ -282,7 +282,8 @@ def check_placement(level: LevelFields, grid: Grid) -> None:
 
 def placement_issues(level: LevelFields, grid: Grid) -> list[Issue]:
     """Return the errors of doors that stand on walls, and of paths that walls or doors cut."""
-    doors: Doors = {}
+    numbers = bytes(4 * len(grid.wall_bits))
+    doors: Doors = {side: array("i", numbers) for side in SIDES if level.doors}
     issues = chain(_door_issues(level, grid, doors), _path_issues(level, grid, doors))
     return [*islice(issues, MAX_PROBLEMS)]
 
@@ -290,6 +291,13 @@ def placement_issues(level: LevelFields, grid: Grid) -> list[Issue]:
 def _door_issues(level: LevelFields, grid: Grid, doors: Doors) -> Iterator[Issue]:
     """Yield the first error of each door, and note where doors stand."""
     for index, door in enumerate(level.doors):
+        there = stretches(door, grid.width, grid.height)
+        cells, side = there[0]
+        bits = grid.open_bits[cells]
+        if len(there) == 2 and bits == bits.translate(_WITH[side]) and not any(doors[side][cells]):
+            for cells, side in there:
+                doors[side][cells] = array("i", [index + 1]) * door.length
+            continue
         for x, y in sides_of(door):
             cell = y * grid.width + x
             other = grid.neighbour(cell, door.side)
@@ -300,7 +308,7 @@ def _door_issues(level: LevelFields, grid: Grid, doors: Doors) -> Iterator[Issue
                 yield Issue("BR322", ("doors", index), f"{where} {message}", help_text)
                 break
             assert other is not None
-            doors[cell, door.side] = doors[other, OPPOSITE[door.side]] = index
+            doors[door.side][cell] = doors[OPPOSITE[door.side]][other] = index + 1
 
 
 def _fault_of(
@@ -309,9 +317,9 @@ def _fault_of(
     """Return what is wrong with a door between two cells, and what to do about it."""
     if other is None:
         return "is part of the outer wall, which has no doors", "move the door"
-    if (cell, door.side) in doors:
+    if number := doors[door.side][cell]:
         help_text = "remove one of them; several names in `needs` must all be met"
-        return f"already has a door, `doors[{doors[cell, door.side]}]`", help_text
+        return f"already has a door, `doors[{number - 1}]`", help_text
     if (cell, door.side) in grid.glass:
         return "has a wall of glass, so a door cannot stand there", "remove one of them"
     if grid.blocked_cells[cell] or grid.blocked_cells[other]:
@@ -347,6 +355,6 @@ def _between(one: int, two: int, grid: Grid, doors: Doors) -> str | None:
                 return "a wall of glass"
             if not grid.open_bits[one] & BIT[side]:
                 return "a wall"
-            if (one, side) in doors:
+            if doors and doors[side][one]:
                 return "a door"
     return None

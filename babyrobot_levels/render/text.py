@@ -14,13 +14,14 @@ from babyrobot_levels.render.scene.heat import Heat, Scale
 from babyrobot_levels.render.scene.layout import AtHand, Overlay, Rows, layout_of
 from babyrobot_levels.render.scene.slots import Slots, standing_cells
 from babyrobot_levels.render.scene.texts import Form, form_of
-from babyrobot_levels.render.situation import place_of, situation_of
+from babyrobot_levels.render.situation import Situation, place_of, situation_of
 from babyrobot_levels.render.terminal import RESET, cut_out
 from babyrobot_levels.render.text_legend import Entry, legend_of, marked_symbols
 from babyrobot_levels.render.text_plan import (
     USUAL,
     WINDS,
     Palette,
+    Position,
     Symbols,
     TextCells,
     TextGrounds,
@@ -53,6 +54,9 @@ _NEVER, _PLAIN_NEVER = "╱", "-"
 _BLACK = (0, 0, 0)
 _BAR = 24
 """The columns of the bar in the legend of a scale."""
+
+
+_Asked = tuple[Situation, TextCells, Cell | None]
 
 
 class _Drawn(NamedTuple):
@@ -102,6 +106,7 @@ class TextPainter:
         self._drawing = drawing_without_things(level)
         self._grounds: TextGrounds | None = None
         self._drawn: tuple[tuple[AtHand, int, int | None], _Drawn] | None = None
+        self._marked: tuple[_Asked, dict[Position, TextMark]] | None = None
 
     def lines(
         self,
@@ -131,7 +136,7 @@ class TextPainter:
             robot = place[0], place[1]
         drawn = self._at(configuration, heading, colors, room and room.columns)
         situation = situation_of(self._level, configuration)
-        marks = marks_of(self._level, situation, plain=self._plain, robot=robot, cells=drawn.cells)
+        marks = self._marks_of(situation, drawn.cells, robot)
         shown = marks
         if robot is not None:
             mark = TextMark(self._robots[-1 if heading is None else heading])
@@ -204,10 +209,18 @@ class TextPainter:
             self._drawn = key, drawn
         return self._drawn[1]
 
+    def _marks_of(self, *asked: *_Asked) -> dict[Position, TextMark]:
+        """Return what shows the things; the picture and its legend ask for the same."""
+        if self._marked is None or self._marked[0] != asked:
+            situation, cells, robot = asked
+            marks = marks_of(self._level, situation, plain=self._plain, robot=robot, cells=cells)
+            self._marked = asked, marks
+        return self._marked[1]
+
     def _lined(self, overlay: Overlay) -> _Drawn:
         """Return the picture without colours: arrows in the cells, numbers below."""
         arrows = self._arrows_of(overlay)
-        cells = self._cells_of(TextCells(3, 0, 2) if arrows else USUAL, arrows)
+        cells = TextCells(3, 0, 2, arrows) if arrows else USUAL
         symbols = self._symbols_of(overlay)
         for x, y in overlay.never:
             symbols[y][x] = self.never if symbols[y][x] == " " else symbols[y][x]
@@ -245,7 +258,7 @@ class TextPainter:
         cells = next(fitting, None) if numbers else None
         if cells is None:
             numbers, cells = {}, TextCells(3, 0, 2) if arrows or values else USUAL
-        cells = self._cells_of(cells, {**arrows, **values})
+        cells = cells._replace(filled={**arrows, **values})
         contents = [
             [
                 _content(symbol, arrows.get((x, y), ""), numbers.get((x, y), ""), cells)
@@ -265,12 +278,6 @@ class TextPainter:
         below += _texts_below(overlay, self.never)
         lines = unicode_lines(self._drawing, contents)
         return _Drawn(lines, cells, fills, below)
-
-    def _cells_of(self, cells: TextCells, filled: Mapping[Cell, object]) -> TextCells:
-        """Return where cells are of which some have more than a symbol."""
-        width, height = self._level.size
-        whole = ((x, y) for x in range(width) for y in range(height))
-        return cells._replace(centred=frozenset(whole).difference(filled))
 
     @cached_property
     def _rules(self) -> tuple[Rule, ...]:
@@ -313,7 +320,7 @@ class TextPainter:
         """
         drawn = self._at(configuration, None, colors, None)
         situation = situation_of(self._level, configuration)
-        marks = marks_of(self._level, situation, plain=self._plain, cells=drawn.cells)
+        marks = self._marks_of(situation, drawn.cells, None)
         symbols = self._symbols_of(self._overlay)
         found = legend_of(
             self._level, situation, self._rules, symbols, marks, drawn.cells,

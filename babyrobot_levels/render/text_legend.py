@@ -151,7 +151,8 @@ class _Reader:
         self._shown = [[*row] for row in symbols]
         for (line, column), mark in marks.items():
             y, x = line // 2, (column - 1) // (cells.width + 1)
-            if cells.position(x, y) == (line, column):
+            # The lines and columns between cells are those of walls.
+            if column % (cells.width + 1) and cells.position(x, y) == (line, column):
                 self._shown[y][x] = mark.character
         self._count = Counter(chain.from_iterable(self._shown))
 

@@ -1,7 +1,7 @@
 """Levels as lines of characters: walls between cells, the symbols of the cells, and colours."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import add
@@ -44,17 +44,17 @@ class TextCells(NamedTuple):
         width: how wide a cell is.
         symbol: which character of it is its symbol.
         beside: how far behind the symbol a second thing in the cell stands.
-        centred: the cells that have nothing but a symbol, in their middle.
+        filled: the cells that have more than a symbol, which the others have in their middle.
     """
 
     width: int = 3
     symbol: int = 1
     beside: int = 1
-    centred: frozenset[tuple[int, int]] = frozenset()
+    filled: Container[tuple[int, int]] = ()
 
     def position(self, x: int, y: int) -> Position:
         """Return where the symbol of a cell is."""
-        symbol = (self.width - 1) // 2 if (x, y) in self.centred else self.symbol
+        symbol = self.symbol if (x, y) in self.filled else (self.width - 1) // 2
         return 2 * y + 1, (self.width + 1) * x + 1 + symbol
 
 
@@ -102,7 +102,8 @@ def marks_of(
         line, column = cells.position(x, y)
         marks.setdefault((line, column + cells.beside * ((x, y) in used)), mark)
         used.add((x, y))
-    return marks | dict(_doors(level, situation, 1 if plain else 0, cells))
+    marks.update(_doors(level, situation, 1 if plain else 0, cells))
+    return marks
 
 
 def _in_cells(
@@ -126,19 +127,16 @@ def _in_cells(
 def _doors(
     level: GridWorld, situation: Situation, kind: int, cells: TextCells
 ) -> Iterator[tuple[Position, TextMark]]:
+    beside = {"N": (-1, 1), "S": (1, 1), "W": (0, 0), "E": (0, cells.width + 1)}
     for door, closed in zip(level.doors, situation.doors, strict=True):
-        color = door_color(level, door)
+        (down, right), text = beside[door.side], _UPRIGHT[closed][kind]
+        if down:
+            form = _LEVEL[closed][kind]
+            text = (form[0] + form[1] * (cells.width - 2) + form[2])[: cells.width]
+        marks = [TextMark(each, door_color(level, door), closed) for each in text]
         for x, y in sides_of(door):
-            line, left = 2 * y + 1, (cells.width + 1) * x
-            if door.side in ("E", "W"):
-                column = left + (cells.width + 1 if door.side == "E" else 0)
-                yield (line, column), TextMark(_UPRIGHT[closed][kind], color, closed)
-            else:
-                line += 1 if door.side == "S" else -1
-                form = _LEVEL[closed][kind]
-                text = form[0] + form[1] * (cells.width - 2) + form[2]
-                for column, character in enumerate(text[: cells.width], left + 1):
-                    yield (line, column), TextMark(character, color, closed)
+            for column, mark in enumerate(marks, (cells.width + 1) * x + right):
+                yield (2 * y + 1 + down, column), mark
 
 
 def held_line(level: GridWorld, situation: Situation) -> str:
@@ -195,10 +193,10 @@ def ascii_lines(drawing: d.Drawing, contents: Sequence[Sequence[str]]) -> list[s
     """Return the lines of a picture in ASCII; see `unicode_lines`."""
     lines = d.compose(drawing).splitlines()
     for y, row in enumerate(contents):
-        texts = (
-            "###" if mark == d.BLOCKED else text
-            for mark, text in zip(drawing.cells[y], row, strict=True)
-        )
+        texts = [*row]
+        for x in range(drawing.width) if d.BLOCKED in drawing.cells[y] else ():
+            if drawing.cells[y][x] == d.BLOCKED:
+                texts[x] = "###"
         lines[2 * y + 1] = d.SOLID + "".join(map(add, texts, drawing.east[y] + d.SOLID))
     return lines
 

@@ -236,6 +236,8 @@ class Layers:
         x, y = self.level.starts[0]
         values = self.things.taken_at_start(next(self.things.draws()), (x, y))
         layer = self.layer(values[: self.things.static])
+        if not layer.arrivals:
+            return
         grid = grid_with_doors(self.level, self.grid, layer.closed)
         landing = build_moves(self.level, grid).landing.T
         start, changing = y * grid.width + x, [*layer.arrivals]
