@@ -58,9 +58,18 @@ class _Telling(ModelMetaclass):
     """The class of models, which tell which attribute of them is meant."""
 
     if not TYPE_CHECKING:
+        # Models look for many names of fields as they are made: guesses would take long.
+        is_made = True
+
+        def __new__(cls, *args: Any, **options: Any) -> type:
+            _Telling.is_made = False
+            try:
+                return super().__new__(cls, *args, **options)
+            finally:
+                _Telling.is_made = True
 
         def __getattr__(self, name: str) -> Any:
-            if name.startswith("_"):
+            if name.startswith("_") or not _Telling.is_made:
                 return super().__getattr__(name)
             raise no_attribute(self, name)
 
