@@ -11,11 +11,14 @@ class LastShown:
 
     Each state that is shown has a `number`. Several pages may show a session: a reply has only
     the changes if the one who asks has the state that was shown last.
+
+    Attributes:
+        last: that state, of which there is at first the `number` alone.
     """
 
     def __init__(self) -> None:
         # A page may still have a state of a server that ended: its numbers are others.
-        self._last: dict[str, Any] = {"number": secrets.randbits(48)}
+        self.last: dict[str, Any] = {"number": secrets.randbits(48)}
 
     def reply(self, state: dict[str, Any], has: Any) -> dict[str, Any]:
         """Return the part of a reply that shows a state.
@@ -28,11 +31,11 @@ class LastShown:
             `state`; or `from`, the number of the state that is changed, and `changes`, see
             `changes_of`.
         """
-        before = self._last
-        self._last = {**state, "number": before["number"] + 1}
+        before = self.last
+        self.last = {**state, "number": before["number"] + 1}
         if has != before["number"]:
-            return {"state": self._last}
-        return {"from": before["number"], "changes": changes_of(before, self._last)}
+            return {"state": self.last}
+        return {"from": before["number"], "changes": changes_of(before, self.last)}
 
 
 def changes_of(old: Any, new: Any) -> Any:

@@ -21,7 +21,8 @@ message `has` the number of the state that was shown last, they may have `change
 instead, and `from`, its number. Questions change nothing:
 
 - `state`: the state, for one who begins; it also has `forms`, see `editor/forms.py`, and
-  `themes`, those in files beside the level's, by their names;
+  `themes`, those in files beside the level's, by their names. While a change is made, it is the
+  state before, see `meanwhile`;
 - `answers`, with `revision`: the state again, or its changes, with the optimum and all findings,
   however long that takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
@@ -36,6 +37,7 @@ A reply has `id`, as it was given, and, if the message was refused, `error`, a s
 """
 
 import json
+from contextlib import suppress
 from typing import Any
 
 from pydantic import ValidationError
@@ -77,6 +79,18 @@ def prepare(session: Session, message: dict[str, Any]) -> dict[str, Any] | None:
             return _answer(session, message)
         if message.get("do") == "answers" and message.get("revision") == session.revision:
             session.catch_up()
+    return None
+
+
+def meanwhile(session: Session, message: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the reply to a message while another one is answered; None if it has to wait.
+
+    Changes wait for each other: what is saved, too, is the text after the change before.
+    """
+    if message.get("do") == "state" and "text" in session.shown.last:
+        with suppress(RefusedError):
+            _check(message)
+            return {"id": message.get("id"), "state": _begun(session, session.shown.last)}
     return None
 
 
@@ -133,9 +147,7 @@ def _asked(
     """Answer a question."""
     match fields:
         case {"do": "state"}:
-            themes = themes_beside(session.path)
-            shown = session.shown.reply(state_of(session), None)["state"]
-            return {"state": {**shown, "forms": forms(), "themes": themes}}
+            return {"state": _begun(session, session.shown.reply(state_of(session), None)["state"])}
         case {"do": "answers"}:
             if not is_current:
                 return {}
@@ -156,6 +168,11 @@ def _asked(
                 return {"unsaved": True, "error": "there are unsaved changes"}
             return {"ended": True}
     raise RefusedError("this question is not known")
+
+
+def _begun(session: Session, shown: dict[str, Any]) -> dict[str, Any]:
+    """Return a state for one who begins."""
+    return {**shown, "forms": forms(), "themes": themes_beside(session.path)}
 
 
 def _changed(session: Session, fields: dict[str, Any]) -> dict[str, Any]:

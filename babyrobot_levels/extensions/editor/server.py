@@ -28,7 +28,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 
-from babyrobot_levels.extensions.editor.protocol import answer, prepare
+from babyrobot_levels.extensions.editor.protocol import answer, meanwhile, prepare
 from babyrobot_levels.extensions.editor.session import Session
 from babyrobot_levels.extensions.editor.state import STATIC, served_script, style
 from babyrobot_levels.render.templates import static
@@ -148,6 +148,8 @@ def application(session: Session, token: str, stop: Callable[[], None] = lambda:
 
     def answered(message: dict[str, Any]) -> dict[str, Any]:
         reply = prepare(session, message)
+        if reply is None and lock.locked():
+            reply = meanwhile(session, message)
         if reply is not None:
             return reply
         with lock:

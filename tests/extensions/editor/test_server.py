@@ -129,7 +129,7 @@ def test_saving_does_not_wait_for_the_optimum(
             go_on.set()
 
 
-def test_what_can_be_opened_is_told_while_a_change_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_there_is_is_told_while_a_change_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     begun, go_on = Event(), Event()
 
     def slow(*_: Any, **__: Any) -> None:
@@ -138,15 +138,18 @@ def test_what_can_be_opened_is_told_while_a_change_is_made(monkeypatch: pytest.M
 
     opened = Session(TEXT)
     monkeypatch.setattr(opened, "type", slow)
+    before = answer(opened, {"do": "state"})
     with served(opened) as address, ThreadPoolExecutor(1) as threads:
         message = json.dumps({"id": 1, "do": "text", "text": "a", "revision": 1}).encode()
         waiting = threads.submit(Client(address).post, message)
         assert begun.wait(20)
         try:
-            for question in ({"do": "levels"}, {"do": "filled", "cell": [1, 1], "as": "blocked"}):
+            filled = {"do": "filled", "cell": [1, 1], "as": "blocked"}
+            for question in ({"do": "levels"}, filled, {"do": "state"}):
                 client = Client(address)
                 assert client.post(json.dumps({"id": 2, **question}).encode()).status == 200
                 assert json.loads(client.content)["id"] == 2
+            assert json.loads(client.content)["state"]["number"] == before["state"]["number"]
             assert not waiting.done()
         finally:
             go_on.set()
