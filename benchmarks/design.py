@@ -25,17 +25,7 @@ from pathlib import Path
 from threading import Thread
 from typing import IO, Any
 
-from design_judge import (
-    MAX_CHARACTERS,
-    SECONDS,
-    Brief,
-    Finding,
-    Judge,
-    Limit,
-    close,
-    load,
-    start,
-)
+from design_judge import MAX_CHARACTERS, SECONDS, Brief, Finding, Judge, Limit, close, load, start
 
 import babyrobot_levels as brl
 

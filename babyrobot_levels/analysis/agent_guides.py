@@ -169,12 +169,7 @@ def _told(count: int, visited: int) -> str:
 
 
 def _differences(
-    space: StateSpace,
-    states: Any,
-    weights: Floats,
-    best: Flags,
-    costs: Floats,
-    visits: Floats,
+    space: StateSpace, states: Any, weights: Floats, best: Flags, costs: Floats, visits: Floats
 ) -> Iterator[Difference]:
     for state in states.tolist():
         yield Difference(

@@ -106,7 +106,7 @@ class Strip(Shown, public=True):
         lines = [
             f'<svg xmlns="http://www.w3.org/2000/svg" {box} '
             f'viewBox="0 0 {number(size[0])} {number(size[1])}" font-family="{FONT}" '
-            'font-size="15" text-anchor="middle">',
+            'font-size="15" text-anchor="middle">'
         ]
         for index, (picture, label) in enumerate(self.pictures):
             down, right = divmod(index, columns)

@@ -161,10 +161,7 @@ def import_level(
             else _converted(file, world_format, slippery, seed, kwargs)
         )
         text = file_text(
-            world,
-            schema=schema_for(path),
-            name=name,
-            title=title.replace("-", " ").capitalize(),
+            world, schema=schema_for(path), name=name, title=title.replace("-", " ").capitalize()
         )
     except ConversionError as error:
         message, here = str(error), one_line(shown_name(str(file)))

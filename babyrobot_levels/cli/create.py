@@ -50,8 +50,7 @@ def new_level(
         typer.Option(metavar="A", help="Maze algorithm: " + ", ".join(get_args(Algorithm)) + "."),
     ] = "depth-first",
     loops: Annotated[
-        float,
-        typer.Option(metavar="R", help="Share of the maze's dead ends to open, from 0 to 1."),
+        float, typer.Option(metavar="R", help="Share of the maze's dead ends to open, from 0 to 1.")
     ] = 0.0,
     puddles: Annotated[int, typer.Option(metavar="N", help="Number of puddles.")] = 0,
     key: Annotated[
@@ -96,10 +95,7 @@ def new_level(
 
     check_name(name)
     if template != "maze" and maze_seed is None:
-        for option, given in (
-            ("--loops", loops),
-            ("--algorithm", algorithm != "depth-first"),
-        ):
+        for option, given in (("--loops", loops), ("--algorithm", algorithm != "depth-first")):
             if given:
                 fail(f"{option} needs a maze", "add --maze-seed N or --template maze")
     if not 0 <= loops <= 1:

@@ -117,10 +117,7 @@ def with_conditions(command: Callable[..., None]) -> Callable[..., None]:
         each for each in signature.parameters.values() if each.kind != each.VAR_KEYWORD
     )
     options = [
-        first.replace(
-            name=name,
-            annotation=Annotated[kind | None, value_option(metavar, text)],
-        )
+        first.replace(name=name, annotation=Annotated[kind | None, value_option(metavar, text)])
         for name, (kind, metavar, text) in _CONDITIONS.items()
     ]
     parameters = [first, *options, *others]
@@ -169,8 +166,7 @@ def generate(
         ),
     ] = 0,
     output: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder to write to."),
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to.")
     ] = Path("levels"),
     exclude: Annotated[
         list[Path] | None,

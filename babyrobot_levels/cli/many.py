@@ -42,13 +42,11 @@ RowsOption = Annotated[
     ),
 ]
 ResumeOption = Annotated[
-    bool,
-    flag("--resume", "Keep the rows of the same call in the file, and append the others."),
+    bool, flag("--resume", "Keep the rows of the same call in the file, and append the others.")
 ]
 OverwriteOption = Annotated[bool, flag("--force", "Overwrite the file.")]
 KeepGoingOption = Annotated[
-    bool,
-    flag("--keep-going", "Go on after a level with an error, which then stands in its row."),
+    bool, flag("--keep-going", "Go on after a level with an error, which then stands in its row.")
 ]
 
 

@@ -177,8 +177,7 @@ MAX_LISTED = 20
 def install(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Pack to install, a .brlpack file.")],
     force: Annotated[
-        bool,
-        flag("--force", "Replace also a later version, or another pack of the same version."),
+        bool, flag("--force", "Replace also a later version, or another pack of the same version.")
     ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:

@@ -14,13 +14,7 @@ from babyrobot_levels.cli.app import end_if_interrupted
 from babyrobot_levels.cli.console import flag, value_option
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.parallel import executor_for
-from babyrobot_levels.parallel.executor import (
-    Executor,
-    ExecutorError,
-    Item,
-    Result,
-    results,
-)
+from babyrobot_levels.parallel.executor import Executor, ExecutorError, Item, Result, results
 from babyrobot_levels.text.files import uninterrupted
 
 if TYPE_CHECKING:

@@ -123,10 +123,7 @@ def shown_configuration(level: brl.Level, configuration: int | None) -> int | No
 
 
 def solution_of(
-    level: brl.Level,
-    discount: float | None = None,
-    actions: str = "all",
-    within: int | None = None,
+    level: brl.Level, discount: float | None = None, actions: str = "all", within: int | None = None
 ) -> brl.Solution:
     """Return the solution of a level; end the command if it has none."""
     try:

@@ -66,7 +66,7 @@ def play(
         PlayActions,
         typer.Option(
             help="What the robot can do: move to all sides, or turn left, turn right and move "
-            "forward.",
+            "forward."
         ),
     ] = "all",
     record: Annotated[
@@ -101,18 +101,10 @@ def play(
     if maze_seed is not None and not loaded.has_random_maze:
         fail("the level's maze is not random", "leave out --maze-seed")
     if sys.stdin is None or not (sys.stdin.isatty() and moves_cursor(sys.stdout)):
-        fail(
-            "`babyrobot play` needs a terminal",
-            "use `babyrobot preview` to look at a level",
-        )
+        fail("`babyrobot play` needs a terminal", "use `babyrobot preview` to look at a level")
     game = _Game(loaded, seed, maze_seed, record, turns=actions == "turns")
     # A closed terminal ends the game as q does. However it ends, its last episode is recorded.
-    with (
-        closing(game),
-        suppress(EOFError),
-        _whole_screen(),
-        keyboard() as next_key,
-    ):
+    with closing(game), suppress(EOFError), _whole_screen(), keyboard() as next_key:
         _play(game, next_key)
     write(game.summary() + "\n")
     if record is not None:

@@ -119,8 +119,7 @@ def preview(
     ] = False,
     values: Annotated[bool, flag("--values", "Show the optimal value of each cell.")] = False,
     visits: Annotated[
-        bool,
-        flag("--visits", "Show how often an optimal policy visits each cell, on average."),
+        bool, flag("--visits", "Show how often an optimal policy visits each cell, on average.")
     ] = False,
     policy: Annotated[
         PolicyName | None,
@@ -139,8 +138,7 @@ def preview(
         ),
     ] = None,
     observation: Annotated[
-        str,
-        typer.Option(metavar="NAMES", help="What an agent that is a model observes."),
+        str, typer.Option(metavar="NAMES", help="What an agent that is a model observes.")
     ] = "position",
     actions: Annotated[
         MoveSet,

@@ -75,8 +75,7 @@ def score(
         ),
     ] = None,
     totals: Annotated[
-        bool,
-        flag("--totals", "Of recorded episodes: one row for each player, with all points."),
+        bool, flag("--totals", "Of recorded episodes: one row for each player, with all points.")
     ] = False,
     split: SplitOption = None,
     within: Annotated[
@@ -97,8 +96,7 @@ def score(
     ] = "position",
     actions: ActionsOption = "all",
     stochastic: Annotated[
-        bool,
-        flag("--stochastic", "Let a model sample, not take its likeliest action."),
+        bool, flag("--stochastic", "Let a model sample, not take its likeliest action.")
     ] = False,
     episodes: Annotated[
         int | None,

@@ -67,8 +67,7 @@ if TYPE_CHECKING:
 def show(
     levels: LevelsArgument,
     citation: Annotated[
-        bool,
-        typer.Option("--cite", help="Print one line to cite: name, versions and digest."),
+        bool, typer.Option("--cite", help="Print one line to cite: name, versions and digest.")
     ] = False,
     split: SplitOption = None,
     report_format: TableOption = TableFormat.TEXT,

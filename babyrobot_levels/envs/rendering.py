@@ -173,10 +173,7 @@ class Pictures:
         terminal = self._terminal
         painter = self._text_painter(plain=not terminal.takes_unicode)
         lines = painter.lines(
-            self._state,
-            heading=self._pose.heading,
-            colors=terminal.colors,
-            room=terminal.room,
+            self._state, heading=self._pose.heading, colors=terminal.colors, room=terminal.room
         )
         terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))
 

@@ -222,12 +222,7 @@ class Mutants(Descendants):
     """
 
     def __init__(
-        self,
-        level: Level,
-        edits: int | str,
-        kinds: Sequence[str],
-        suite: SuiteFields,
-        **more: Any,
+        self, level: Level, edits: int | str, kinds: Sequence[str], suite: SuiteFields, **more: Any
     ) -> None:
         for kind in kinds:
             if kind not in EDITABLE:

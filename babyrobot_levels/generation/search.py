@@ -266,11 +266,7 @@ class Tally:
 
 
 def find_level(
-    maker: Maker,
-    number: int,
-    *,
-    first: int = 0,
-    is_new: Callable[[Level], bool] | None = None,
+    maker: Maker, number: int, *, first: int = 0, is_new: Callable[[Level], bool] | None = None
 ) -> Found:
     """Return the first candidate for a level that meets all conditions.
 

@@ -51,8 +51,7 @@ class Maze(Model):
     seed: Annotated[
         Annotated[Integer, form("number")] | Annotated[Literal["random"], form("word")],
         forms(
-            "an integer or `random`",
-            lambda value: "word" if isinstance(value, str) else "number",
+            "an integer or `random`", lambda value: "word" if isinstance(value, str) else "number"
         ),
     ]
     """The seed, or `random` for another maze at each reset."""

@@ -248,11 +248,7 @@ def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterato
             if not is_inside(level, cell):
                 yield off_the_grid(level, "the warp's cell", cell, route)
             elif blocked(cell):
-                yield Issue(
-                    "BR308",
-                    route,
-                    f"the warp's cell {show_cell(cell)} is blocked",
-                )
+                yield Issue("BR308", route, f"the warp's cell {show_cell(cell)} is blocked")
             else:
                 continue
             at_is_good = False

@@ -360,11 +360,7 @@ def _is_word(value: Any, *words: str) -> bool:
 def _choice(field: str, expected: str, value: Any) -> Complaint:
     names = _choices(expected)
     if field == "version":
-        return (
-            "BR204",
-            f"unsupported version {show(value)}",
-            "write `version: 1`",
-        )
+        return ("BR204", f"unsupported version {show(value)}", "write `version: 1`")
     if names == list(SIDES):
         names += SIDE_NAMES
     guess = _guess(value, names)

@@ -79,12 +79,7 @@ def parse(text: str, is_known: IsKnown, max_size: int) -> tuple[Drawing | None, 
     if drawing is not None:
         return drawing, []
     issues = [
-        Issue(
-            "BR312",
-            Mark(first + row, indent + column, max(length, 1)),
-            message,
-            help_text,
-        )
+        Issue("BR312", Mark(first + row, indent + column, max(length, 1)), message, help_text)
         for row, (column, length, message, help_text) in islice(
             _faults(rows, is_known, max_size), MAX_PROBLEMS
         )

@@ -177,10 +177,7 @@ def _result(diagnostic: Diagnostic, index: int, seen: Counter[tuple[str, ...]]) 
     text = one_line(diagnostic.message)
     if diagnostic.help:
         text += f"\nhelp: {one_line(diagnostic.help)}"
-    location = {
-        "artifactLocation": _artifact(diagnostic.file),
-        "region": _region(diagnostic.span),
-    }
+    location = {"artifactLocation": _artifact(diagnostic.file), "region": _region(diagnostic.span)}
     result = {
         "ruleId": diagnostic.code,
         "ruleIndex": index,

@@ -137,10 +137,7 @@ def findings_in(
 
 
 def _findings_in(
-    context: LintContext,
-    rules: Sequence[Rule],
-    max_cells: int | None,
-    known: Sequence[Diagnostic],
+    context: LintContext, rules: Sequence[Rule], max_cells: int | None, known: Sequence[Diagnostic]
 ) -> list[Diagnostic]:
     columns, rows = context.level.size
     is_small = max_cells is None or columns * rows <= max_cells

@@ -121,9 +121,7 @@ class Done(Generic[Result]):
 
 
 def work_on(
-    function: Callable[[Item], Result],
-    chunk: Chunk[Item],
-    is_stopped: Callable[[], bool] = bool,
+    function: Callable[[Item], Result], chunk: Chunk[Item], is_stopped: Callable[[], bool] = bool
 ) -> Done[Result]:
     """Run a function for the items of a chunk, in a worker.
 

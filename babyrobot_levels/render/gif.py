@@ -207,12 +207,7 @@ class _Painter:
     """Paints the ground, and the patches that are put on it."""
 
     def __init__(
-        self,
-        level: GridWorld,
-        layout: Layout,
-        overlay: Overlay,
-        scale: float,
-        configuration: int,
+        self, level: GridWorld, layout: Layout, overlay: Overlay, scale: float, configuration: int
     ) -> None:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
@@ -261,11 +256,7 @@ class _Painter:
         for index, (start, end) in enumerate(zip(before, after, strict=True)):
             x, y, scale = (
                 first + share * (last - first)
-                for first, last in (
-                    (start.x, end.x),
-                    (start.y, end.y),
-                    (start.scale, end.scale),
-                )
+                for first, last in ((start.x, end.x), (start.y, end.y), (start.scale, end.scale))
             )
             look = situation.looks[index]
             name = index, round(scale, 2), look

@@ -360,8 +360,7 @@ def common_data() -> dict[str, Any]:
             [
                 shapes.setdefault(json.dumps(shape, separators=(",", ":")), len(shapes))
                 for _, _, packed in pack(
-                    robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)),
-                    palette,
+                    robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)), palette
                 )
                 for shape in packed
             ]
@@ -522,11 +521,7 @@ def _overlays(level: GridWorld, overlay: Overlay, *, turns: bool = False) -> lis
 
 def _turns(level: GridWorld, guide: Guide | None, *, on: bool) -> dict[str, Any]:
     """Return what a page knows about the robot that turns, and whether it does so at first."""
-    return {
-        "on": on,
-        "heading": SIDES.index(level.heading),
-        **_answers(level, guide),
-    }
+    return {"on": on, "heading": SIDES.index(level.heading), **_answers(level, guide)}
 
 
 def _answers(level: GridWorld, guide: Guide | None) -> dict[str, Any]:

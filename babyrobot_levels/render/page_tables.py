@@ -93,11 +93,7 @@ def _columns(level: GridWorld, mdp: Mdp, state: Ints) -> Iterator[NDArray[Any]]:
     action = np.arange(mdp.num_actions)[:, None]
     event = np.where(shift == action, EVENTS.index("move"), EVENTS.index("carried"))
     event[shift == Action.STAY] = EVENTS.index("stay")
-    for code, name in (
-        (Event.BUMPED, "bump"),
-        (Event.SKIDDED, "skid"),
-        (Event.BOUNCED, "bounce"),
-    ):
+    for code, name in ((Event.BUMPED, "bump"), (Event.SKIDDED, "skid"), (Event.BOUNCED, "bounce")):
         event[kind == code] = EVENTS.index(name)
     yield event + len(EVENTS) * _hits(level, mdp)[state]
     yield _POSE_NUMBERS[shift, action, (kind == Event.SKIDDED).astype(int)]

@@ -200,8 +200,7 @@ def to_pdf(
     numbers = " ".join(f"{index} [{figure} 0 R]" for index, figure in enumerate(figures))
     file.fill(parents, f"<< /Nums [{numbers}] >>")
     file.fill(
-        document,
-        f"<< /Type /StructElem /S /Document /P {root} 0 R /K [{_references(figures)}] >>",
+        document, f"<< /Type /StructElem /S /Document /P {root} 0 R /K [{_references(figures)}] >>"
     )
     file.fill(
         root,

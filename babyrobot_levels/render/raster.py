@@ -146,10 +146,7 @@ def _texts(scene: Scene) -> PngInfo:
 
 
 def _paint(
-    scene: Scene,
-    size: tuple[int, int] | None,
-    background: str,
-    progress: Progress | None = None,
+    scene: Scene, size: tuple[int, int] | None, background: str, progress: Progress | None = None
 ) -> Image.Image:
     if size is None:
         scale = min(1.0, MAX_SIDE / max(scene.width, scene.height))
@@ -467,10 +464,7 @@ def dashes(line: Polyline, dash: float, gap: float) -> Iterator[Polyline]:
         while length - done > left:
             done += left
             share = done / length
-            cut = (
-                start[0] + share * (end[0] - start[0]),
-                start[1] + share * (end[1] - start[1]),
-            )
+            cut = (start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1]))
             if drawing:
                 yield [*current, cut], False
             current = [cut]

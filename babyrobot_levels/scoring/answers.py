@@ -165,12 +165,7 @@ def grade_policy(
 
 
 def grade_agent(
-    level: Any,
-    agent: Any,
-    *,
-    at_least: float = 0.95,
-    points: float = 1.0,
-    **conditions: Any,
+    level: Any, agent: Any, *, at_least: float = 0.95, points: float = 1.0, **conditions: Any
 ) -> GradedAnswer:
     """Grade an agent by its expected return from the starts, as `brl.score` computes it.
 

@@ -379,12 +379,7 @@ def _episode(
 
 
 def _row(
-    problem: _Problem,
-    worth: Worth,
-    chance: Worth,
-    best: Floats,
-    played: Played | None,
-    number: int,
+    problem: _Problem, worth: Worth, chance: Worth, best: Floats, played: Played | None, number: int
 ) -> LevelScore:
     earned, optimum = float(worth.returns[number]), float(best[number])
     by_chance = float(chance.returns[number])

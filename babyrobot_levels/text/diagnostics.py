@@ -174,11 +174,7 @@ class Diagnostic:
         gutter = " " * len(number)
         excerpt = self.excerpt(None if width is None else max(1, width - len(number) - 5))
         if excerpt is not None:
-            lines += [
-                f"  {gutter} |",
-                f"  {number} | {excerpt[0]}",
-                f"  {gutter} | {excerpt[1]}",
-            ]
+            lines += [f"  {gutter} |", f"  {number} | {excerpt[0]}", f"  {gutter} | {excerpt[1]}"]
         if self.help:
             lines.append(f"  help: {one_line(self.help)}")
         if self.fix is not None:

@@ -274,10 +274,7 @@ class _Builder:
             # libyaml 0.2.6 reads ahead, and gives up before the container that is too deep here.
             return self._error("BR109", self._span_at(position), _TOO_DEEP)
         words = plain_words(
-            problem,
-            getattr(error, "context", None) or "",
-            self.source.lines,
-            *position,
+            problem, getattr(error, "context", None) or "", self.source.lines, *position
         )
         if words.place is not None:
             position = Position(*words.place)

@@ -124,8 +124,7 @@ def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
     here, before = line[column - 1 : column], line[: column - 1].strip()
     if "mapping values are not allowed" in problem:
         return Words(
-            "unexpected `:`",
-            "check the indentation, or put quotes around text that contains `: `",
+            "unexpected `:`", "check the indentation, or put quotes around text that contains `: `"
         )
     if "could not find expected ':'" in problem:
         return Words("expected `: ` and a value after the field name", None, True)

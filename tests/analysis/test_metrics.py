@@ -367,10 +367,7 @@ def test_difficulty_does_not_depend_on_looks_or_on_the_scale_of_rewards() -> Non
     level = brl.load("final-maze")
     larger = level.replace(
         rewards={"step": -2},
-        puddle_types={
-            "small": {"reward": -4, "skid": 0.4},
-            "large": {"reward": -8, "skid": 0.6},
-        },
+        puddle_types={"small": {"reward": -4, "skid": 0.4}, "large": {"reward": -8, "skid": 0.6}},
     )
     assert difficulty(larger) == pytest.approx(difficulty(level))
     assert difficulty(level.replace(theme="green", title="Another")) == difficulty(level)
@@ -382,10 +379,7 @@ def test_where_the_random_policy_may_be_caught_for_ever_it_is_infinite() -> None
         "version": 1,
         "size": [4, 2],
         "exit": [2, 0],
-        "walls": [
-            {"at": [2, 0], "side": "E", "length": 2},
-            {"at": [3, 0], "side": "S"},
-        ],
+        "walls": [{"at": [2, 0], "side": "E", "length": 2}, {"at": [3, 0], "side": "S"}],
         "warps": [{"at": [0, 1], "to": [3, 1]}],
     }
     assert difficulty(caught) == math.inf

@@ -41,11 +41,7 @@ def test_errors_of_files_are_reported_as_by_validate_and_nothing_is_written() ->
     assert "--keep-going" in done.err
     assert not Path("site").exists()
     done = babyrobot("gallery", "mine", "-o", "site", "--keep-going")
-    assert (done.out, done.err, done.status) == (
-        "wrote 1 level to site/index.html\n",
-        report,
-        1,
-    )
+    assert (done.out, done.err, done.status) == ("wrote 1 level to site/index.html\n", report, 1)
     assert ids("site") == ["0"]
 
 

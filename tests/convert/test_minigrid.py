@@ -125,10 +125,7 @@ DRAWN: dict[str, tuple[list[str], list[str]]] = {
         ["  #S   #  ", "  #    #  ", "  #    #  ", "  r    E  "],
         ["task"],
     ),
-    "MiniGrid-MemoryS7-v0": (
-        ["####b", "k  #x", "   S ", "   #E", "####g"],
-        ["task", "objects"],
-    ),
+    "MiniGrid-MemoryS7-v0": (["####b", "k  #x", "   S ", "   #E", "####g"], ["task", "objects"]),
     "MiniGrid-Fetch-6x6-N2-v0": (["E   ", "x S ", "    ", "    "], ["task"]),
     "BabyAI-GoToLocalS5N2-v0": (["   ", "S  ", "  E"], ["task", "objects"]),
 }

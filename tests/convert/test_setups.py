@@ -218,11 +218,7 @@ def test_base_areas_are_blocked_in_all_their_forms() -> None:
         ],
     }
     found = fields(setup)
-    assert found["blocked"] == [
-        {"at": [2, 0], "size": [2, 2]},
-        {"at": [0, 2]},
-        {"at": [5, 0]},
-    ]
+    assert found["blocked"] == [{"at": [2, 0], "size": [2, 2]}, {"at": [0, 2]}, {"at": [5, 0]}]
     assert found["theme"] == {"colors": {"blocked": "gray"}}
     assert list(lost(setup)) == ["base_areas[2] borders"]
 

@@ -422,8 +422,7 @@ def with_tileset(name: str, folder: Path | None) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("name", "text"),
-    [("t.tsj", TILESET_JSON), ("t.json", TILESET_JSON), ("t.tsx", TILESET_XML)],
+    ("name", "text"), [("t.tsj", TILESET_JSON), ("t.json", TILESET_JSON), ("t.tsx", TILESET_XML)]
 )
 @pytest.mark.parametrize("below", ["", "tiles/", "tiles/../"])
 def test_tilesets_beside_the_map_are_read(name: str, text: str, below: str, tmp_path: Path) -> None:

@@ -26,10 +26,7 @@ def report() -> Any:
 
 @pytest.mark.slow
 def test_tables_and_charts_are_those_of_the_results(
-    report: Any,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
+    report: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     arguments = ["report", str(FOLDER / "results"), "--images", str(tmp_path)]
     monkeypatch.setattr("sys.argv", arguments)

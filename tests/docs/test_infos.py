@@ -24,10 +24,7 @@ ROUGH: dict[str, Any] = {
     "skid": {"probability": 0.4, "to": "sides"},
     "wind": {"south": [0, 1, 0, 0, 0], "west": [0, 0, 1, 0]},
     "walls": [{"at": [2, 0], "side": "E", "pass": 0.5, "length": 2}, {"at": [1, 2], "side": "N"}],
-    "warps": [
-        {"at": [4, 1], "to": "start"},
-        {"at": [0, 2], "to": [4, 3], "when": "leave"},
-    ],
+    "warps": [{"at": [4, 1], "to": "start"}, {"at": [0, 2], "to": [4, 3], "when": "leave"}],
 }
 
 BUSY: dict[str, Any] = {

@@ -198,10 +198,7 @@ ON_THE_COMMAND_LINE = (
     ("babyrobot score agent.py:policy first-key", "`agent.py:act`"),
     ("babyrobot score agent.py:act first-key", WORKS),
     ("babyrobot score learned.npy first-key", WORKS),
-    (
-        "babyrobot score other.json first-key",
-        "a policy is an array of actions",
-    ),
+    ("babyrobot score other.json first-key", "a policy is an array of actions"),
     ("babyrobot evaluate agent.py first-key", "'score'"),
     ("babyrobot benchmark agent.py", "'score'"),
     # Other programs, and other people.

@@ -14,15 +14,7 @@ import pytest
 from gymnasium import error, spaces
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
-from support.playing import (
-    Env,
-    each_level_and,
-    episodes,
-    level_named,
-    plain,
-    walk,
-    way_out,
-)
+from support.playing import Env, each_level_and, episodes, level_named, plain, walk, way_out
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.observations import OBSERVATIONS

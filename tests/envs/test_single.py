@@ -182,11 +182,7 @@ def test_a_warp_is_where_the_move_leads() -> None:
 
 
 def test_a_warp_to_one_of_several_starts_reaches_its_target_in_each() -> None:
-    back = {
-        "exit": "none",
-        "start": [[0, 2], [2, 2]],
-        "warps": [{"at": [1, 0], "to": "start"}],
-    }
+    back = {"exit": "none", "start": [[0, 2], [2, 2]], "warps": [{"at": [1, 0], "to": "start"}]}
     assert outcomes_seen(back, CENTRE, NORTH) == {((0, 2), True, False), ((2, 2), True, False)}
 
 

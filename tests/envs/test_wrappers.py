@@ -96,10 +96,7 @@ ARGUMENTS: dict[str, Callable[[Any], dict[str, Any]]] = {
         "func": unchanged,
         "observation_space": env.single_observation_space,
     },
-    "VectorizeTransformReward": lambda _: {
-        "wrapper": wrappers.TransformReward,
-        "func": unchanged,
-    },
+    "VectorizeTransformReward": lambda _: {"wrapper": wrappers.TransformReward, "func": unchanged},
     **dict.fromkeys(
         (
             "AtariPreprocessing",
@@ -260,11 +257,7 @@ def shown(name: str) -> dict[str, Any]:
 def many(case: str, mode: str = "vector_entry_point", **kwargs: Any) -> Any:
     """Return the vector environment of a case."""
     return gymnasium.make_vec(
-        **CASES[case],
-        num_envs=SIZE,
-        vectorization_mode=mode,
-        max_episode_steps=LIMIT,
-        **kwargs,
+        **CASES[case], num_envs=SIZE, vectorization_mode=mode, max_episode_steps=LIMIT, **kwargs
     )
 
 

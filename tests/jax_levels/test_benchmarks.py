@@ -36,9 +36,7 @@ def test_levels_are_measured_beside_others_and_missing_peers_are_named(
     assert lake.aims["frozen-lake", jax_envs.LAKE] == jax_envs.AIM
     assert pool.unit == "steps per second, 4"
     assert pool.ours["400 mazes"][0] > 0
-    assert pool.missing == {
-        jax_envs.ENGINE_POOL: "numba is not installed (the extra `fast`)",
-    }
+    assert pool.missing == {jax_envs.ENGINE_POOL: "numba is not installed (the extra `fast`)"}
 
 
 def test_optima_and_regret_in_jax_are_those_of_solve_and_score() -> None:

@@ -25,14 +25,7 @@ MIXED: dict[str, Any] = {
         {"at": [0, 4], "ends": True},
     ],
     "skid": {"probability": 0.1, "to": "sides"},
-    "rewards": {
-        "step": -1,
-        "bump": -2.5,
-        "stay": -0.3,
-        "closer": -0.7,
-        "farther": -1.3,
-        "exit": 7,
-    },
+    "rewards": {"step": -1, "bump": -2.5, "stay": -0.3, "closer": -0.7, "farther": -1.3, "exit": 7},
     "discount": 0.95,
     "max_steps": 60,
 }

@@ -145,10 +145,7 @@ def test_priorities_are_those_of_the_sampler(monkeypatch: pytest.MonkeyPatch) ->
 
 @pytest.mark.parametrize(
     ("name", "splits", "message"),
-    [
-        ("no-suite", (), "no-suite"),
-        ("small-mazes", ("train", "exam"), "there is no split 'exam'"),
-    ],
+    [("no-suite", (), "no-suite"), ("small-mazes", ("train", "exam"), "there is no split 'exam'")],
 )
 def test_what_cannot_be_is_refused(
     name: str, splits: tuple[str, ...], message: str, monkeypatch: pytest.MonkeyPatch

@@ -125,12 +125,7 @@ def test_a_drawing_says_all_the_fields_it_stands_for() -> None:
     assert level.exit == (2, 1)
     assert [(p.at, p.size) for p in level.puddles] == [((1, 1), "small")]
     assert [(r.at, r.size) for r in level.blocked] == [((0, 1), (1, 1))]
-    assert level.grid().glass == {
-        (2, "S"): 0.5,
-        (5, "N"): 0.5,
-        (4, "E"): 0.5,
-        (5, "W"): 0.5,
-    }
+    assert level.grid().glass == {(2, "S"): 0.5, (5, "N"): 0.5, (4, "E"): 0.5, (5, "W"): 0.5}
 
 
 def test_many_starts_and_no_exit() -> None:
@@ -334,14 +329,7 @@ def test_a_fault_in_a_drawing_behind_an_alias_points_at_a_place_in_the_file() ->
 
 
 @pytest.mark.parametrize(
-    "field",
-    [
-        "size: [1, 1]",
-        "start: [0, 0]",
-        "exit: none",
-        "puddles: []",
-        "blocked: []",
-    ],
+    "field", ["size: [1, 1]", "start: [0, 0]", "exit: none", "puddles: []", "blocked: []"]
 )
 def test_what_the_drawing_says_cannot_be_said_again(field: str) -> None:
     (fault,) = faults(f"version: 1\nmap: |\n  +---+\n  | S |\n  +---+\n{field}\n")

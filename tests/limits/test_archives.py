@@ -248,9 +248,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     ),
     "no digest": (
         "`lion` differs from the manifest: its digest is sha256:.*, not None",
-        lambda: with_manifest(
-            lambda m: _put(m, "levels", "lion", {"digest": None, "file": LION}),
-        ),
+        lambda: with_manifest(lambda m: _put(m, "levels", "lion", {"digest": None, "file": LION})),
     ),
     "another name": (
         "its name is `ark` in pack.yaml, but `zoo` in the manifest",

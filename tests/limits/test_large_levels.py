@@ -22,10 +22,7 @@ WHOLE = {"version": 1, "size": [SIDE, SIDE]}
 def long_walls(**more: Any) -> dict[str, Any]:
     rng = random.Random(0)
     places = [[rng.randrange(24), rng.randrange(SIDE - 1)] for _ in range(3000)]
-    return {
-        **WHOLE,
-        "walls": [{"at": at, "side": "S", "length": 1000, **more} for at in places],
-    }
+    return {**WHOLE, "walls": [{"at": at, "side": "S", "length": 1000, **more} for at in places]}
 
 
 def strong_wind() -> dict[str, Any]:

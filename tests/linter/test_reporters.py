@@ -274,10 +274,7 @@ def test_a_failure_contains_all_findings() -> None:
     first = finding("BR601", Severity.WARNING, "it could be shorter")
     second = finding("BR105", Severity.ERROR, "it stands here twice")
     failure = suite([first, second], ["levels/one.yaml"])[0][0]
-    assert failure.attrib == {
-        "message": "BR601: it could be shorter (and 1 more)",
-        "type": "error",
-    }
+    assert failure.attrib == {"message": "BR601: it could be shorter (and 1 more)", "type": "error"}
     assert failure.text == f"{first}\n\n{second}"
     (alone,) = suite([first], [])[0]
     assert alone.attrib == {"message": "BR601: it could be shorter", "type": "warning"}

@@ -211,8 +211,7 @@ def test_a_level_without_other_findings_is_clean() -> None:
 
 
 @pytest.mark.parametrize(
-    ("field", "code"),
-    [("walls: []", "BR609"), ("max_steps: 2", "BR511"), ("skid: 0.0", "BR522")],
+    ("field", "code"), [("walls: []", "BR609"), ("max_steps: 2", "BR511"), ("skid: 0.0", "BR522")]
 )
 def test_findings_of_other_rules_are_told_where_none_are_expected(field: str, code: str) -> None:
     assert told(f"{EXPECTING}{field}\n")[:1] == [("BR540", 5)]

@@ -173,10 +173,7 @@ def test_one_bad_fix_does_not_stop_the_others() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "{version: 1, size: [3, 3]}\n",
-        "version: 1\nopenings: &same []\nwalls: *same\n",
-    ],
+    ["{version: 1, size: [3, 3]}\n", "version: 1\nopenings: &same []\nwalls: *same\n"],
     ids=["the whole file is in flow style", "the list is an alias"],
 )
 def test_entries_are_not_appended_where_there_is_no_good_position(text: str) -> None:

@@ -195,10 +195,7 @@ def test_glass_that_always_lets_through_is_still_glass() -> None:
 
 def test_glass_beside_a_blocked_cell_is_a_wall() -> None:
     world = corridor(
-        3,
-        start=[1, 0],
-        blocked=[{"at": [0, 0]}],
-        walls=[{"at": [1, 0], "side": "W", "pass": 1}],
+        3, start=[1, 0], blocked=[{"at": [0, 0]}], walls=[{"at": [1, 0], "side": "W", "pass": 1}]
     )
     assert only(world, (1, 0), WEST)[0] == (1, 0)
     assert level_of(world).compile().obstruction[1, WEST] == REFUSED
@@ -226,10 +223,7 @@ def test_a_warp_to_an_exit_gives_the_exits_reward_unless_it_has_its_own() -> Non
 
 def test_a_warp_to_start_leads_to_each_start_evenly() -> None:
     world = corridor(4, start=[[0, 0], [1, 0]], warps=[{"at": [2, 0], "to": "start", "reward": -9}])
-    assert outcomes(world, (1, 0), EAST) == {
-        ((0, 0), -9.0, False): 0.5,
-        ((1, 0), -9.0, False): 0.5,
-    }
+    assert outcomes(world, (1, 0), EAST) == {((0, 0), -9.0, False): 0.5, ((1, 0), -9.0, False): 0.5}
 
 
 def test_moves_from_a_warp_that_is_refused_are_warped() -> None:
@@ -262,9 +256,7 @@ def test_leave_acts_on_every_move_and_on_no_stay() -> None:
 @pytest.mark.parametrize("when", ["enter", "leave"])
 def test_where_the_episode_is_over_a_warp_does_nothing(when: str) -> None:
     world = corridor(
-        4,
-        areas=[{"at": [1, 0], "ends": True}],
-        warps=[{"at": [1, 0], "to": [2, 0], "when": when}],
+        4, areas=[{"at": [1, 0], "ends": True}], warps=[{"at": [1, 0], "to": [2, 0], "when": when}]
     )
     for action in Action:
         assert only(world, (1, 0), action) == ((1, 0), 0.0, True)

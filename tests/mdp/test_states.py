@@ -7,11 +7,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.mdp.states import (
-    configuration_with,
-    initial_configuration,
-    state_text,
-)
+from babyrobot_levels.mdp.states import configuration_with, initial_configuration, state_text
 
 LOCKED: dict[str, Any] = {
     "version": 1,
@@ -19,10 +15,7 @@ LOCKED: dict[str, Any] = {
     "start": [1, 0],
     "exit": [4, 0],
     "exit_needs": ["gem", "lever"],
-    "items": [
-        {"name": "key", "at": [0, 0]},
-        {"name": "gem", "one_of": [[3, 0], [3, 1]]},
-    ],
+    "items": [{"name": "key", "at": [0, 0]}, {"name": "gem", "one_of": [[3, 0], [3, 1]]}],
     "switches": [{"name": "lever", "at": [0, 1]}],
     "doors": [{"at": [2, 0], "side": "E", "needs": "key", "length": 2}],
     "movers": [{"name": "guard", "path": [[1, 1], [2, 1]], "back": True}],

@@ -80,10 +80,7 @@ MISTAKES = (
     ("brl.load('maze').to_png(scale=-1)", "scale must be above 0 and at most 100, not -1"),
     ("brl.load('maze').to_svg(theme='dark')", "known themes: default, black_orange"),
     ("brl.load('maze').to_svg(values=[1, 2])", "`values` has the shape (2,)"),
-    (
-        "brl.load('maze').to_svg(policy='greedy')",
-        "no agent 'greedy'; an agent is `best`",
-    ),
+    ("brl.load('maze').to_svg(policy='greedy')", "no agent 'greedy'; an agent is `best`"),
     ("brl.solve('maze', gama=0.9)", "argument 'gama'; did you mean `discount`?"),
     ("brl.score('maze', 'best', episode=3)", "argument 'episode'; did you mean `episodes`?"),
     ("brl.score('maze', 'best', workers=3)", "'workers'; there are observation, image_size,"),

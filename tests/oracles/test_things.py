@@ -277,11 +277,7 @@ def test_a_warp_to_a_start_arrives_there() -> None:
 
 
 @pytest.mark.parametrize(
-    "warp",
-    [
-        {"at": [0, 0], "to": [0, 0], "when": "leave"},
-        {"at": [1, 0], "to": [0, 0]},
-    ],
+    "warp", [{"at": [0, 0], "to": [0, 0], "when": "leave"}, {"at": [1, 0], "to": [0, 0]}]
 )
 def test_a_warp_back_to_the_same_cell_arrives_there(warp: dict[str, Any]) -> None:
     level = reference(size=[3, 1], warps=[warp], switches=[{"name": "lever", "at": [0, 0]}])

@@ -251,15 +251,10 @@ def test_a_ground_like_that_of_the_level_has_no_frame() -> None:
 
 def test_nothing_is_answered_where_nobody_can_stand() -> None:
     world = level(
-        size=[4, 2],
-        exit=[3, 0],
-        blocked=[{"at": [1, 1]}],
-        warps=[{"at": [2, 1], "to": "start"}],
+        size=[4, 2], exit=[3, 0], blocked=[{"at": [1, 1]}], warps=[{"at": [2, 1], "to": "start"}]
     )
     overlay = Overlay(
-        values=in_each_cell(world, 5.0),
-        actions=in_each_cell(world, (E,)),
-        action_values=None,
+        values=in_each_cell(world, 5.0), actions=in_each_cell(world, (E,)), action_values=None
     )
     shapes = shapes_of(world, overlay)
     # The exit has no arrow; a value of an end is told unless it is 0.

@@ -15,15 +15,7 @@ from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.shapes import (
-    Path,
-    Rect,
-    Scene,
-    Shape,
-    Text,
-    curve,
-    polyline,
-)
+from babyrobot_levels.render.scene.shapes import Path, Rect, Scene, Shape, Text, curve, polyline
 
 
 def painted(*shapes: Shape, side: int = 40) -> np.ndarray[Any, np.dtype[np.uint8]]:

@@ -135,10 +135,7 @@ def test_what_the_robot_stands_on_is_told(sight: str) -> None:
 def test_glass_of_several_strengths_is_told_wall_by_wall() -> None:
     glass = level(
         size=[3, 1],
-        walls=[
-            {"at": [0, 0], "side": "E", "pass": 0.5},
-            {"at": [1, 0], "side": "E", "pass": 0.25},
-        ],
+        walls=[{"at": [0, 0], "side": "E", "pass": 0.5}, {"at": [1, 0], "side": "E", "pass": 0.25}],
     )
     rules = Narrator(glass, "words", lambda _: frozenset()).rules()
     assert "- glass wall east of [0, 0]: lets through 5 times in 10" in rules

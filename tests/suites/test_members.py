@@ -207,9 +207,7 @@ def test_no_file_is_outside_the_folder_of_the_suite(course: Path) -> None:
         "BR209 `link.yaml` is a link that leads out of the folder"
     ]
     (outside / "pack.yaml").write_text("name: mine\nversion: 1.0.0\ndescription: A.\n", "utf-8")
-    assert check(path, "mine/link") == [
-        "BR209 `mine/link` is a link that leads out of its pack",
-    ]
+    assert check(path, "mine/link") == ["BR209 `mine/link` is a link that leads out of its pack"]
     assert check(path, {"pack": "mine"}) == [
         "BR209 `link.yaml` is a link that leads out of the folder"
     ]

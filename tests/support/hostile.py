@@ -184,10 +184,7 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
         ),
     ),
     # Drawings.
-    "a drawing that is cut off": (
-        "BR312",
-        lambda: drawing(1024, 1024, start_and(" "))[: MIB - 5],
-    ),
+    "a drawing that is cut off": ("BR312", lambda: drawing(1024, 1024, start_and(" "))[: MIB - 5]),
     "a drawing of one row": (
         "BR312",
         lambda: level("map: |\n  " + "+---" * 130_000 + "\n  " + "|   " * 130_000 + "\n"),

@@ -29,11 +29,7 @@ KINDS: dict[str, dict[str, Any]] = {
     **{name: {"observation": name} for name in OBSERVATIONS},
     "image": {"observation": "image", "image_size": (12, 15)},
     "grey image": {"observation": "image", "image_size": (12, 15), "grayscale": True},
-    "planes of bytes": {
-        "observation": "planes",
-        "planes_dtype": "uint8",
-        "channels_last": True,
-    },
+    "planes of bytes": {"observation": "planes", "planes_dtype": "uint8", "channels_last": True},
     "dict": {"observation": ("position", "walls", "vector")},
 }
 """Arguments for each kind of observation."""

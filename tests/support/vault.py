@@ -17,10 +17,7 @@ FIELDS: dict[str, Any] = {
         {"name": "coin", "at": [3, 0], "reward": 5},
         {"name": "gem", "one_of": [[5, 1], [5, 3]]},
     ],
-    "walls": [
-        {"at": [4, 0], "side": "E", "length": 2},
-        {"at": [4, 3], "side": "E", "length": 2},
-    ],
+    "walls": [{"at": [4, 0], "side": "E", "length": 2}, {"at": [4, 3], "side": "E", "length": 2}],
     "doors": [{"at": [4, 2], "side": "E", "needs": "key"}],
     "switches": [{"name": "lever", "at": [2, 2]}],
     "movers": [

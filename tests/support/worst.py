@@ -143,10 +143,7 @@ def _worst() -> Iterator[tuple[str, Callable[[], bytes]]]:
         "200 starts of a warp",
         grid(200, 100, start=[[n, 1] for n in range(200)], warps=[{"at": [5, 5], "to": "start"}]),
     )
-    yield (
-        "16,000 starts",
-        grid(1024, start=[*scattered(1024, 1024, 16_000)]),
-    )
+    yield ("16,000 starts", grid(1024, start=[*scattered(1024, 1024, 16_000)]))
     yield (
         "16,000 exits, and shaping",
         grid(1024, exit=[*scattered(1024, 1024, 16_000)], rewards={"closer": 1, "farther": -2}),

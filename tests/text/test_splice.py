@@ -72,11 +72,7 @@ THIRD = {"at": [2, 2], "side": "N", "length": 3}
             "length: 3}\n  - {at: [3, 3], side: W}\n",
         ),
         ({"walls": [FIRST, SECOND]}, "  - {at: [2, 2], side: N, length: 3}\n", ""),
-        (
-            {"walls": [SECOND, THIRD]},
-            "  - {at: [0, 0], side: E}   # thick\n",
-            "  # thick\n",
-        ),
+        ({"walls": [SECOND, THIRD]}, "  - {at: [0, 0], side: E}   # thick\n", "  # thick\n"),
         (
             {"walls": [FIRST, {**SECOND, "pass": 0.25}, THIRD]},
             "    pass: 0.5  # glass\n",
@@ -92,11 +88,7 @@ THIRD = {"at": [2, 2], "side": "N", "length": 3}
             "{at: [0, 0], side: E}   # thick",
             "{at: [0, 0], side: W}   # thick",
         ),
-        (
-            {"rewards": {"step": -2, "exit": 10}},
-            "  step: -1   # each\n",
-            "  step: -2   # each\n",
-        ),
+        ({"rewards": {"step": -2, "exit": 10}}, "  step: -1   # each\n", "  step: -2   # each\n"),
         (
             {"rewards": {"step": -1, "exit": 10, "wall": -5}},
             "  exit: 10\n",

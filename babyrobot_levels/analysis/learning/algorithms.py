@@ -101,11 +101,7 @@ def policy_evaluation(
 
 
 def policy_iteration(
-    level: Any,
-    discount: float | None = None,
-    *,
-    actions: str = "all",
-    max_sweeps: int = 1000,
+    level: Any, discount: float | None = None, *, actions: str = "all", max_sweeps: int = 1000
 ) -> Learning[Sweep]:
     """Yield the rounds of policy iteration, from the random policy to an optimal one.
 

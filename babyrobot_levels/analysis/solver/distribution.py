@@ -172,13 +172,7 @@ def distribution_of(
         values, probabilities = followed
         return ReturnDistribution(values, probabilities, 0, discount, limit)
     simulated = simulated_episodes(
-        space,
-        policy,
-        EPISODES,
-        0,
-        discount=discount,
-        limit=limit,
-        most=MAX_SIMULATED,
+        space, policy, EPISODES, 0, discount=discount, limit=limit, most=MAX_SIMULATED
     )
     values, counts = np.unique(simulated.returns, return_counts=True)
     return ReturnDistribution(values, counts / EPISODES, EPISODES, discount, limit)

@@ -64,9 +64,7 @@ def compiled(function: _Function) -> _Function:
 
 
 @compiled
-def unpacked(
-    memory: NDArray[np.int64],
-) -> tuple[Transitions, Starts, Shown, Ints, int]:
+def unpacked(memory: NDArray[np.int64]) -> tuple[Transitions, Starts, Shown, Ints, int]:
     """Return what acting, resetting and telling read, `offset` and `num_actions`."""
     next_state = memory[13 : memory[0]]
     reward = memory[memory[0] : memory[1]].view(np.float64)

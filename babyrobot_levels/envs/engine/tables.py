@@ -144,9 +144,7 @@ class Tables:
         count = [len(each) for each in starts]
         states = np.repeat(self.offset[:-1], count) + np.concatenate(starts)
         return replace(
-            self,
-            starts=states.astype(np.intp),
-            first_start=np.cumsum([0, *count]).astype(np.intp),
+            self, starts=states.astype(np.intp), first_start=np.cumsum([0, *count]).astype(np.intp)
         )
 
 

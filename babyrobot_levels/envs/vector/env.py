@@ -163,10 +163,7 @@ class LevelVectorEnv(ChangingVectorEnv):
     # -- episodes --------------------------------------------------------------------------
 
     def reset(
-        self,
-        *,
-        seed: int | Sequence[int] | None = None,
-        options: dict[str, Any] | None = None,
+        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
         """Start episodes.
 

@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import (
-    fail,
-    flag,
-    note,
-    value_option,
-    write,
-)
+from babyrobot_levels.cli.console import fail, flag, note, value_option, write
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 from babyrobot_levels.text.errors import how_to_install
 from babyrobot_levels.text.words import listed

@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.extensions.editor.widget import Editor
 
 
-def edit(
-    level: str | os.PathLike[str] | Mapping[str, Any] | Level | None = None,
-) -> Editor:
+def edit(level: str | os.PathLike[str] | Mapping[str, Any] | Level | None = None) -> Editor:
     """Return an editor for a notebook cell: a widget in which a level is drawn.
 
     What is drawn is in `editor.level` and `editor.yaml` at once; `editor.observe(handler,

@@ -32,13 +32,7 @@ CDN = f"https://cdn.jsdelivr.net/pyodide/v{PYODIDE}/full/"
 
 LOCK = "pyodide-lock.json"
 
-MEMBERS = (
-    LOCK,
-    "pyodide.asm.mjs",
-    "pyodide.asm.wasm",
-    "pyodide.mjs",
-    "python_stdlib.zip",
-)
+MEMBERS = (LOCK, "pyodide.asm.mjs", "pyodide.asm.wasm", "pyodide.mjs", "python_stdlib.zip")
 """The files of Pyodide that a page loads."""
 
 TIMEOUT = 300

@@ -86,10 +86,7 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
         size += len(script)
         told = script.replace("SITE_MEGABYTES", f"{size / 1e6:.0f}").replace("SITE_MORE", more)
         files[name] = told.encode()
-    begin = {
-        "text": session.text,
-        "name": session.path.stem if session.path else session.name,
-    }
+    begin = {"text": session.text, "name": session.path.stem if session.path else session.name}
     files["index.html"] = html(f"{STATIC}/site.html", begin=embedded_json(begin)).encode()
     for name, data in files.items():
         write_bytes(folder / name, data, sync=False)

@@ -40,8 +40,7 @@ WORTH_IT = 16
 def gallery(
     levels: LevelsArgument,
     output: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder to write to."),
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to.")
     ] = Path("site"),
     title: Annotated[
         str | None,
@@ -59,8 +58,7 @@ def gallery(
         ),
     ] = False,
     key: Annotated[
-        bool,
-        flag("--key", "Show values and policies from the start: for teachers."),
+        bool, flag("--key", "Show values and policies from the start: for teachers.")
     ] = False,
     home: Annotated[
         str | None, value_option("URL", "A page that the gallery links back to.")
@@ -71,8 +69,7 @@ def gallery(
     ] = None,
     keep_going: Annotated[bool, flag("--keep-going", "Leave out levels with errors.")] = False,
     force: Annotated[
-        bool,
-        flag("--force", "Replace also a gallery to which other files were added, with these."),
+        bool, flag("--force", "Replace also a gallery to which other files were added, with these.")
     ] = False,
     jobs: JobsOption = None,
 ) -> None:
@@ -153,8 +150,7 @@ def _title(words: list[str]) -> str | None:
 def dataset(
     levels: LevelsArgument,
     output: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder to write to."),
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to.")
     ] = Path("dataset"),
     title: Annotated[
         str | None,

@@ -399,12 +399,7 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
         sets=[*values][1:],
     )
     facts = facts_of(
-        level,
-        name,
-        files,
-        split=split,
-        metrics=found,
-        maze_seed=MAZE_SEED if is_random else None,
+        level, name, files, split=split, metrics=found, maze_seed=MAZE_SEED if is_random else None
     )
     over = solution if shown.key else None
     scene = pictures.still(level, values=over, policy=over)

@@ -118,11 +118,7 @@ FACETS = (
         has_icons=True,
     ),
     Facet(
-        "has",
-        "Contains",
-        lambda facts: (*facts.things, *facts.features),
-        CONTENTS,
-        has_icons=True,
+        "has", "Contains", lambda facts: (*facts.things, *facts.features), CONTENTS, has_icons=True
     ),
     Facet("split", "Split", lambda facts: filter(None, [facts.split])),
     Facet("tag", "Tags", lambda facts: facts.tags),

@@ -176,10 +176,7 @@ _ROUNDING = 1e-12
 
 
 def build_model(
-    spaces: Sequence[StateSpace],
-    sight: Sight,
-    weights: Sequence[float],
-    discounts: Sequence[float],
+    spaces: Sequence[StateSpace], sight: Sight, weights: Sequence[float], discounts: Sequence[float]
 ) -> PartialModel:
     """Return the model of levels.
 

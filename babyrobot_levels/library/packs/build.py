@@ -64,11 +64,7 @@ class Contents:
 
     def summary(self) -> str:
         """Return the counts, as in `3 levels, 1 suite`."""
-        counts = {
-            "level": len(self.levels),
-            "suite": len(self.suites),
-            "theme": len(self.themes),
-        }
+        counts = {"level": len(self.levels), "suite": len(self.suites), "theme": len(self.themes)}
         parts = [f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items() if count]
         return ", ".join(parts) or "no levels"
 

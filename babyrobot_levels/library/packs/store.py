@@ -214,8 +214,7 @@ def _permit(place: Path, before: InstalledPack | None, archive: Archive, force: 
         )
     if before.version == manifest.version:
         raise PackConflictError(
-            f"another {manifest.name} {manifest.version} is installed",
-            "use --force to replace it",
+            f"another {manifest.name} {manifest.version} is installed", "use --force to replace it"
         )
 
 

@@ -16,14 +16,7 @@ import numpy as np
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.compiler.layers import (
-    ON,
-    Ground,
-    Layer,
-    Layers,
-    TooManyStates,
-    Ways,
-)
+from babyrobot_levels.mdp.compiler.layers import ON, Ground, Layer, Layers, TooManyStates, Ways
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
 from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, merged
 from babyrobot_levels.mdp.compiler.terrain import obstructions

@@ -176,10 +176,7 @@ class LayeredCanvas:
         self._painted: dict[str, tuple[Shape, ...]] = {}
         width, height = _size(self._wanted)
         self.widget = MultiCanvas(
-            len(layers),
-            width=width,
-            height=height,
-            layout={"max_width": "100%", "height": "auto"},
+            len(layers), width=width, height=height, layout={"max_width": "100%", "height": "auto"}
         )
         self.widget.on_client_ready(self.repaint)
         self.paint(layers)

@@ -386,10 +386,7 @@ def _bowed(start: Point, end: Point, gap: float, bow: float, reach: float) -> Ar
     length = math.dist(start, end)
     along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     away = max(-CELL, min(bow * length, CELL))
-    middle = (
-        (start[0] + end[0]) / 2 + away * along_y,
-        (start[1] + end[1]) / 2 - away * along_x,
-    )
+    middle = ((start[0] + end[0]) / 2 + away * along_y, (start[1] + end[1]) / 2 - away * along_x)
     control = (end[0] + reach * along_y, end[1] - reach * along_x) if reach else middle
     distance = math.dist(control, end)
     toward_x, toward_y = (end[0] - control[0]) / distance, (end[1] - control[1]) / distance

@@ -389,13 +389,7 @@ def moving_pieces(
 
 
 def _mover(
-    level: GridWorld,
-    layout: Layout,
-    number: int,
-    cell: Cell,
-    spot: Spot,
-    look: Cell,
-    faint: bool,
+    level: GridWorld, layout: Layout, number: int, cell: Cell, spot: Spot, look: Cell, faint: bool
 ) -> Iterator[Shape]:
     if faint:
         ground = level.resolved_theme.colors.base

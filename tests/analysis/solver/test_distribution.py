@@ -104,9 +104,7 @@ def test_many_steps_of_chance_are_still_exact_as_far_as_memory_allows(
 
 
 @pytest.mark.slow
-def test_where_returns_are_too_many_episodes_are_simulated(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_where_returns_are_too_many_episodes_are_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(distribution, "EPISODES", 1000)
     found = brl.return_distribution("gridworld-3-5", "random")
     assert found.episodes == 1000

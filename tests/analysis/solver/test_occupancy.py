@@ -16,9 +16,7 @@ from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, Undefi
 
 
 @given(
-    st.integers(0, 10**6),
-    st.sampled_from([0.5, 0.99]),
-    st.sampled_from(["all", "moves", "turns"]),
+    st.integers(0, 10**6), st.sampled_from([0.5, 0.99]), st.sampled_from(["all", "moves", "turns"])
 )
 def test_visits_times_rewards_are_the_return(seed: int, discount: float, actions: str) -> None:
     level = brl.load(random_level(Random(seed)))

@@ -18,10 +18,7 @@ from support.playing import GALLERY
 from support.worlds import World, level_of, worlds
 
 from babyrobot_levels.analysis.solver import linear, model
-from babyrobot_levels.analysis.solver.evaluation import (
-    evaluate,
-    evaluation_of,
-)
+from babyrobot_levels.analysis.solver.evaluation import evaluate, evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
 from babyrobot_levels.library.catalogue import load

@@ -217,10 +217,7 @@ LINK = fragment_of("walls")
         (LINK + "abc", "This link is damaged."),
         (LINK[:-9] + "!" + LINK[-8:], "This link is damaged."),
         (f"{CODE}~1.0.", "This link is damaged."),
-        (
-            LINK.replace("~1.", "~31."),
-            "has version 31, but this page supports versions 1 and 2.",
-        ),
+        (LINK.replace("~1.", "~31."), "has version 31, but this page supports versions 1 and 2."),
         (play_sealed(b""), "This link is damaged: it cannot be decompressed."),
         (play_sealed(zlib.compress(b"{}")[2:-4] + b"more"), "damaged: it cannot be decompressed."),
     ],

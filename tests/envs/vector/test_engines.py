@@ -33,12 +33,7 @@ from babyrobot_levels.library.level import Level
     seed=st.integers(0, 2**64),
 )
 def test_both_engines_walk_the_same_way(
-    played: list[Level],
-    mode: AutoresetMode,
-    actions: str,
-    draw_levels: bool,
-    copy: bool,
-    seed: int,
+    played: list[Level], mode: AutoresetMode, actions: str, draw_levels: bool, copy: bool, seed: int
 ) -> None:
     def walk(engine: str, copy: bool) -> list[Any]:
         envs = LevelVectorEnv(

@@ -555,12 +555,7 @@ def test_attributes_that_can_be_set() -> None:
     envs.set_attr("np_random", generator)
     assert envs.np_random is generator
     for name, value, kind, message in (
-        (
-            "level",
-            "maze",
-            AttributeError,
-            "'level' cannot be set, only np_random and render_mode",
-        ),
+        ("level", "maze", AttributeError, "'level' cannot be set, only np_random and render_mode"),
         ("battery", 1, AttributeError, "make another LevelVectorEnv"),
         ("render_mode", "human", ValueError, "rgb_array"),
         ("render_mode", ["rgb_array"] * 2, ValueError, "one value, for all of them"),

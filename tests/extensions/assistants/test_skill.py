@@ -87,10 +87,7 @@ def test_it_names_all_fields_metrics_marks_and_rules_of_play() -> None:
         # A reward that is paid each time.
         ("size: [3, 1]\nareas: [{at: [1, 0], reward: 2}]", "BR504"),
         # A hole that is a better end than the way.
-        (
-            "size: [9, 1]\nstart: [1, 0]\nexit: [8, 0]\nareas: [{at: [0, 0], ends: true}]",
-            "BR537",
-        ),
+        ("size: [9, 1]\nstart: [1, 0]\nexit: [8, 0]\nareas: [{at: [0, 0], ends: true}]", "BR537"),
         # An opening beside a door.
         (
             "size: [3, 2]\nstart: [0, 0]\nexit: [2, 0]\nitems: [{name: key, at: [0, 1]}]\n"
@@ -98,10 +95,7 @@ def test_it_names_all_fields_metrics_marks_and_rules_of_play() -> None:
             "BR540",
         ),
         ("map: |\n  +---+---+\n  | S   E  |\n  +---+---+", "BR312"),
-        (
-            "size: [4, 1]\nmovers: [{path: [[1, 0], [3, 0]]}]",
-            "BR323",
-        ),
+        ("size: [4, 1]\nmovers: [{path: [[1, 0], [3, 0]]}]", "BR323"),
         ("maze: {seed: random}\nexpect: {success: 1}", "BR326"),
         ("size: [3, 1]\nexit: [2, 0]\nitems: [{name: coin, at: [2, 0]}]", "BR318"),
         ("map: |\n  +---+---+\n  | S / E |\n  +---+---+", "BR314"),

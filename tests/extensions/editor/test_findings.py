@@ -20,12 +20,7 @@ from babyrobot_levels.text.source import Position, SourceFile
 GRID = "version: 1\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
 
 CASES = {
-    "an entry at a cell": (
-        GRID + "puddles:\n- {at: [3, 2]}\n",
-        "puddle",
-        [[3, 2]],
-        [],
-    ),
+    "an entry at a cell": (GRID + "puddles:\n- {at: [3, 2]}\n", "puddle", [[3, 2]], []),
     "a wall along a run": (
         GRID + "walls:\n- {at: [3, 0], side: E, length: 2}\n",
         "has no effect",

@@ -154,10 +154,7 @@ def test_drawn_places_are_named_by_their_cells_and_sides() -> None:
 
 def test_drawn_wall_with_an_entry_is_that_entry() -> None:
     walls = [(each["route"], each["sides"]) for each in places(Session(DRAWN), "wall")]
-    assert walls == [
-        (["map", 0, 0, "S"], [[0, 0, "S"]]),
-        (["walls", 0], [[1, 0, "E"]]),
-    ]
+    assert walls == [(["map", 0, 0, "S"], [[0, 0, "S"]]), (["walls", 0], [[1, 0, "E"]])]
 
 
 def test_fields_of_drawn_places_are_those_of_entries() -> None:

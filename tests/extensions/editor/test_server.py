@@ -184,12 +184,7 @@ def test_nothing_is_found_without_the_token(client: Client, path: str) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    [
-        "../../../etc/passwd",
-        "..%2f..%2fetc%2fpasswd",
-        "stage.js",
-        "editor.css/../../server.py",
-    ],
+    ["../../../etc/passwd", "..%2f..%2fetc%2fpasswd", "stage.js", "editor.css/../../server.py"],
 )
 def test_no_other_file_is_served(client: Client, path: str) -> None:
     assert client.ask("GET", client.path + path).status == 404

@@ -130,10 +130,10 @@ def test_facts_are_those_of_the_level_as_the_game_writes_them() -> None:
 
 def test_the_optimum_within_the_time_limit_is_told_where_it_differs() -> None:
     facts = facts_on(page_of(load("frozen-lake")))
-    assert (
-        facts["Optimal return within 100 steps"],
-        facts["Optimal return without a limit"],
-    ) == ("0.74", "0.82")
+    assert (facts["Optimal return within 100 steps"], facts["Optimal return without a limit"]) == (
+        "0.74",
+        "0.82",
+    )
     assert facts["Steps of the optimal policy without a limit"] == "48.71"
     assert facts["Return of random actions without a limit"] == "0.011"
     assert facts["Ending"].endswith("in 82.4 % of the episodes; 17.6 % end at [3, 1]")

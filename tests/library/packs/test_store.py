@@ -206,15 +206,7 @@ def test_a_lock_that_is_a_link_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "line",
-    [
-        b"",
-        b"../ark\n",
-        b"1.0.0-0123456789ab\n",
-        b"other\n",
-        b"\xff\xfe\n",
-        b"x" * 100_000,
-    ],
+    "line", [b"", b"../ark\n", b"1.0.0-0123456789ab\n", b"other\n", b"\xff\xfe\n", b"x" * 100_000]
 )
 def test_current_is_not_believed(line: bytes) -> None:
     install("1.0.0")

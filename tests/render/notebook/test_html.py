@@ -51,12 +51,7 @@ def test_a_picture_that_is_wider_than_cells_is_as_wide_as_its_cell() -> None:
         svg = ET.fromstring(shown(brl.Level(version=1, size=(columns, 3)))["image/svg+xml"])
         assert svg.get("viewBox")
         sizes[columns] = [svg.get("width"), svg.get("height")]
-    assert sizes == {
-        3: ["198", "198"],
-        12: ["774", "198"],
-        13: [None, None],
-        60: [None, None],
-    }
+    assert sizes == {3: ["198", "198"], 12: ["774", "198"], 13: [None, None], 60: [None, None]}
 
 
 @pytest.mark.slow
