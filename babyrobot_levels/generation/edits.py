@@ -6,7 +6,7 @@ from typing import Any
 
 from babyrobot_levels.generation.locks import COIN_REWARD, GUARD_CELLS, KEY_COLORS
 from babyrobot_levels.language.fields import Role, fields_with
-from babyrobot_levels.language.kinds import KIND, LISTED, NAMED, NEEDED, Where
+from babyrobot_levels.language.kinds import KIND, LISTED, NAMED, NEEDED
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.drawn import inner_walls
@@ -72,7 +72,7 @@ class Edits:
             return self._wind()
         if kind in ("start", "exit"):
             return self._other_end(kind)
-        if KIND[kind].where is Where.SIDE and self.width * self.height == 1:
+        if KIND[kind].where == "side" and self.width * self.height == 1:
             return None
         how = below(self.rng, 3)
         if how == 0:
@@ -96,7 +96,7 @@ class Edits:
 
     def _moved(self, kind: str, entry: Entry) -> Entry:
         """Return an entry in another place."""
-        if KIND[kind].where is Where.SIDE:
+        if KIND[kind].where == "side":
             return {**entry, **self._side()}
         if "path" in entry:
             return {**entry, **self._patrol()}

@@ -7,9 +7,8 @@ linter looks through, what differs between two levels, how messages and rules ca
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field
-from enum import StrEnum
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import Model
@@ -30,15 +29,8 @@ LOOKS = frozenset({"color", "fit", "label", "shape", "width"})
 """The fields of entries that only pictures show."""
 
 
-class Where(StrEnum):
-    """What a kind stands on."""
-
-    CELL = "cell"
-    RECTANGLE = "rectangle"
-    SIDE = "side"
-    PATH = "path"
-    LINE = "line"
-    """A column or a row."""
+Where = Literal["cell", "rectangle", "side", "path", "line"]
+"""What a kind stands on; a line is a column or a row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +112,7 @@ class Kind:
     @property
     def is_listed(self) -> bool:
         """Whether its field is a list of entries."""
-        return self.model is not None and self.where is not Where.LINE
+        return self.model is not None and self.where != "line"
 
     @cached_property
     def legend(self) -> tuple[str, ...]:
@@ -165,7 +157,7 @@ KINDS = (
     Kind(
         "item",
         "items",
-        Where.CELL,
+        "cell",
         Item,
         state="the items that are held",
         need=Need("fetch", "taking", "held", "not held"),
@@ -174,7 +166,7 @@ KINDS = (
     Kind(
         "door",
         "doors",
-        Where.SIDE,
+        "side",
         Door,
         marks={d.DOOR: {}},
         state="the doors that are open",
@@ -184,7 +176,7 @@ KINDS = (
     Kind(
         "switch",
         "switches",
-        Where.CELL,
+        "cell",
         Switch,
         state="the switches that are on",
         need=Need("switch on", "flipping", "on", "off"),
@@ -193,17 +185,17 @@ KINDS = (
     Kind(
         "mover",
         "movers",
-        Where.PATH,
+        "path",
         Mover,
         state="the places of movers",
         label=lambda mover: mover.name or mover.picture,
         other_names=("guard", "enemy", "enemie", "monster"),
     ),
-    Kind("start", "start", Where.CELL, marks={d.START: {}}, other_names=("agent",)),
+    Kind("start", "start", "cell", marks={d.START: {}}, other_names=("agent",)),
     Kind(
         "exit",
         "exit",
-        Where.CELL,
+        "cell",
         marks={d.EXIT: {}},
         by_lot="exit_one_of",
         other_names=("goal", "end"),
@@ -211,7 +203,7 @@ KINDS = (
     Kind(
         "warp",
         "warps",
-        Where.CELL,
+        "cell",
         Warp,
         label=lambda warp: f"warp to {warp.to if warp.to == 'start' else [*warp.to]}",
         other_names=("portal", "teleport", "teleporter"),
@@ -219,7 +211,7 @@ KINDS = (
     Kind(
         "puddle",
         "puddles",
-        Where.CELL,
+        "cell",
         Puddle,
         marks={d.SMALL: {"size": "small"}, d.LARGE: {"size": "large"}},
         label=lambda puddle: f"{puddle.size} puddle",
@@ -227,23 +219,23 @@ KINDS = (
     Kind(
         "blocked",
         "blocked",
-        Where.RECTANGLE,
+        "rectangle",
         Rectangle,
         noun="blocked cell",
         marks={d.BLOCKED: {}},
         other_names=("obstacle",),
     ),
-    Kind("area", "areas", Where.RECTANGLE, Area, label=lambda area: area.label or "area"),
+    Kind("area", "areas", "rectangle", Area, label=lambda area: area.label or "area"),
     Kind(
         "wall",
         "walls",
-        Where.SIDE,
+        "side",
         Wall,
         marks={d.SOLID: {}, d.GLASS: {"pass": GLASS_PASS}},
         label=lambda wall: f"glass {wall.pass_:g}" if wall.pass_ else "wall",
     ),
-    Kind("opening", "openings", Where.SIDE, Opening),
-    Kind("wind", "wind", Where.LINE, Wind),
+    Kind("opening", "openings", "side", Opening),
+    Kind("wind", "wind", "line", Wind),
 )
 """All kinds: of those in cells and of those at sides, what lies on top comes first."""
 
@@ -262,7 +254,7 @@ THINGS = tuple(kind for kind in KINDS if kind.state)
 NAMED = tuple(kind for kind in KINDS if kind.has_name)
 """The kinds whose entries have names."""
 
-MARKED = tuple(kind for kind in KINDS if kind.marks and kind.is_listed and kind.where is Where.CELL)
+MARKED = tuple(kind for kind in KINDS if kind.marks and kind.is_listed and kind.where == "cell")
 """The kinds in cells whose entries drawings show by marks of their own."""
 
 NEEDED = tuple(kind for kind in KINDS if kind.need.met)

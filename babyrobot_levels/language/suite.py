@@ -1,7 +1,5 @@
 """The fields of a suite file that grows mazes: a family of levels, stated instead of listed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self

@@ -12,7 +12,7 @@ from babyrobot_levels.analysis.metrics import Metrics
 from babyrobot_levels.language.drawing import BLOCKED, HORIZONTAL
 from babyrobot_levels.language.fields import DRAWN, Role, fields_with
 from babyrobot_levels.language.json_schema import level_schema
-from babyrobot_levels.language.kinds import KINDS, LOOKS, Where
+from babyrobot_levels.language.kinds import KINDS, LOOKS
 from babyrobot_levels.language.metric_names import METRICS
 from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.render.templates import static
@@ -88,7 +88,7 @@ def _marks() -> Iterator[str]:
     for kind in KINDS:
         for mark, given in kind.marks.items():
             shown = f"`{mark * 3 if mark == BLOCKED else mark}`"
-            if kind.where is Where.SIDE:
+            if kind.where == "side":
                 shown = f"`{across[mark]}` and `{mark}`".replace("|", "\\|")
             more = "".join(f", `{name}: {value}`" for name, value in given.items())
             yield f"| {shown} | {kind.one}{more} |"

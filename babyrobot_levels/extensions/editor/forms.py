@@ -28,14 +28,14 @@ from typing import Any
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.language.json_schema import level_schema
-from babyrobot_levels.language.kinds import KINDS, LISTED, Where
+from babyrobot_levels.language.kinds import KINDS, LISTED
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 
 LEVEL = "level"
 """The kind of the level's own fields, beside the kinds of places."""
 
 _NOT_SHOWN = frozenset({"map", "legend", *fields_with(Role.EXPECTATION)}).union(
-    *(kind.fields for kind in KINDS if kind.where is not Where.LINE)
+    *(kind.fields for kind in KINDS if kind.where != "line")
 )
 
 Form = list[dict[str, Any]]

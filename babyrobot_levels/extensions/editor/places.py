@@ -27,7 +27,7 @@ from babyrobot_levels.extensions.editor.forms import expanded
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import GLASS_PASS, Opening, Rectangle, Warp, sides_of
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.kinds import KINDS, LISTED, Where
+from babyrobot_levels.language.kinds import KINDS, LISTED
 from babyrobot_levels.language.things import Item, LegendEntry, Mover
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document, Node
@@ -181,7 +181,7 @@ def _looks() -> dict[str, Look]:
     looks: dict[str, Look] = {}
     for kind in KINDS:
         for mark, given in kind.marks.items():
-            if kind.where is not Where.SIDE:
+            if kind.where != "side":
                 label = (
                     kind.called(kind.entry({"at": (0, 0), **given})) if kind.model else kind.name
                 )

@@ -11,7 +11,7 @@ from babyrobot_levels.extensions.editor.forms import expanded, own_fields
 from babyrobot_levels.extensions.editor.places import places_of
 from babyrobot_levels.extensions.editor.session import Session
 from babyrobot_levels.language.documents import read_theme, theme_folders, theme_names
-from babyrobot_levels.language.kinds import KINDS, NEEDED, Where
+from babyrobot_levels.language.kinds import KINDS, NEEDED
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, contrast
@@ -176,7 +176,7 @@ def style() -> str:
 def _common() -> dict[str, str]:
     kinds = {
         "on_top": [kind.name for kind in KINDS],
-        "at_sides": [kind.name for kind in KINDS if kind.where is Where.SIDE],
+        "at_sides": [kind.name for kind in KINDS if kind.where == "side"],
         "learn": static("render/static/learn.html"),
         "none_needed": listed([kind.plural for kind in NEEDED], "or"),
     }

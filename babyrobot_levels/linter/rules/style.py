@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from itertools import product
 
 from babyrobot_levels.language.cells import Opening, Rectangle
-from babyrobot_levels.language.kinds import LISTED, THINGS, Kind, Where
+from babyrobot_levels.language.kinds import LISTED, THINGS, Kind
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.linter.context import LintContext
@@ -18,8 +18,8 @@ from babyrobot_levels.text.source import Position, Span
 MIN_CONTRAST = 3.0
 """The minimum contrast of graphical objects in the Web Content Accessibility Guidelines."""
 
-_SIDES = [kind for kind in LISTED if kind.where is Where.SIDE and kind not in THINGS]
-_RECTANGLES = [kind for kind in LISTED if kind.where is Where.RECTANGLE]
+_SIDES = [kind for kind in LISTED if kind.where == "side" and kind not in THINGS]
+_RECTANGLES = [kind for kind in LISTED if kind.where == "rectangle"]
 
 Box = tuple[int, int, int, int]
 """Left, top, right, bottom; the last two exclusive."""

@@ -8,7 +8,7 @@ from babyrobot_levels.extensions.editor.changes.shapes import Box, Entry, Run, c
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.formatting import NOTHING, Fields, fields_of
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.kinds import KIND, LISTED, NAMED, NEEDED, Where
+from babyrobot_levels.language.kinds import KIND, LISTED, NAMED, NEEDED
 from babyrobot_levels.language.things import DRAWN_NAMES, as_names
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
@@ -246,10 +246,10 @@ def _replace(entry: dict[str, Any], field: str, names: Mapping[str, str | None])
 # -- what stands in cells, taken out of them -----------------------------------------------
 
 
-STANDING = frozenset(kind.field for kind in LISTED if kind.where in (Where.CELL, Where.PATH))
+STANDING = frozenset(kind.field for kind in LISTED if kind.where in ("cell", "path"))
 """What cannot stand in a blocked cell."""
 
-GROUND = frozenset(kind.field for kind in LISTED if kind.where is Where.RECTANGLE)
+GROUND = frozenset(kind.field for kind in LISTED if kind.where == "rectangle")
 """What covers rectangles, of which a part can be taken away."""
 
 _DRAWN = {mark: kind.field for kind in LISTED for mark in kind.marks}

@@ -18,7 +18,7 @@ from babyrobot_levels.extensions.editor.changes.shapes import Box, Entry, Run, p
 from babyrobot_levels.extensions.editor.gestures import Resize, Wind
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.kinds import LISTED, Where
+from babyrobot_levels.language.kinds import LISTED
 from babyrobot_levels.mdp.drawn import resolved_fields
 from babyrobot_levels.mdp.grid import OPPOSITE
 
@@ -149,10 +149,10 @@ class _Change:
 
     def entry(self, field: str, entry: Entry) -> Entry | None:
         """Return an entry with its new place, None if that is outside."""
-        if _WHERE[field] is Where.SIDE:
+        if _WHERE[field] == "side":
             run = self.run(Run.of_entry(entry))
             return None if run is None else placed(entry, run)
-        if _WHERE[field] is Where.RECTANGLE:
+        if _WHERE[field] == "rectangle":
             box = self.box(Box.of(entry))
             return None if box is None else box.put(entry)
         return self._thing(entry)
