@@ -156,8 +156,7 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
     if arguments[0] == "mcp":
         # As if its input ended at once, and whether its library is there or not.
         ended = SimpleNamespace(run=lambda: None)
-        server = "babyrobot_levels.extensions.assistants.server.mcp"
-        monkeypatch.setattr(server, lambda *_, **__: ended)
+        monkeypatch.setattr(brl, "mcp", lambda *_, **__: ended)
         monkeypatch.setattr("signal.signal", lambda *_: None)
     if arguments[0] == "edit":
         # As if the page was closed at once.

@@ -14,6 +14,8 @@ from babyrobot_levels.mdp.mazes import carve_many, compiled, kernel
 
 SEEDS = (0, 1, -1, 7, 2**31, 2**32 - 1, 2**32, -(2**32), 2**63, 2**64 - 1, 2**64, 10**6000)
 
+KERNEL = "babyrobot_levels.mdp.mazes.kernel"
+
 
 @pytest.fixture(autouse=True)
 def fresh(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
@@ -26,7 +28,7 @@ def fresh(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 def plain(board: Board, seed: int, loops: float, monkeypatch: pytest.MonkeyPatch) -> bytes:
     with monkeypatch.context() as patch:
-        patch.setattr(compiled, "load", lambda: None)
+        patch.setattr(compiled, "load", lambda _: None)
         return grow(board, seed, "depth-first", loops)
 
 
@@ -41,7 +43,7 @@ def random_board(rng: random.Random, largest: int) -> Board:
 @pytest.mark.slow
 def test_the_bits_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "WORTH_LOADING", 0)
-    assert compiled.load() is kernel
+    assert compiled.load(KERNEL) is kernel
     rng = random.Random(3)
     seeds = [*SEEDS, *(rng.getrandbits(rng.choice((31, 32, 33, 64, 700))) for _ in range(100))]
     for seed in seeds:
@@ -84,7 +86,7 @@ def test_without_numba_plain_python_does_it(monkeypatch: pytest.MonkeyPatch) -> 
     wanted = grow(empty(9, 9), 4)
     monkeypatch.setattr(compiled, "WORTH_LOADING", 0)
     monkeypatch.setitem(sys.modules, "numba", None)
-    assert compiled.load() is None
+    assert compiled.load(KERNEL) is None
     assert compiled.depth_first(9, 9, bytes(81), 0, 4) is None
     assert compiled.depth_first_many(9, 9, bytes(81), 0, [4]) is None
     assert grow(empty(9, 9), 4) == wanted
@@ -98,7 +100,7 @@ def test_where_numba_is_told_not_to_compile_plain_python_does_it(
 
     config: Any = numba.config
     monkeypatch.setattr(config, "DISABLE_JIT", 1)
-    assert compiled.load() is None
+    assert compiled.load(KERNEL) is None
 
 
 def test_where_numba_can_keep_nothing_plain_python_does_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -106,10 +108,10 @@ def test_where_numba_can_keep_nothing_plain_python_does_it(monkeypatch: pytest.M
         """In the place of the module: Numba raises this where no folder is writable."""
 
         def find_spec(self, name: str, path: object, target: object = None) -> None:
-            if name == "babyrobot_levels.mdp.mazes.kernel":
+            if name == KERNEL:
                 raise RuntimeError("cannot cache function")
 
-    monkeypatch.delitem(sys.modules, "babyrobot_levels.mdp.mazes.kernel")
-    monkeypatch.delattr("babyrobot_levels.mdp.mazes.kernel")
+    monkeypatch.delitem(sys.modules, KERNEL)
+    monkeypatch.delattr(KERNEL)
     monkeypatch.setattr(sys, "meta_path", [Refusing(), *sys.meta_path])
-    assert compiled.load() is None
+    assert compiled.load(KERNEL) is None
