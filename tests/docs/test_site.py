@@ -71,7 +71,7 @@ def test_each_command_is_a_function_of_its_name() -> None:
         assert name == UNLIKE.get(command, command.replace("-", "_"))
         assert name in brl.__all__
         annotation = inspect.signature(getattr(brl, name)).return_annotation
-        written = re.sub(r"[\w.]+\.|'", "", inspect.formatannotation(annotation))
+        written = re.sub(r"(?:\w+\.)+(?=\w)|'", "", inspect.formatannotation(annotation))
         assert returned.replace("`", "").replace(" or ", " | ") == written
 
 
