@@ -2,7 +2,8 @@
 # Everything that must pass before a commit: style, types, the order of imports, tests.
 # Usage: bash scripts/check.sh             with the fast tests: about four minutes on two cores
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
-#        bash scripts/check.sh sweep       the style, and the tests of further levels and combinations, with libraries too
+#        bash scripts/check.sh sweep       the style, the slow tests with many more examples of each law, and those of further levels
+#                                          and combinations, with libraries too
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou, Minari and TRL, and the server for assistants
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes, and with OpenEnv
@@ -44,6 +45,14 @@ with_libraries() {
         tests/extensions/assistants/test_server.py tests/envs tests/scoring tests/language_agents/test_trl.py \
         tests/extensions/publish/test_dataset.py tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
+# Runs the tests with JAX, those of the sweep or the others.
+with_jax() {
+    .venv-jax/bin/python -m pytest -m "libraries and $1" -rs "${workers[@]}" tests/jax_levels
+}
+make_jax() {
+    make_venv .venv-jax
+    .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hatchling hypothesis jaxued==0.0.1 pytest pytest-xdist
+}
 make_libraries() {
     make_venv .venv-libraries
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
@@ -54,14 +63,16 @@ make_libraries() {
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
 all)
-    tests=(-m "not libraries and not sweep" --hypothesis-profile thorough "${again[@]}")
+    tests=(-m "not libraries and not sweep" "${again[@]}")
     # Those that wait for a browser or a terminal leave time to others.
     workers=(-n 3 --dist worksteal)
     ;;
 sweep)
     make_libraries
     with_libraries sweep
-    tests=(-m "sweep and not libraries" --hypothesis-profile thorough)
+    make_jax
+    with_jax sweep
+    tests=(-m "(slow or sweep) and not libraries" --hypothesis-profile thorough "${again[@]}")
     ;;
 libraries)
     make_libraries
@@ -69,9 +80,8 @@ libraries)
     exit
     ;;
 jax)
-    make_venv .venv-jax
-    .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hatchling hypothesis jaxued==0.0.1 pytest pytest-xdist
-    beside_pages .venv-jax jax,jaxued .venv-jax/bin/python -m pytest -m libraries -rs "${workers[@]}" tests/jax_levels
+    make_jax
+    beside_pages .venv-jax jax,jaxued with_jax "not sweep"
     exit
     ;;
 ray)
@@ -131,7 +141,7 @@ lowest)
         exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,13s/^# //p' scripts/check.sh >&2
+    sed -n '3,14s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

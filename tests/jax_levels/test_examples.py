@@ -82,6 +82,7 @@ def test_q_learning_finds_an_optimal_policy_in_each_level(suite: Path, tmp_path:
     assert 0 <= regret < 1
 
 
+@pytest.mark.sweep
 def test_levels_are_replayed_by_their_regret(suite: Path, tmp_path: Path) -> None:
     text = printed_by("level_replay_jax", "--suite", suite, "--steps", 65_536, "--every", 4,
                       "--seeds", 2, cwd=tmp_path)  # fmt: skip
@@ -114,6 +115,7 @@ def test_evolved_levels_are_files_that_lint_and_replay(tmp_path: Path) -> None:
     assert told <= {"BR502", "BR514", "BR515"}
 
 
+@pytest.mark.sweep
 @pytest.mark.usefixtures("quickly_compiled")
 def test_levels_are_in_the_buffer_of_jaxued(tmp_path: Path) -> None:
     pytest.importorskip("jaxued")

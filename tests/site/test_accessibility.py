@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from support.combinations import covering
 from support.web import SITE
 
 if TYPE_CHECKING:
@@ -23,9 +24,9 @@ PLACES = [
 SCREENS = {"desktop": (1280, 900), "phone": (360, 740)}
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("screen", SCREENS)
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    ("place", "screen", "scheme"), covering([PLACES, [*SCREENS], ["light", "dark"]], 2)
+)
 def test_a_page_has_no_serious_fault(
     place: str, screen: str, scheme: Literal["light", "dark"], browser: Browser
 ) -> None:

@@ -58,7 +58,7 @@ def test_optima_are_those_of_the_slow_solver(part: int) -> None:
         check(seed)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("part", range(2, 28))
 def test_optima_of_more_levels_are_those_of_the_slow_solver(part: int) -> None:
     for seed in range(11 * part, 11 * part + 11):
@@ -90,6 +90,6 @@ def test_undiscounted_optima_are_those_of_the_slow_solver() -> None:
     assert sum(check_undiscounted(seed) for seed in range(22)) >= 5
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_more_undiscounted_optima_are_those_of_the_slow_solver() -> None:
     assert sum(check_undiscounted(seed) for seed in range(22, 300)) >= 60
