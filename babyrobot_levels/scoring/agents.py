@@ -338,7 +338,10 @@ def _function_of(path: Path, name: str) -> Any:
     written = listed([f"`{path}:{each}`" for each in names or ["name"]], "or")
     if not name:
         raise AgentError(f"{path} is a file of Python", f"name the agent in it: {written}")
-    # It can import what stands beside it, but nothing is imported from there in place of a library.
+    # It can import what stands beside it, but nothing is imported from there in place of a library:
+    # what asks for modules that only other systems have has asked before.
+    import multiprocessing.connection  # noqa: F401
+
     sys.path.append(str(path.parent.resolve()))
     found = run_path(str(path))
     if name not in found:

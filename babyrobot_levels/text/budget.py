@@ -34,7 +34,7 @@ class Limits:
     help: str = "use a smaller level"
 
 
-CHECKED = Limits(200_000_000, 5_000_000, 2, 300)
+CHECKED = Limits(300_000_000, 5_000_000, 2, 300)
 """To find out whether a level is valid, where its fields leave open whether it can be compiled."""
 
 READ = Limits(300_000_000, 1 << 20, 5, 600)
