@@ -450,7 +450,7 @@ def list_extensions(report_format: ReportFormat) -> None:
     """Write the extensions that are installed, and note what of them cannot be used."""
     # What the package has itself, which extensions cannot take.
     import babyrobot_levels.convert.formats
-    import babyrobot_levels.library.level  # noqa: F401
+    import babyrobot_levels.envs.observations  # noqa: F401
     from babyrobot_levels.registry.entries import installed
 
     if report_format is ReportFormat.JSON:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -25,10 +24,6 @@ if TYPE_CHECKING:
     import gymnasium
 
     from babyrobot_levels.analysis.previews import Facts, Preview
-
-
-_METHODS: Entries[Callable[..., Any]] = Entries("methods", {})
-"""What extensions add to levels."""
 
 
 class Level(Pictured, GridWorld):
@@ -54,7 +49,7 @@ class Level(Pictured, GridWorld):
         __init__.__pydantic_base_init__ = True
 
         def _added(self, name: str) -> Any:
-            return partial(_METHODS[name], self) if name in _METHODS else None
+            return partial(_METHODS[name], self) if name in _METHODS.others else None
 
     def __hash__(self) -> int:
         # Some fields are mappings, which have none; equal levels are alike in these.
@@ -200,3 +195,7 @@ def load_code(text: str) -> Level:
     # The JSON is no text that saving should keep.
     level.remember_origin(None, None, None)
     return level
+
+
+_METHODS: Entries[Any] = Entries("methods", dict.fromkeys([*dir(Level), *Level.model_fields]))
+"""The names of what levels have, and what extensions add to them."""

@@ -26,6 +26,9 @@ TAKEN = Extension(
               "dig": Command("Create", "nowhere:dig", "Dig."),
               "away": Command("Create", "nowhere:away", "Go away.")},
     formats={"gone": "nowhere:GONE", "odd": "json:dumps"},
+    pictures={"svg": "nowhere:SVG"},
+    observations={"view": "nowhere:View"},
+    methods={"solve": "nowhere:solve", "title": "nowhere:title"},
 )
 OWN = Extension(summary="", rules={"BR503": "nowhere:rule"})
 
@@ -129,6 +132,10 @@ def test_lists_say_what_there_is_from_where_and_what_cannot_be_used(site: Path) 
         "extension own (things 1.0): ValueError: rules has BR503: the package itself has BR…",
         "extension taken (things 1.0): play, one of its commands, is taken",
         "extension taken (things 1.0): dig, one of its commands, is taken",
+        "extension taken (things 1.0): svg, one of its pictures, is taken",
+        "extension taken (things 1.0): view, one of its observations, is taken",
+        "extension taken (things 1.0): solve, one of its methods, is taken",
+        "extension taken (things 1.0): title, one of its methods, is taken",
         "extension untyped (things 1.0): TypeError: rules has 'XX101': 3, which is no str",
         "extension wrong (things 1.0): TypeError: the entry point is no Extension, "
         "but of type dict",
