@@ -168,6 +168,7 @@ def test_commands_are_run_listed_and_meant(site: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_formats_are_recognised_and_chosen_by_name_and_by_suffix(site: Path) -> None:
     status, level, _ = babyrobot(site, "import", "cave.txt")
     assert status == 0
@@ -186,6 +187,7 @@ def test_formats_are_recognised_and_chosen_by_name_and_by_suffix(site: Path) -> 
     )
 
 
+@pytest.mark.slow
 def test_rules_run_where_they_are_selected(site: Path) -> None:
     (site / "rock.yaml").write_text(
         "version: 1\nsize: [3, 1]\nblocked: [{at: [0, 0]}, {at: [1, 0]}]\n"
@@ -202,6 +204,7 @@ def test_rules_run_where_they_are_selected(site: Path) -> None:
     assert "unknown rule `DX`" in babyrobot(site, "lint", "rock.yaml", "--select", "DX")[2]
 
 
+@pytest.mark.slow
 def test_pictures_are_made_by_name_and_by_suffix(site: Path) -> None:
     (site / "row.yaml").write_text("version: 1\nsize: [3, 1]\n")
     assert babyrobot(site, "preview", "row.yaml", "--format", "dots")[1] == "..."
@@ -213,6 +216,7 @@ def test_pictures_are_made_by_name_and_by_suffix(site: Path) -> None:
     assert run(site, "-c", code)[1] == "." * 8 + "\n"
 
 
+@pytest.mark.slow
 def test_observations_are_those_of_environments(site: Path) -> None:
     code = (
         "import babyrobot_levels as brl; "
