@@ -47,6 +47,7 @@ CONDITIONS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [VARIED, CONDITIONS], ids=["varied", "conditions"])
 def test_levels_are_clean_different_and_solvable_whoever_makes_them(order: tuple[str, ...]) -> None:
     for jobs in ("1", "3"):
@@ -82,6 +83,7 @@ def cells(level: brl.Level) -> list[tuple[int, int]]:
     return [cell for cell in every if cell not in level.starts]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [VARIED, REWARDED], ids=["varied", "rewarded"])
 def test_the_call_in_a_file_makes_the_file(order: tuple[str, ...]) -> None:
     babyrobot("generate", "--count", "20", *order, "-o", "one")
@@ -112,7 +114,7 @@ def test_no_game_of_another_folder_is_made() -> None:
 # -- orders that cannot be met ---------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("order", "said"),
     [
@@ -157,7 +159,7 @@ def test_what_starves_is_told(order: list[str], said: str) -> None:
     assert contents(Path()) == {}
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_levels_that_cannot_be_made_can_be_left_out() -> None:
     order = ["--count", "7", "--size", "3x3", "--loops", "0", "--path-length", "8"]
     done = babyrobot("generate", *order, "--keep-going", "--jobs", "2", "-o", "out")

@@ -140,6 +140,7 @@ def test_an_interrupted_call_can_be_continued() -> None:
     assert [row["index"] for row in rows(whole.decode())] == [*range(2000)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_a_poisoned_level_is_told_by_its_index(jobs: str) -> None:
     for number in range(6):
@@ -210,6 +211,7 @@ def test_a_call_that_cannot_begin_leaves_files_as_they_are() -> None:
         assert Path("rows.jsonl").exists() is bool(before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "told"),
     [

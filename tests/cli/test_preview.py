@@ -225,7 +225,7 @@ def test_too_large_a_level_is_no_page() -> None:
 # -- the page on pictures ----------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_the_film_of_the_docs_is_what_is_made_now() -> None:
     # Its frames are compared, not its bytes: these depend on the version of Pillow.
     there = (DOCS / "images" / "final-maze.gif").read_bytes()

@@ -119,7 +119,7 @@ SLOW = (
 
 def slow_or_not(line: str) -> Any:
     is_slow = line.startswith(SLOW) or "-o walk.gif" in line
-    return pytest.param(line, marks=[pytest.mark.slow] if is_slow else [])
+    return pytest.param(line, marks=[pytest.mark.sweep] if is_slow else [])
 
 
 @pytest.mark.parametrize("line", [slow_or_not(line) for line in examples()])

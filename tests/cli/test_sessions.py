@@ -18,13 +18,13 @@ LONG = ("gallery", "generate", "list", "preview", "sheet")
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in SESSIONS],
+    [pytest.param(name, marks=[pytest.mark.sweep] if name in LONG else []) for name in SESSIONS],
 )
 def test_what_the_commands_print(name: str) -> None:
     assert played(session(name)) == session(name)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", ["colors", "schema"])
 def test_a_process_of_its_own_prints_the_same(name: str) -> None:
     assert played(session(name), run_there) == session(name)

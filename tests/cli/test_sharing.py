@@ -68,7 +68,7 @@ def test_a_link_to_a_random_maze_says_which_one_the_page_plays() -> None:
     assert babyrobot("share", link.out).out == f"{load('random-maze').share_code()}\n"
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_large_levels_have_links_without_best_moves_or_none(folder: Path) -> None:
     for side in (75, 125, 200):
         text = f"version: 1\nsize: [{side}, {side}]\nmaze: {{seed: 1}}\n"

@@ -42,6 +42,7 @@ each_kind_of_format = pytest.mark.parametrize(
 """A drawing and a table of rewards, a grid of objects, and layers; the others are like these."""
 
 
+@pytest.mark.slow
 @each_kind_of_format
 @given(world=worlds(5))
 @settings(suppress_health_check=[HealthCheck.too_slow])
@@ -100,6 +101,7 @@ def test_every_field_of_the_mdp_is_exported_beside_another() -> None:
     assert {*CHANGES} == {*names} - {"map", "legend"}
 
 
+@pytest.mark.slow
 @each_kind_of_format
 def test_what_is_lost_is_told_whatever_else_is(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = {"version": 1, "size": [4, 3], "start": [0, 0], "exit": [3, 2]}

@@ -117,6 +117,7 @@ class Module:
         return table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEVELS)
 def test_a_module_says_what_the_tables_say(name: str) -> None:
     level = brl.load(name)
@@ -258,6 +259,7 @@ def test_what_a_model_cannot_say_is_told(name: str) -> None:
 # -- archives ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEVELS)
 def test_an_archive_says_what_the_tables_say(name: str, tmp_path: Path) -> None:
     level = brl.load(name)

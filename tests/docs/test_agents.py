@@ -52,6 +52,7 @@ def test_the_splits_are_fixed_in_their_first_levels(name: str, digest: str) -> N
     assert digest_of(brl.load_suite(name).split("test")[:3]) == digest
 
 
+@pytest.mark.slow
 def test_baselines_are_in_order(script: Any) -> None:
     rows = {}
     levels = list(brl.load_suite("text-easy").split("test")[:8])
@@ -81,6 +82,7 @@ def test_the_wall_follower_gets_through_any_maze_without_loops(script: Any) -> N
     assert (score.success, score.invalid) == (1, 0)
 
 
+@pytest.mark.slow
 def test_mean_regrets_come_to_the_exact_ones(script: Any) -> None:
     level = brl.load(script.LEVEL)
     picture = (DOCS / "images" / "regret.svg").read_text("utf-8")

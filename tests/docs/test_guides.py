@@ -199,6 +199,7 @@ def test_the_picture_of_a_sheet_is_what_is_drawn() -> None:
 # -- levels ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_complete_levels_have_exactly_the_findings_that_are_named() -> None:
     """A page names them in a comment on the line before: `<!-- lint BR504 -->`."""
     block = re.compile(r"^(?:<!-- lint ([^>]*?) -->\n)?```yaml\n(.*?)^```", re.M | re.S)

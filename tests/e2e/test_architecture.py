@@ -132,6 +132,7 @@ def test_a_command_imports_what_it_needs_when_it_runs(tmp_path: Path) -> None:
     assert imported & {"pydantic", "yaml", *HEAVY} == set()
 
 
+@pytest.mark.slow
 def test_the_picture_shows_the_rooms_as_they_are() -> None:
     drawn = PICTURE.read_text("utf-8")
     sizes = [int(size.replace(",", "")) for size in re.findall(r">([\d,]+)</text>", drawn)]

@@ -331,6 +331,7 @@ def test_commands_are_bounded(code: str, message: str | None, command: Any) -> N
 # -- the command -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_table_counts_by_family(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     codes = iter([REFERENCES["mazes/first"], "brl1.", REFERENCES["mazes/long-way"], "no", "no"])
 
@@ -383,6 +384,7 @@ def test_wrong_options_are_told(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="needs signals of POSIX")
 def test_ctrl_c_ends_the_command_that_answers(tmp_path: Path) -> None:
     pid = tmp_path / "pid"
@@ -416,6 +418,7 @@ def test_random_levels_have_what_is_counted() -> None:
     assert not told.keys() & judging.KINDS.keys()
 
 
+@pytest.mark.slow
 def test_repair_learns_what_is_wanted() -> None:
     brief = judging.Brief(
         "x/y", "", {"size": [4, 3]}, {"holes": 2}, {"holes": {"reward": -9}}, {"path_length": 5}

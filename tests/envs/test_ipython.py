@@ -55,6 +55,7 @@ for each in (gymnasium.make("FrozenLake-v1"), env):
     run(code, folder)
 
 
+@pytest.mark.slow
 def test_a_formatter_of_the_users_own_stays(folder: Path) -> None:
     code = f"""{SHELL}
 import gymnasium

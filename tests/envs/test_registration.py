@@ -83,6 +83,7 @@ FURTHER_IMPORTS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("imports", swept(IMPORTS, FURTHER_IMPORTS))
 def test_the_ids_are_known_after(imports: str, tmp_path: Path) -> None:
     known = run(imports + SHOW_IDS, tmp_path).split()

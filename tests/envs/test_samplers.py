@@ -175,6 +175,7 @@ def test_weights_of_a_suite_select_its_levels() -> None:
     assert 0.6 < np.mean(np.array(numbers) == 1) < 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_with_seeds_of_their_own_levels_are_those_of_single_environments(engine: str) -> None:
     # Levels differ in their numbers of starts, limits and things.

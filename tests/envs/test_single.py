@@ -68,6 +68,7 @@ def test_the_table_is_the_compiled_one_in_toy_texts_shape(name: str, actions: st
             assert not mdp.probability[state, action + first, len(outcomes) :].any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", swept(["all at once"], ["frozen-lake", "glass-wall"]))
 def test_steps_happen_as_often_as_the_table_says(name: str) -> None:
     env = play(level_named(name), actions="all")

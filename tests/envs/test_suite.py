@@ -62,6 +62,7 @@ def test_spaces_are_those_of_the_largest_level() -> None:
     assert image == spaces.Box(0, 255, (50, 70, 1), np.uint8)
 
 
+@pytest.mark.slow
 @combined(1, observation=OBSERVATIONS, actions=["all", "turns"])
 def test_levels_with_different_things_share_a_space(observation: str, actions: str) -> None:
     env = make(suite=LOCKED, observation=observation, actions=actions)

@@ -229,6 +229,7 @@ def test_a_wrapper_of_single_environments(name: str, case: str) -> None:
     wrapped.close()
 
 
+@pytest.mark.sweep
 @pytest.mark.usefixtures("here", "no_screen")
 @casts_are_told
 @pytest.mark.filterwarnings("ignore:Passing None into shape:DeprecationWarning")

@@ -164,7 +164,7 @@ def test_what_a_hit_costs_can_be_given() -> None:
     assert not all(same)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("fields", "is_plain"),
     [

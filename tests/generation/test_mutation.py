@@ -45,6 +45,7 @@ def test_lists_of_entries_are_the_same_level(info: brl.LevelInfo) -> None:
     assert not any((flat.map, flat.maze, flat.expect, flat.title))
 
 
+@pytest.mark.slow
 @untimed
 @given(worlds(5), st.integers(0, 2**53), st.integers(1, 8))
 def test_mutants_of_any_level_are_valid_levels(
@@ -100,6 +101,7 @@ def test_only_what_is_asked_for_is_edited(kind: str, seed: int) -> None:
     assert changed <= fields.get(kind, {f"{kind}s"})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", EDITABLE)
 def test_a_kind_is_added_moved_and_removed(kind: str) -> None:
     """Each of these happens, to what a level has of every kind."""
@@ -145,6 +147,7 @@ def test_mutants_are_as_expected(monkeypatch: pytest.MonkeyPatch) -> None:
         brl.mutate({"version": 1, "size": [2, 2]}, seed=0, expect={"items": "9.."})
 
 
+@pytest.mark.slow
 def test_an_evolution_of_many_edits_stays_playable(tmp_path: Path) -> None:
     level, seen = brl.load("default"), set()
     for seed in range(100):

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.combinations import swept
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
@@ -45,7 +46,9 @@ def may_never_get_out(level: brl.Level) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("more", [{}, {"start": "farthest"}, {"keys": 1, "guards": {"max": 1}}])
+@pytest.mark.parametrize(
+    "more", swept([{}], [{"start": "farthest"}, {"keys": 1, "guards": {"max": 1}}])
+)
 def test_there_is_a_way_out_of_wherever_the_wind_pushes(more: dict[str, Any]) -> None:
     suite = brl.load_suite({**FIELDS, **more, "count": 12})
     counts = set()
@@ -56,6 +59,7 @@ def test_there_is_a_way_out_of_wherever_the_wind_pushes(more: dict[str, Any]) ->
     assert counts == {1, 2, 3}
 
 
+@pytest.mark.slow
 def test_environments_show_the_wind_of_all_levels() -> None:
     suite = brl.load_suite({**FIELDS, "wind": {"max": 1}})
     assert any(level.wind is None for level in suite)

@@ -314,7 +314,7 @@ def many(entry: str, count: int) -> str:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "text",
     [

@@ -74,6 +74,7 @@ MAPPINGS: dict[str, tuple[Any, str]] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", MAPPINGS)
 def test_no_mapping_is_too_much_for_an_answer(name: str) -> None:
     data, message = MAPPINGS[name]

@@ -66,6 +66,7 @@ def assert_is_whole(level: Level) -> None:
         assert again.digest == level.digest
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(CHUNKS))
 def test_mutants_of_good_files(seed: int) -> None:
     levels = 0

@@ -154,6 +154,7 @@ def test_a_configuration_that_is_not_there() -> None:
 # -- bounds --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_mapping_is_refused_where_it_is_compiled() -> None:
     items = [{"name": f"coin-{number}", "at": [number, 1]} for number in range(25)]
     level = level_of({"version": 1, "size": [25, 3], "items": items})

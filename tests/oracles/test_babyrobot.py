@@ -42,6 +42,7 @@ def test_mazes_are_equal_wall_for_wall(maze: dict[str, Any]) -> None:
     assert open_sides(grid) == maze["open"]
 
 
+@pytest.mark.slow
 @for_each("number", range(200))
 def test_levels_are_equal(number: int) -> None:
     record = RECORD["levels"][number]

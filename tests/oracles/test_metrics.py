@@ -43,6 +43,7 @@ def test_paths_and_needs_are_what_they_are_defined_to_be(world: World) -> None:
     assert found.dependencies == slow.dependencies()
 
 
+@pytest.mark.slow
 @given(small_worlds())
 def test_mistakes_and_distractors_are_what_they_are_defined_to_be(world: World) -> None:
     slow = SlowMetrics(world)
@@ -67,6 +68,7 @@ def test_mistakes_and_distractors_are_what_they_are_defined_to_be(world: World) 
         assert least - 1e-9 <= found.success <= least + perhaps + 1e-9
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6), st.booleans(), st.sampled_from([1, 0.7]))
 def test_of_all_optimal_policies_the_metrics_take_the_one_that_they_say(
     seed: int, things: bool, discount: float

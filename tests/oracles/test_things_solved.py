@@ -69,13 +69,14 @@ def compare_with_reference(seed: int, actions: str) -> None:
     np.testing.assert_allclose(found.values, solution.values, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actions", ACTIONS)
 def test_optimal_values_of_random_levels(actions: str) -> None:
     for seed in range(settings().max_examples // 2):
         compare_with_reference(seed, actions)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("actions", ACTIONS)
 def test_optimal_values_of_many_random_levels(actions: str) -> None:
     for seed in range(1000, 1100):

@@ -59,6 +59,7 @@ def test_commands_with_workers_and_with_an_agent_of_the_folder(tmp_path: Path) -
     assert "frozen-lake" in run_among(folder, command, "score", "agent.py:east", "frozen-lake")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a script for npm")
 def test_what_fetches_the_runtime_of_the_editor(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -140,6 +140,7 @@ def test_rules_in_words_tell_what_changes_the_tables(where: str) -> None:
     assert is_told == (where not in NOT_IN_WORDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name, each in FORMATS.items() if each.is_written])
 def test_exporters_write_or_report_what_changes_the_tables(name: str) -> None:
     silent = []

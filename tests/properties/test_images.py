@@ -13,6 +13,7 @@ from support.images import images
 import babyrobot_levels as brl
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6), st.booleans(), st.sampled_from([1, 0.9]), st.integers(0, 6))
 def test_an_image_has_the_metrics_of_the_level(
     seed: int, things: bool, discount: float, number: int

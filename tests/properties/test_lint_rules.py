@@ -103,6 +103,7 @@ def test_safe_fixes_do_not_change_the_mdp(text: str) -> None:
     assert left == []
 
 
+@pytest.mark.slow
 @untimed
 @given(decorated_worlds(), st.randoms(use_true_random=False), st.sampled_from([0.0, 0.1, 0.4]))
 def test_fixing_twice_changes_nothing_more(world: World, rng: random.Random, chatty: float) -> None:
@@ -168,6 +169,7 @@ def enclosed(level: Level) -> list[tuple[int, int]]:
     ]
 
 
+@pytest.mark.slow
 @untimed
 @given(worlds(5))
 def test_entries_without_findings_have_an_effect(world: World) -> None:

@@ -83,6 +83,7 @@ def fewer_tries() -> Iterator[None]:
         yield
 
 
+@pytest.mark.sweep
 @untimed
 @given(conditions())
 @pytest.mark.usefixtures("fewer_tries")

@@ -122,6 +122,7 @@ def babyrobot(site: Path, *words: str) -> tuple[int, str, str]:
     return run(site, "-m", "babyrobot_levels", *words)
 
 
+@pytest.mark.slow
 def test_lists_say_what_there_is_from_where_and_what_cannot_be_used(site: Path) -> None:
     status, listed, told = babyrobot(site, "list", "--extensions")
     assert status == 0
@@ -150,6 +151,7 @@ def test_lists_say_what_there_is_from_where_and_what_cannot_be_used(site: Path) 
     }
 
 
+@pytest.mark.slow
 def test_commands_are_run_listed_and_meant(site: Path) -> None:
     status, printed, _ = babyrobot(site, "dig", "--width", "3", "--height", "1", "--seed", "1")
     assert (status, printed) == (0, "<.>\n")
@@ -204,7 +206,7 @@ def test_rules_run_where_they_are_selected(site: Path) -> None:
     assert "unknown rule `DX`" in babyrobot(site, "lint", "rock.yaml", "--select", "DX")[2]
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_pictures_are_made_by_name_and_by_suffix(site: Path) -> None:
     (site / "row.yaml").write_text("version: 1\nsize: [3, 1]\n")
     assert babyrobot(site, "preview", "row.yaml", "--format", "dots")[1] == "..."
@@ -216,7 +218,7 @@ def test_pictures_are_made_by_name_and_by_suffix(site: Path) -> None:
     assert run(site, "-c", code)[1] == "." * 8 + "\n"
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_observations_are_those_of_environments(site: Path) -> None:
     code = (
         "import babyrobot_levels as brl; "
@@ -237,11 +239,13 @@ def test_observations_are_those_of_environments(site: Path) -> None:
     assert "'view', 'parity', not 'paritty'; did you mean `parity`?" in told
 
 
+@pytest.mark.slow
 def test_levels_have_the_methods(site: Path) -> None:
     code = "import babyrobot_levels as brl; print(brl.load('maze').rock(), hasattr(brl.Level, 'x'))"
     assert run(site, "-c", code)[:2] == (0, "0.0 False\n")
 
 
+@pytest.mark.slow
 def test_no_level_names_an_extension_to_be_loaded(site: Path) -> None:
     """Whatever a level says, and whatever is done with it, nobody's extension is imported."""
     (site / "named.yaml").write_text(

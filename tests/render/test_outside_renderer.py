@@ -124,6 +124,7 @@ def overlays() -> Iterator[dict[str, Any]]:
     }
 
 
+@pytest.mark.sweep
 @for_each("path", GALLERY)
 def test_levels_of_the_gallery(path: Path, font: Font) -> None:
     level = load(str(path))

@@ -180,6 +180,7 @@ def test_the_picture_without_scripts_shows_things() -> None:
 # -- solutions ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_values_and_actions_are_those_of_each_configuration() -> None:
     best = guide(VAULT)
     data = told()

@@ -207,6 +207,7 @@ def reached(world: Any, count: int) -> list[int]:
     return [int(state) for state in np.random.default_rng(5).choice(alive, count)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "grayscale"), [(None, False), ((112, 96), False), ((84, 84), True)]
 )

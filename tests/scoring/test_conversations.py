@@ -66,6 +66,7 @@ def test_an_optimal_agent_has_no_regret_in_any_episode(sight: str) -> None:
     assert (score.invalid, score.episodes) == (0, 3)
 
 
+@pytest.mark.slow
 def test_regrets_converge_to_the_exact_regret() -> None:
     """Also of a bad agent, and with less spread than returns have."""
     east = np.full((4, 4), brl.Action.EAST)

@@ -16,7 +16,7 @@ import babyrobot_levels as brl
 NAMES = ["frozen-lake", "first-key", "four-rooms", "treasure-chests"]
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_the_optimal_policy_has_no_regret_in_any_level_of_the_gallery() -> None:
     for info in brl.levels():
         level = brl.load(info.name)
@@ -263,6 +263,7 @@ def test_learnability_is_highest_where_success_is_a_coin_toss() -> None:
         assert score.learnability == pytest.approx(score.success * (1 - score.success))
 
 
+@pytest.mark.slow
 def test_more_is_found_if_it_is_asked_for() -> None:
     policies = {name: brl.solve(name, within="max_steps") for name in NAMES}
     for agent in ("random", policies):

@@ -64,6 +64,7 @@ def test_answers_are_arrays_of_numbers_or_names(tmp_path: Path) -> None:
     assert [each.dtype for each in kept] == [np.asarray(each).dtype for each in KEPT]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("head", [b"[1]", b'["|O8", [1]]', b'["<f8", [0, 16000000]]', b"x"])
 def test_what_is_no_answer_is_a_fault(head: bytes, tmp_path: Path) -> None:
     assert answered(tmp_path, SENDS.format(head=head.ljust(4096)), 2) == [
@@ -79,6 +80,7 @@ def test_half_an_answer_is_not_waited_for(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of processes")
 def test_what_a_function_starts_ends_with_it(tmp_path: Path) -> None:
     text = """\
@@ -112,6 +114,7 @@ def f(level):
     ]
 
 
+@pytest.mark.slow
 def test_prints_are_shown_in_part_and_as_text(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -147,6 +147,7 @@ def test_results_for_other_systems(small: Path) -> None:
     assert found.to_csv().splitlines()[0].startswith("function,level,hidden,passed,points")
 
 
+@pytest.mark.slow
 def test_scores_of_classroom50_are_whole_numbers(small: Path) -> None:
     thirds = PACK.replace("points: 4", "points: 5").replace("points: 6", "points: 0.3")
     (small / "pack.yaml").write_text(thirds, "utf-8")

@@ -50,6 +50,7 @@ POPULATIONS: dict[str, Callable[[np.random.Generator, int], Any]] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", POPULATIONS)
 @pytest.mark.parametrize(("levels", "times"), [(5, 80), (30, 25)])
 def test_intervals_hold_for_other_levels_of_skewed_populations(

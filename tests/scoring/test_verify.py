@@ -199,6 +199,7 @@ def played(level: brl.Level, path: Path, choose: Any, actions: str = "all", **re
     return brl.replay(path)[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["frozen-lake", "final-maze"])
 def test_the_optimum_within_the_limit_costs_nothing_whatever_chance_does(
     tmp_path: Path, name: str

@@ -130,7 +130,7 @@ def test_unknown_metrics_are_refused() -> None:
         brl.expect(LEVEL, add=["return"])
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @settings(max_examples=40)
 @given(decorated_worlds() | thing_worlds())
 def test_what_is_stated_is_true(world: World) -> None:

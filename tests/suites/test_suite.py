@@ -123,6 +123,7 @@ def test_a_level_is_the_file_that_generate_writes(
 # -- splits ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_splits_share_no_maze() -> None:
     # There are 192 mazes of this size, most of which come several times.
     suite = load_suite(
@@ -137,6 +138,7 @@ def test_splits_share_no_maze() -> None:
     assert mazes[0].isdisjoint(mazes[1])
 
 
+@pytest.mark.slow
 def test_the_same_shares_keep_all_suites_apart(mixed: Suite) -> None:
     other = load_suite({**FIELDS, "seed": 8, "size": [3, 3], "count": 200})
     third = load_suite({**FIELDS, "seed": 9, "size": [3, 3], "count": 200})
@@ -200,6 +202,7 @@ EXPECTING = {
 }
 
 
+@pytest.mark.slow
 def test_all_levels_are_as_a_suite_expects() -> None:
     expect = {"states": "60..", "best_return": {"max": -6}, "turns": "4..9", "decisions": "2.."}
     suite = load_suite({**EXPECTING, "expect": expect})
@@ -217,6 +220,7 @@ def test_all_levels_are_as_a_suite_expects() -> None:
     assert [level.digest for level in free] != [level.digest for level in suite]
 
 
+@pytest.mark.slow
 def test_success_is_expected_unless_a_suite_asks_for_less() -> None:
     risky = {**EXPECTING, "keys": 0, "guards": 1, "hit": {"reward": -1}, "count": 12}
     won = {brl.metrics(level).success for level in load_suite(risky)}
@@ -234,6 +238,7 @@ def test_needs_are_names() -> None:
     assert {brl.metrics(level).needs for level in suite} == {("key",)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("expect", "message"),
     [
@@ -252,6 +257,7 @@ def test_what_cannot_be_expected_starves_aloud(
         load_suite({**EXPECTING, "expect": expect})[0]
 
 
+@pytest.mark.slow
 def test_large_tables_are_not_compiled_again_and_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(search, "MOST_STATES", 1000)
     fields = {**EXPECTING, "guards": 1, "expect": {"path_length": "90.."}}
@@ -265,7 +271,7 @@ def test_large_tables_are_not_compiled_again_and_again(monkeypatch: pytest.Monke
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=pytest.mark.slow if name in WITH_DOORS else ()) for name in SHIPPED],
+    [pytest.param(name, marks=pytest.mark.sweep if name in WITH_DOORS else ()) for name in SHIPPED],
 )
 def test_the_shipped_suites(name: str) -> None:
     suite = load_suite(name)

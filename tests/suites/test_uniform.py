@@ -13,6 +13,7 @@ EACH = 10
 
 
 # Of the 192 mazes of 3x3 cells, 112 have a dead end in the corner of the exit.
+@pytest.mark.slow
 @pytest.mark.parametrize(("exit_", "mazes"), [("corner", 112), ("farthest", 192)])
 def test_every_maze_that_leaves_room_for_the_exit_is_equally_likely(exit_: str, mazes: int) -> None:
     suite = load_suite(

@@ -67,6 +67,7 @@ def test_an_inner_budget_hides_the_outer_one() -> None:
         assert left() == 1000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_each_item_of_many_has_a_budget_of_its_own(jobs: int) -> None:
     with within(LIMITS):

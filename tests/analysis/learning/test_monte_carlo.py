@@ -36,6 +36,7 @@ def estimates(level: Any, seeds: int, **arguments: Any) -> Any:
     return np.array(runs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "first_visit"),
     [("russell-norvig-4x3", True), (WORLD, False)],

@@ -42,6 +42,7 @@ def along_the_edge(found: Trials) -> int:
     return sum((x, 2) in visited for x in range(1, 11))
 
 
+@pytest.mark.slow
 def test_on_the_cliff_q_learning_walks_the_edge_and_sarsa_keeps_away() -> None:
     best = last(q_learning("cliff-walking", 500, seed=0))
     safe = last(sarsa("cliff-walking", 500, seed=0))

@@ -62,6 +62,7 @@ def test_monte_carlo_estimates_the_values_of_a_policy() -> None:
     assert found.values[0, 0, 0] == pytest.approx(expected.expected_return, abs=0.2)
 
 
+@pytest.mark.slow
 @each_set
 @pytest.mark.parametrize("learn", [q_learning, sarsa])
 def test_action_values_have_the_shape_of_the_tables(

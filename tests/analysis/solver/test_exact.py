@@ -87,6 +87,7 @@ def _eliminated(matrix: list[list[Fraction]]) -> list[Fraction]:
     return [row[-1] for row in matrix]
 
 
+@pytest.mark.slow
 def test_the_policy_is_worth_its_values_and_no_action_is_better() -> None:
     level = brl.load("ice-vault")
     found, mdp = solve(level, exact=True), level.compile()
@@ -201,7 +202,7 @@ def test_policies_of_the_gallery_are_the_same(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "seed", [*range(2), *(pytest.param(s, marks=pytest.mark.slow) for s in range(2, 50))]
+    "seed", [*range(2), *(pytest.param(s, marks=pytest.mark.sweep) for s in range(2, 50))]
 )
 def test_floats_are_right_to_rounding(seed: int) -> None:
     random, checked = Random(seed), 0

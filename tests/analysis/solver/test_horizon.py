@@ -41,6 +41,7 @@ FAR: dict[str, Any] = {"size": [3, 1], "start": [0, 0], "areas": []}
 FAR["areas"] = [{"at": [1, 0], "reward": -2000}, {"at": [2, 0], "reward": 1}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fields", "per_step"),
     [

@@ -114,6 +114,7 @@ def test_the_two_numberings_of_actions() -> None:
         evaluate(world(rows=["S#E"]), resting, actions="moves")
 
 
+@pytest.mark.slow
 def test_a_policy_of_a_result_knows_its_numbering() -> None:
     *_, learned = brl.q_learning("cliff-walking", 500, seed=0)
     *_, swept = brl.value_iteration("cliff-walking")

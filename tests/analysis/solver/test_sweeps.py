@@ -60,6 +60,7 @@ def test_large_levels_are_solved_by_sweeps(level: dict[str, Any], discount: floa
     assert_same(brl.solve(level, discount), solved_by_elimination(level, discount))
 
 
+@pytest.mark.sweep
 def test_the_policy_found_has_the_values_found() -> None:
     found = brl.solve(OPEN)
     followed = brl.evaluate(OPEN, found)

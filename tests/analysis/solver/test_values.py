@@ -186,6 +186,7 @@ def test_without_chance_the_best_way_is_the_shortest(
     assert evaluate(level, solution).expected_return == solution.expected_return
 
 
+@pytest.mark.slow
 def test_a_large_level_with_chance() -> None:
     level = level_of(
         {

@@ -112,6 +112,7 @@ def compare(level: brl.Level, page: Page, **what: Any) -> tuple[float, float]:
     return float(unlike(drawn, shown).mean()), float(unlike(drawn, to_rgb(scene, size)).mean())
 
 
+@pytest.mark.sweep
 def test_levels_of_the_gallery_look_as_their_svgs(page: Page) -> None:
     unlike_svg, unlike_raster = {}, {}
     for name in [known.name for known in brl.levels()][::3]:

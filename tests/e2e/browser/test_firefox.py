@@ -88,6 +88,7 @@ def lightness(page: FirefoxPage) -> float:
         return float(np.median(np.asarray(picture.convert("L"))))
 
 
+@pytest.mark.sweep
 def test_who_prefers_dark_sees_dark(tmp_path: Path, gallery: str, light: Firefox) -> None:
     (tmp_path / "profile").mkdir()
     with firefox(tmp_path / "profile", "dark") as dark, served(Session(DRAWN)) as address:

@@ -102,6 +102,7 @@ def canvas(notebook: OpenNotebook, number: int = 0) -> Locator:
 # -- tests -----------------------------------------------------------------------------------
 
 
+@pytest.mark.sweep
 def test_a_walk_is_seen_and_what_is_written_on_the_level(served: Served, page: Page) -> None:
     served.write("walk.ipynb", DRAW, WALK, WRITE, WIPE)
     notebook = served.open(page, "walk.ipynb")
@@ -156,6 +157,7 @@ def test_the_pictures_of_a_saved_notebook_are_still_there(served: Served, page: 
         at_rest_in(start, notebook.still(2))
 
 
+@pytest.mark.sweep
 def test_pictures_fit_the_width_of_their_cell(served: Served, page: Page) -> None:
     page.set_viewport_size({"width": 700, "height": 900})
     served.write("wide.ipynb", *WIDE)

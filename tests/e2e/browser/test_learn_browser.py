@@ -46,6 +46,7 @@ def texts(page: Page) -> list[str]:
     return [text.replace(MINUS, "-") for text in shown if text]
 
 
+@pytest.mark.sweep
 def test_all_levels_are_learned_as_python_learns_them(ground: Playground) -> None:
     ground.open(load("final-maze"))
     learned = 0
@@ -291,6 +292,7 @@ def test_pages_that_do_not_learn_ignore_what_a_link_tells(ground: Playground) ->
 WORKSHEET = DOCS / "watch-it-learn.md"
 
 
+@pytest.mark.sweep
 def test_the_answers_of_the_worksheet_are_those_of_python() -> None:
     assert list(run_page(WORKSHEET, Path(sys.executable).parent, set(), str(ROOT))) == []
 

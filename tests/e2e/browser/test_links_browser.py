@@ -190,6 +190,7 @@ def test_a_link_that_takes_long_does_not_come_back(
     assert ground.faults == []
 
 
+@pytest.mark.sweep
 def test_whatever_level_a_link_has_the_page_shows_it(ground: Playground) -> None:
     checks = [HealthCheck.too_slow]
 

@@ -387,6 +387,7 @@ def test_invalid_actions_are_refused_and_change_nothing(engine: str) -> None:
     assert same(envs.step(np.zeros(SIZE, int)), before.step(np.zeros(SIZE, int)))
 
 
+@pytest.mark.slow
 @combined(1, family=["wet", "cornered"], mode=MODES)
 def test_copies_go_on_with_the_same_episodes(family: str, mode: AutoresetMode) -> None:
     envs = make(family, autoreset_mode=mode, observation="index", render_mode="rgb_array")

@@ -326,6 +326,7 @@ def test_without_copies_it_is_always_the_same_arrays(observation: str, engine: s
     assert not np.array_equal(first[0], kept[0])
 
 
+@pytest.mark.slow
 @combined(1, mode=MODES, engine=ENGINES, observation=["index", "image"])
 def test_copies_go_on_with_the_same_episodes(
     observation: str, engine: str, mode: AutoresetMode

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from gymnasium.vector import AutoresetMode
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -50,6 +51,7 @@ def assert_same_walk(
         over = told[2] | told[3]
 
 
+@pytest.mark.slow
 @combined(1, mode=MODES, engine=ENGINES)
 @settings(max_examples=8, deadline=None)
 @given(level=levels(), actions=st.sampled_from([*ACTION_SETS]), seed=st.integers(0, 99))
@@ -73,6 +75,7 @@ def test_it_shows_what_single_environments_show(
     assert_same_walk([level], mode, engine, 3, observation=observation)
 
 
+@pytest.mark.slow
 @combined(1, mode=MODES, engine=ENGINES)
 @settings(max_examples=4, deadline=None)
 @given(data=st.data(), seed=st.integers(0, 99))

@@ -57,6 +57,7 @@ def assert_same_everywhere(level: Level, actions: str, mode: AutoresetMode, step
         assert_same_rollout(level, actions, engine, steps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actions", ["all", "turns"])
 @for_each(
     "name", ["first-key", "things of all kinds", "an item under a start, and hits that do not end"]
@@ -99,6 +100,7 @@ def assert_same_rollout(level: Level, actions: str, engine: str, steps: int) -> 
         assert rolled.next_observations[row].tolist() == ended.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", MODES)
 @for_each("seed", range(6))
 def test_random_levels_are_walked_the_same_way_everywhere(seed: int, mode: AutoresetMode) -> None:

@@ -237,6 +237,7 @@ def test_undone_gestures_leave_the_first_text_and_redone_ones_the_last(
     assert not session.can_redo
 
 
+@pytest.mark.sweep
 @given(worlds(6) | drawn_worlds, st.integers(0, 10**6))
 @few
 def test_formatted_text_stays_formatted(world: dict[str, Any], seed: int) -> None:
@@ -249,6 +250,7 @@ def test_formatted_text_stays_formatted(world: dict[str, Any], seed: int) -> Non
         assert brl.format(session.text) == session.text
 
 
+@pytest.mark.sweep
 @given(worlds(6) | thing_worlds(), st.integers(0, 10**6))
 @settings(max_examples=4)
 def test_comments_survive_fifty_gestures(world: dict[str, Any], seed: int) -> None:
@@ -293,6 +295,7 @@ walls: [{at: [2, 0], side: E, pass: 0.2}]
 """
 
 
+@pytest.mark.sweep
 @pytest.mark.usefixtures("put_off")
 @pytest.mark.parametrize("text", [ALL_KINDS, DRAWN])
 def test_gestures_at_any_route_are_done_or_refused_in_a_sentence(text: str) -> None:

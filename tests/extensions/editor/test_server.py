@@ -155,6 +155,7 @@ def test_what_there_is_is_told_while_a_change_is_made(monkeypatch: pytest.Monkey
             go_on.set()
 
 
+@pytest.mark.slow
 def test_a_change_is_taken_however_much_the_level_comes_to() -> None:
     session = Session(TEXT)
     text = "version: 1\nsize: [30, 30]\nmovers: [{within: {at: [0, 0], size: [30, 30]}}]\n"

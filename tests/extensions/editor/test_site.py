@@ -207,6 +207,7 @@ def test_what_takes_too_long_is_stopped_and_nothing_is_lost(visit: Visit) -> Non
     expect(text).not_to_have_value(kept, timeout=START)
 
 
+@pytest.mark.sweep
 def test_what_was_drawn_before_a_link_was_opened_is_there_again(visit: Visit) -> None:
     page = visit()
     for key in ("2", "ArrowRight", "Space"):
@@ -238,6 +239,7 @@ def pass_time(page: Page) -> None:
     page.clock.resume()
 
 
+@pytest.mark.sweep
 def test_it_fits_a_phone(visit: Visit) -> None:
     page = visit(**PHONE)
     assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
@@ -248,6 +250,7 @@ def test_it_fits_a_phone(visit: Visit) -> None:
     expect(page.locator(".file-state")).to_contain_text("not saved")
 
 
+@pytest.mark.sweep
 def test_an_address_that_is_no_code_is_told(visit: Visit) -> None:
     page = visit("#%")
     expect(page.locator(".said")).to_contain_text("%", timeout=START)
@@ -256,6 +259,7 @@ def test_an_address_that_is_no_code_is_told(visit: Visit) -> None:
     expect(text_of(page)).to_have_value(re.compile(r"^puddles:", re.M))
 
 
+@pytest.mark.sweep
 def test_firefox_draws_too(server: StaticServer, tmp_path: Path) -> None:
     with firefox(tmp_path) as opened:
         page = opened.page()

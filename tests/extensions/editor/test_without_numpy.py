@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import expect
+from support.combinations import swept
 from support.editors import OpenEditor
 from support.numberless import (
     MESSAGES,
@@ -76,6 +77,7 @@ def test_the_architecture_names_the_modules_that_need_numpy(told: dict[str, Any]
     assert {"text", "language", "library"} <= named.keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEVELS)
 def test_a_level_is_read_drawn_and_copied_alike(told: dict[str, Any], name: str) -> None:
     without, solved = told[name], state_of_level(name)
@@ -101,7 +103,7 @@ def test_a_level_is_read_drawn_and_copied_alike(told: dict[str, Any], name: str)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LEVELS)
+@pytest.mark.parametrize("name", swept(list(LEVELS)[:3], LEVELS))
 def test_gestures_make_the_same_texts(told: dict[str, Any], name: str) -> None:
     assert told[f"{name}, drawn"] == texts_after(name, 7, 25)
 
@@ -128,7 +130,7 @@ def test_what_needs_numpy_says_so_in_a_sentence(told: dict[str, Any]) -> None:
 # -- with NumPy ----------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_with_numpy_a_site_answers_all_that_the_server_does(tmp_path: Path) -> None:
     questions: list[tuple[str, list[Any]]] = [("replies", [TEXT, [*MESSAGES, *NUMERIC]])]
     for name in LEVELS:

@@ -62,6 +62,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_it_has_the_files_that_its_list_names_and_no_others(site: Path) -> None:
     data = listed(site)
     assert (data["format"], data["title"]) == (1, "Levels")
@@ -90,6 +91,7 @@ def test_the_packages_levels_come_in_their_chosen_order(
     assert [each["id"] for each in found] == ["c", "a", "b"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEVELS)
 def test_its_files_are_those_of_the_level(site: Path, name: str) -> None:
     own, loaded = site / name, brl.load(name)
@@ -154,6 +156,7 @@ def test_the_link_back_is_no_program(tmp_path: Path, home: str) -> None:
 # -- suites and random mazes ---------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_suite_gives_title_names_and_splits(tmp_path: Path) -> None:
     suite = brl.load_suite(SUITE)
     made = brl.gallery(suite, tmp_path / "site")

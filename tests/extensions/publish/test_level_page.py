@@ -273,7 +273,7 @@ def test_only_levels_of_the_package_are_loaded_by_name() -> None:
     assert load_name(own_facts(other)) == "own.yaml"
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("in_package", [True, False])
 @pytest.mark.parametrize("answers", [True, False])
 def test_the_programs_run(in_package: bool, answers: bool, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pypdfium2 as pdfium
 import pytest
 from playwright.sync_api import Page
+from support.combinations import swept
 from support.markup import Reader
 from support.scenes import bounds
 
@@ -108,7 +109,7 @@ def test_nothing_leaves_the_page(per_page: int, paper: str, landscape: bool) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize("key", [False, True])
 @pytest.mark.parametrize("landscape", [False, True])
-@pytest.mark.parametrize("per_page", [2, 6, 24])
+@pytest.mark.parametrize("per_page", swept([6], [2, 6, 24]))
 def test_levels_do_not_overlap(per_page: int, landscape: bool, key: bool) -> None:
     """Each ends, with its name, above what is next in its column, the rules and the foot."""
     long = brl.load("glass-wall").replace(title="A title of many words " * 7)
@@ -249,6 +250,7 @@ def rules_to_write_on(page: Scene) -> list[float]:
     return [top for left, top, right, _ in found if right - left > 200 and top > 140]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("paper", ["a4", "letter"])
 def test_there_are_lines_to_write_on_as_far_as_there_is_room(paper: str) -> None:
     (page,) = brl.sheet(["first-key", "maze"], per_page=2, paper=paper, lines=5).pages

@@ -50,6 +50,7 @@ def test_it_earns_the_lower_bound(sight: Any) -> None:
         assert float(earned(agent, slow, starts, 3)) == pytest.approx(found.lower, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "options"),
     [

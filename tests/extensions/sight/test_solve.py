@@ -52,6 +52,7 @@ def check_bounds(found: SightSolution, slow: Beliefs) -> None:
     assert found.upper >= earned + rest * min(rewards) - 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(2))
 def test_optima_are_those_of_the_slow_solver(part: int) -> None:
     for seed in range(11 * part, 11 * part + 11):
@@ -86,6 +87,7 @@ def check_undiscounted(seed: int) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_undiscounted_optima_are_those_of_the_slow_solver() -> None:
     assert sum(check_undiscounted(seed) for seed in range(22)) >= 5
 

@@ -346,7 +346,7 @@ def test_a_large_file_and_a_file_that_is_no_text() -> None:
     assert "'x.yaml' is larger than 1 MiB" in babyrobot("pack", "zoo").err
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_a_folder_with_a_hundred_thousand_files() -> None:
     folder = write_files(Path("zoo"), zoo())
     for number in range(100_000):

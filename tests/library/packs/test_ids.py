@@ -41,6 +41,7 @@ def ids() -> list[str]:
 # -- which ids there are ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_each_level_has_its_id_in_a_fresh_process(users_pack: Path, site: Path) -> None:
     write(users_pack / "lion.yaml", LIMITED)
     write(users_pack / "apes" / "Old Gorilla.yml")
@@ -64,6 +65,7 @@ for name in names:
     ]
 
 
+@pytest.mark.slow
 def test_no_level_is_read_before_somebody_asks(users_pack: Path) -> None:
     if not hasattr(os, "mkfifo"):
         pytest.skip("this system has no named pipes")

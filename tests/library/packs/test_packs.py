@@ -112,6 +112,7 @@ def test_a_finder_that_fails_stops_nobody_else(site: Path, monkeypatch: pytest.M
     assert names() == ["zoo"]
 
 
+@pytest.mark.slow
 def test_asking_for_packs_leaves_gymnasiums_hook_alone(tmp_path: Path) -> None:
     from support.subprocesses import run
 

@@ -67,7 +67,7 @@ def test_many_at_a_time_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
         assert carve_many(*board, seeds, "depth-first", 0.0) == wanted
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_a_large_maze_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "WORTH_LOADING", 0)
     board = empty(300, 200, 30_100)

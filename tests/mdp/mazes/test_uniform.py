@@ -26,6 +26,7 @@ def deviation(board: Board, mazes: int, algorithm: str) -> float:
     return float(chi2.sf(square, mazes - 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("algorithm", UNIFORM)
 @pytest.mark.parametrize(
     ("board", "mazes"),
@@ -40,7 +41,7 @@ def test_every_maze_is_equally_likely(algorithm: str, board: Board, mazes: int) 
     assert deviation(board, mazes, algorithm) > 0.001
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("algorithm", sorted(set(ALGORITHMS) - set(UNIFORM)))
 def test_the_other_algorithms_prefer_some_mazes(algorithm: str) -> None:
     assert deviation(empty(3, 3), 192, algorithm) < 1e-9
