@@ -60,6 +60,11 @@ make_libraries() {
     .venv-libraries/bin/pip install "${options[@]}" mlcroissant==1.1.1 \
         --editable ".[test,mcp,minari,parquet,rllib,sb3,tianshou,torchrl,trl]"
 }
+make_storm() {
+    make_venv .venv-storm
+    # verifiers pins the lowest version of mcp; the tests with other libraries have the highest.
+    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb,verifiers]" hatchling hypothesis matplotlib pomdp-toolkit==0.0.4 pytest stormpy==2.0.0
+}
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
 all)
@@ -72,6 +77,8 @@ sweep)
     with_libraries sweep
     make_jax
     with_jax sweep
+    make_storm
+    PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
     tests=(-m "(slow or sweep) and not libraries" --hypothesis-profile thorough "${again[@]}")
     ;;
 libraries)
@@ -92,10 +99,8 @@ ray)
     exec .venv-ray/bin/python -m pytest -m libraries "${again[@]}" tests/on_ray tests/language_agents/test_openenv.py
     ;;
 storm)
-    make_venv .venv-storm
-    # verifiers pins the lowest version of mcp; the tests with other libraries have the highest.
-    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb,verifiers]" hatchling hypothesis matplotlib pomdp-toolkit==0.0.4 pytest stormpy==2.0.0
-    PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
+    make_storm
+    PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion --every 20
     beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm \
         tests/extensions/sight/test_readers.py \
         tests/extensions/assistants/test_server.py tests/language_agents/test_verifiers.py
