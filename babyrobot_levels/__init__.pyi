@@ -1,8 +1,6 @@
 """The public names, and where they are defined: the package imports each when it is first used."""
 
 from .analysis.compare import compare as compare
-from .analysis.diff import Difference as Difference
-from .analysis.diff import diff as diff
 from .analysis.environments import Certificate as Certificate
 from .analysis.environments import ComparisonError as ComparisonError
 from .analysis.expectations import BrokenExpectation as BrokenExpectation
@@ -41,13 +39,6 @@ from .analysis.solver.results import Simulation as Simulation
 from .analysis.solver.results import Solution as Solution
 from .analysis.solver.results import UndefinedReturnError as UndefinedReturnError
 from .analysis.strip import strip as strip
-from .convert.conversion import Conversion as Conversion
-from .convert.conversion import ConversionError as ConversionError
-from .convert.conversion import ConversionWarning as ConversionWarning
-from .convert.formats import export as export
-from .convert.formats import import_ as import_
-from .convert.setups import from_setup as from_setup
-from .convert.setups import register_babyrobot as register_babyrobot
 from .envs.rollout import Rollout as Rollout
 from .envs.rollout import rollout as rollout
 from .envs.samplers import PrioritizedSampler as PrioritizedSampler
@@ -59,7 +50,22 @@ from .envs.text import TextObservation as TextObservation
 from .envs.vector.env import LevelVectorEnv as LevelVectorEnv
 from .extensions.assistants.server import mcp as mcp
 from .extensions.assistants.skill import skill as skill
+from .extensions.compare.diff import Difference as Difference
+from .extensions.compare.diff import diff as diff
 from .extensions.editor.notebook import edit as edit
+from .extensions.expect.expecting import expect as expect
+from .extensions.formats.conversion import Conversion as Conversion
+from .extensions.formats.conversion import ConversionError as ConversionError
+from .extensions.formats.conversion import ConversionWarning as ConversionWarning
+from .extensions.formats.formats import export as export
+from .extensions.formats.formats import import_ as import_
+from .extensions.formats.setups import from_setup as from_setup
+from .extensions.formats.setups import register_babyrobot as register_babyrobot
+from .extensions.generate.batch import Generated as Generated
+from .extensions.generate.generate import GeneratedLevels as GeneratedLevels
+from .extensions.generate.generate import generate as generate
+from .extensions.generate.mutation import crossover as crossover
+from .extensions.generate.mutation import mutate as mutate
 from .extensions.publish.course import BuiltCourse as BuiltCourse
 from .extensions.publish.course import course as course
 from .extensions.publish.course import new_course as new_course
@@ -70,8 +76,6 @@ from .extensions.publish.gallery import gallery as gallery
 from .extensions.publish.packing import pack as pack
 from .extensions.publish.sheet import Sheet as Sheet
 from .extensions.publish.sheet import sheet as sheet
-from .generation.mutation import crossover as crossover
-from .generation.mutation import mutate as mutate
 from .generation.search import UnsatisfiableError as UnsatisfiableError
 from .generation.starter import new_level as new_level
 from .language.json_schema import schema as schema
@@ -139,19 +143,15 @@ from .scoring.text_world import TextWorld as TextWorld
 from .scoring.verify import Replays as Replays
 from .scoring.verify import Verification as Verification
 from .scoring.verify import replay as replay
-from .suites.batch import FolderError as FolderError
-from .suites.batch import Generated as Generated
 from .suites.checking import format as format
 from .suites.checking import validate as validate
-from .suites.expecting import expect as expect
-from .suites.generate import GeneratedLevels as GeneratedLevels
-from .suites.generate import generate as generate
 from .suites.suite import Suite as Suite
 from .suites.suite import load_suite as load_suite
 from .text.diagnostics import Diagnostic as Diagnostic
 from .text.diagnostics import Findings as Findings
 from .text.diagnostics import Severity as Severity
 from .text.errors import BabyRobotError as BabyRobotError
+from .text.errors import FolderError as FolderError
 from .text.errors import LevelError as LevelError
 from .text.errors import LevelNotFoundError as LevelNotFoundError
 from .text.errors import SuiteNotFoundError as SuiteNotFoundError

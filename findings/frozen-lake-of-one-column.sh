@@ -9,7 +9,7 @@
 # Why it matters: whoever generates lakes of random sizes, or shrinks a lake to the smallest that shows a mistake,
 #   comes to one column at last.
 # Here: lakes of one column are exported as lists of letters
-#   (`test_a_lake_of_one_column_can_be_made` in tests/convert/test_frozen_lake.py).
+#   (`test_a_lake_of_one_column_can_be_made` in tests/extensions/formats/test_frozen_lake.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

@@ -9,7 +9,7 @@
 # Why it matters: authors hide groups of helper objects, alternative starts or solutions. A game that is made of the visible layers
 #   has them all.
 # Here: what stands in a hidden group is left out, and told
-#   (`test_what_is_not_shown_is_left_out_and_told` in tests/convert/test_tiled.py).
+#   (`test_what_is_not_shown_is_left_out_and_told` in tests/extensions/formats/test_tiled.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

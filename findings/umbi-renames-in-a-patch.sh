@@ -8,7 +8,7 @@
 # Why it matters: 0.2.14 asks for Python 3.12, so the same `umbi>=0.2` means either version by the Python that is there: programs of a model
 #   checker's output work on one machine, and raise AttributeError on the next.
 # Here: archives are written and read by the arrays of the format, whose names have stayed
-#   (`test_an_archive_says_what_the_tables_say` in tests/convert/test_models.py).
+#   (`test_an_archive_says_what_the_tables_say` in tests/extensions/formats/test_models.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

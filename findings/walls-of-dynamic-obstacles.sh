@@ -10,7 +10,7 @@
 # Why it matters: the exploring agent dies at walls, not at balls, so that curves measure something else
 #   than they say. A copy of the task in another program has other optimal values.
 # Here: a level made of the environment says that walls do no harm in it
-#   (`test_obstacles_walk_at_random` in tests/convert/test_minigrid.py).
+#   (`test_obstacles_walk_at_random` in tests/extensions/formats/test_minigrid.py).
 set -euo pipefail
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT

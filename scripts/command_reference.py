@@ -109,8 +109,8 @@ KINDS = {
 def completion() -> str:
     """Return the table of what shells complete, as JSON."""
     import babyrobot_levels as brl
-    from babyrobot_levels.cli.convert import TARGETS
-    from babyrobot_levels.convert.formats import FORMATS
+    from babyrobot_levels.extensions.formats.commands import TARGETS
+    from babyrobot_levels.extensions.formats.formats import FORMATS
     from babyrobot_levels.language.json_schema import SCHEMAS
     from babyrobot_levels.language.looks import BUILTIN_THEMES
     from babyrobot_levels.library.search_path import gallery_folder

@@ -29,7 +29,7 @@ sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]
 
 SLOW = {
     "cli/test_edit.py",
-    "cli/test_play.py",
+    "extensions/play/test_play.py",
     "cli/test_terminals.py",
     "docs/test_notebooks.py",
     "extensions/editor/test_forms.py",

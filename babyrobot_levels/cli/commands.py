@@ -12,71 +12,77 @@ from typer.core import TyperGroup
 
 from babyrobot_levels import __version__
 from babyrobot_levels.cli import meant
-from babyrobot_levels.registry.entries import Entries, resolve
+from babyrobot_levels.registry.entries import Entries, built_in, resolve
 from babyrobot_levels.registry.manifest import Command
 from babyrobot_levels.text.budget import COMMAND, UNLIMITED, within
 
 _SUPPORT = "Editors and assistants"
 
-_OWN = {
-    "new-level": Command("Create", "create:new_level", "Write a new level file."),
-    "generate": Command("Create", "generate:generate", "Generate many levels."),
-    "edit": Command("Create", "editor.commands:edit", "Edit a level in the browser."),
-    "import": Command("Create", "convert:import_level", "Convert a file of another program."),
-    "validate": Command("Check", "check:validate", "Check level files for errors."),
-    "lint": Command("Check", "check:lint", "Check level files for errors and likely mistakes."),
-    "format": Command("Check", "check:format_levels", "Format level files."),
-    "expect": Command("Check", "expect:expect", "State facts about levels in their files."),
-    "rule": Command("Check", "check:rule", "Explain an error code or a lint rule."),
-    "preview": Command(
-        "Look and play", "preview:preview", "Draw a level, or save a picture or page."
+
+def _core(group: str, place: str, summary: str, *, limited: bool = False) -> Command:
+    """Return a command of this room, by its module and function."""
+    return Command(group, f"babyrobot_levels.cli.{place}", summary, limited)
+
+
+_OWN: Mapping[str, Command | str] = {
+    "new-level": _core("Create", "create:new_level", "Write a new level file."),
+    "generate": "generate",
+    "edit": "editor",
+    "import": "formats",
+    "validate": _core("Check", "check:validate", "Check level files for errors."),
+    "lint": _core("Check", "check:lint", "Check level files for errors and likely mistakes."),
+    "format": _core("Check", "check:format_levels", "Format level files."),
+    "expect": "expect",
+    "rule": _core("Check", "check:rule", "Explain an error code or a lint rule."),
+    "preview": _core(
+        "Look and play", "preview:preview", "Draw a level, or save a picture or page.", limited=True
     ),
-    "play": Command("Look and play", "play:play", "Play a level in the terminal."),
-    "replay": Command("Look and play", "replay:replay", "Verify and show recorded episodes."),
-    "show": Command("Look and play", "show:show", "Show the facts about a level."),
-    "list": Command("Look and play", "show:list_levels", "List levels, suites or packs."),
-    "solve": Command("Analyse", "solve:solve", "Compute an optimal policy and its values."),
-    "score": Command("Analyse", "score:score", "Score agents and recorded episodes."),
-    "compare": Command("Analyse", "compare:compare", "Test whether two levels are the same MDP."),
-    "diff": Command("Analyse", "diff:diff", "Show what differs between two levels."),
-    "share": Command("Share", "share:share", "Print a level as a share code or a link."),
-    "sheet": Command(
-        "Share", "publish.commands:sheet", "Print levels on an exercise sheet, or its key."
+    "play": "play",
+    "replay": _core(
+        "Look and play", "replay:replay", "Verify and show recorded episodes.", limited=True
     ),
-    "export": Command("Share", "convert:export_level", "Convert a level for another program."),
-    "gallery": Command("Share", "publish.commands:gallery", "Write web pages of many levels."),
-    "dataset": Command("Share", "publish.commands:dataset", "Write levels as a data set of rows."),
-    "course": Command(
-        "Share", "publish.commands:course", "Begin a course, or build all that it hands out."
+    "show": _core("Look and play", "show:show", "Show the facts about a level.", limited=True),
+    "list": _core("Look and play", "show:list_levels", "List levels, suites or packs."),
+    "solve": _core(
+        "Analyse", "solve:solve", "Compute an optimal policy and its values.", limited=True
     ),
-    "resolve": Command("Share", "share:resolve", "Write out a level's maze as walls."),
-    "pack": Command("Share", "packs:pack", "Pack a folder of levels into one file."),
-    "install": Command("Share", "packs:install", "Install a pack."),
-    "uninstall": Command("Share", "packs:uninstall", "Remove an installed pack."),
-    "schema": Command(_SUPPORT, "create:print_schema", "Print a JSON schema."),
-    "mcp": Command(
-        _SUPPORT, "assistants.commands:mcp", "Serve tools for assistants that write levels."
+    "score": _core("Analyse", "score:score", "Score agents and recorded episodes.", limited=True),
+    "compare": "compare",
+    "diff": "compare",
+    "share": _core(
+        "Share", "share:share", "Print a level as a share code or a link.", limited=True
     ),
-    "skill": Command(
-        _SUPPORT, "assistants.commands:skill", "Print a page for assistants that write levels."
-    ),
+    "sheet": "publish",
+    "export": "formats",
+    "gallery": "publish",
+    "dataset": "publish",
+    "course": "publish",
+    "resolve": _core("Share", "share:resolve", "Write out a level's maze as walls."),
+    "pack": _core("Share", "packs:pack", "Pack a folder of levels into one file."),
+    "install": _core("Share", "packs:install", "Install a pack."),
+    "uninstall": _core("Share", "packs:uninstall", "Remove an installed pack."),
+    "schema": _core(_SUPPORT, "create:print_schema", "Print a JSON schema."),
+    "mcp": "assistants",
+    "skill": "assistants",
 }
-
-_LIMITED = {
-    "expect", "preview", "play", "replay", "show", "solve", "score", "compare", "diff", "share",
-    "sheet", "export", "gallery", "dataset", "course",
-}  # fmt: skip
+"""The commands of the package in their order: those of this room, and whose manifest has others."""
 
 
-def _place(short: str) -> str:
-    """Return where a function is, by its module in this room, or in an extension's folder."""
-    return f"babyrobot_levels.{'extensions' if '.' in short else 'cli'}.{short}"
+class _Own(Mapping[str, Command]):
+    """The commands of the package; a manifest is read when somebody asks for what it has."""
+
+    def __getitem__(self, name: str) -> Command:
+        found = _OWN[name]
+        return found if isinstance(found, Command) else built_in(found).commands[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_OWN)
+
+    def __len__(self) -> int:
+        return len(_OWN)
 
 
-COMMANDS = {
-    name: command._replace(place=_place(command.place), limited=name in _LIMITED)
-    for name, command in _OWN.items()
-}
+COMMANDS: Mapping[str, Command] = _Own()
 """The commands of the package. Those of extensions are asked for where another one is meant."""
 
 _ALL = Entries("commands", COMMANDS, lambda each: isinstance(each, Command))

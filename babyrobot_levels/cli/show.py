@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
+from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -447,22 +448,21 @@ def list_suites(report_format: ReportFormat) -> None:
 
 
 def list_extensions(report_format: ReportFormat) -> None:
-    """Write the extensions that are installed, and note what of them cannot be used."""
+    """Write the extensions that there are, and note what of them cannot be used."""
     # What the package has itself, which extensions cannot take.
-    import babyrobot_levels.convert.formats
-    import babyrobot_levels.envs.observations  # noqa: F401
-    from babyrobot_levels.registry.entries import installed
+    for place in ("envs.observations", "extensions.formats.formats"):
+        with suppress(ModuleNotFoundError):
+            import_module(f"babyrobot_levels.{place}")
+    from babyrobot_levels.registry.entries import all_built_in, installed
 
+    found = [*all_built_in(__version__), *installed()]
     if report_format is ReportFormat.JSON:
-        write_json([each.to_dict() for each in installed()])
-    elif installed():
+        write_json([each.to_dict() for each in found])
+    else:
         cells = [
-            (each.name, each.distribution, "; ".join(each.words()), each.summary)
-            for each in installed()
+            (each.name, each.distribution, "; ".join(each.words()), each.summary) for each in found
         ]
         write_table(("NAME", "FROM", "ADDS", "DESCRIPTION"), cells, ("DESCRIPTION", "ADDS"))
-    else:
-        note("no extensions are installed")
     _note_all(f"extension {fault}" for each in installed() for fault in each.faults())
 
 

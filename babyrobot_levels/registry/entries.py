@@ -12,21 +12,24 @@ from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib import import_module
+from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from babyrobot_levels.registry.manifest import Command, Extension
 from babyrobot_levels.text.diagnostics import one_line
-from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.errors import DISTRIBUTION, BabyRobotError
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 GROUP = "babyrobot_levels.extensions"
 
+_FOLDER = "babyrobot_levels.extensions"
+
 OWN_CODES = "BR"
 """What the codes of the package's own rules begin with, and no other."""
 
-KINDS = tuple(each.name for each in fields(Extension) if each.name != "summary")
+KINDS = tuple(each.name for each in fields(Extension) if each.name not in ("summary", "needs"))
 """The kinds of things that extensions add."""
 
 Entry = TypeVar("Entry")
@@ -88,6 +91,19 @@ class Installed:
             for name in self.added(kind)
             if kind in TABLES and TABLES[kind].others.get(name) is not self
         ]
+
+
+@cache
+def built_in(name: str) -> Extension:
+    """Return the manifest of an extension of the package, by the name of its folder."""
+    found: Extension = resolve(f"{_FOLDER}.{name}.extension:EXTENSION")
+    return found
+
+
+def all_built_in(version: str) -> list[Installed]:
+    """Return the extensions of the package, which has a version."""
+    names = sorted(each.name for each in iter_modules(import_module(_FOLDER).__path__))
+    return [Installed(name, f"{DISTRIBUTION} {version}", built_in(name)) for name in names]
 
 
 @cache

@@ -32,6 +32,7 @@ class Extension:
 
     Attributes:
         summary: what the extension is for, in one sentence.
+        needs: the extensions of the package whose modules it imports.
         commands: the commands of `babyrobot`.
         formats: the formats of other programs, each a `Format` of `convert.formats`.
         pictures: the formats of pictures, each a `PictureFormat` of `analysis.pictures`.
@@ -43,6 +44,7 @@ class Extension:
     """
 
     summary: str
+    needs: tuple[str, ...] = ()
     commands: Mapping[str, Command] = field(default_factory=dict)
     formats: Mapping[str, str] = field(default_factory=dict)
     pictures: Mapping[str, str] = field(default_factory=dict)

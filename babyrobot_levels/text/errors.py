@@ -115,6 +115,10 @@ class SuiteNotFoundError(LevelNotFoundError, public=True):
     listing = "babyrobot list --suites"
 
 
+class FolderError(HelpfulError, public=True):
+    """A folder holds files that must not be overwritten. `help` says what to do."""
+
+
 def warn(text: str, category: type[Warning] = UserWarning) -> None:
     """Warn of something; the warning names the line that called this package."""
     package, depth = __name__.partition(".")[0], 0

@@ -10,7 +10,7 @@ from support.minigrids import MiniGridEnv, recorded
 
 from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.analysis.environments import ComparisonError
-from babyrobot_levels.convert.minigrid import world_of_environment
+from babyrobot_levels.extensions.formats.minigrid import world_of_environment
 from babyrobot_levels.library.level import Level
 
 GAP = "MiniGrid-LavaGapS5-v0"

@@ -17,7 +17,8 @@ from typing import IO, Any, cast
 import pytest
 from support.sessions import environment
 
-from babyrobot_levels.cli import app, keyboard, parallel
+from babyrobot_levels.cli import app, parallel
+from babyrobot_levels.extensions.play import keyboard
 from babyrobot_levels.parallel import processes
 from babyrobot_levels.render import terminal
 from babyrobot_levels.render.terminal import Terminal

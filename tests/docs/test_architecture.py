@@ -25,7 +25,7 @@ ROOMS = re.findall(
 def test_the_rooms_are_those_of_the_package() -> None:
     folders = {path.name for path in PACKAGE.iterdir() if path.is_dir()} - {"__pycache__"}
     assert set(ROOMS) == folders
-    assert len(ROOMS) == len(folders) == 17
+    assert len(ROOMS) == len(folders) == 16
 
 
 def test_the_rooms_are_in_the_order_that_is_enforced() -> None:

@@ -21,9 +21,10 @@ from support.sessions import babyrobot
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import pictures as formats_of_pictures
 from babyrobot_levels.analysis.learning import algorithms
-from babyrobot_levels.cli.convert import PICTURES
-from babyrobot_levels.convert.formats import FORMATS, MODELS, written
-from babyrobot_levels.convert.setups import _PLAYING, KEYWORDS
+from babyrobot_levels.extensions.formats.commands import PICTURES
+from babyrobot_levels.extensions.formats.formats import FORMATS, MODELS, written
+from babyrobot_levels.extensions.formats.setups import _PLAYING, KEYWORDS
+from babyrobot_levels.extensions.generate.batch import origin_of
 from babyrobot_levels.language.json_schema import SCHEMAS
 from babyrobot_levels.language.metric_names import METRICS
 from babyrobot_levels.language.share_code import DICTIONARY_1
@@ -33,7 +34,6 @@ from babyrobot_levels.mdp.mazes import ALGORITHMS
 from babyrobot_levels.render.templates import static
 from babyrobot_levels.render.text import PLAIN_ROBOTS, ROBOTS
 from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER
-from babyrobot_levels.suites.batch import origin_of
 
 README = ROOT / "README.md"
 PAGES = {path.stem: path.read_text("utf-8") for path in DOCS.glob("*.md")}

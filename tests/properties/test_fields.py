@@ -20,7 +20,7 @@ from pydantic import BaseModel
 from support.things import FIELDS as OF_THINGS
 from support.worlds import World, level_of, worlds
 
-from babyrobot_levels.convert.formats import FORMATS
+from babyrobot_levels.extensions.formats.formats import FORMATS
 from babyrobot_levels.language.cells import ADDED, PRECEDENCE, Rewards
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.library.level import Level

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from babyrobot_levels.convert.conversion import World
-from babyrobot_levels.convert.formats import FORMATS
+from babyrobot_levels.extensions.formats.conversion import World
+from babyrobot_levels.extensions.formats.formats import FORMATS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 from support.places import TESTS
 
-SAMPLES = TESTS / "convert" / "samples"
+SAMPLES = TESTS / "extensions" / "formats" / "samples"
 
 
 def sample(name: str) -> dict[str, Any]:

@@ -24,8 +24,8 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.packs.archive import SUFFIX, PackError
 from babyrobot_levels.library.packs.build import Course, read_course
 from babyrobot_levels.library.search_path import data_folder
-from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.errors import FolderError
 from babyrobot_levels.text.files import (
     PACK_FILE,
     is_file,

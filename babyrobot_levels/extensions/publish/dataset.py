@@ -23,11 +23,10 @@ from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.templates import as_html, html, static
 from babyrobot_levels.scoring.sent import Item, received, sent
-from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.suites.suite import Levels, Suite, named_levels
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import how_to_install
+from babyrobot_levels.text.errors import FolderError, how_to_install
 from babyrobot_levels.text.files import is_file, is_folder, written_folder
 
 CARD, CROISSANT, DATA = "README.md", "croissant.json", "data"

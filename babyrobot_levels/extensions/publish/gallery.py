@@ -32,9 +32,8 @@ from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.scoring.sent import Item, received, sent
-from babyrobot_levels.suites.batch import FolderError
 from babyrobot_levels.suites.suite import Levels, Suite, folder_named, named_levels
-from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.errors import BabyRobotError, FolderError
 from babyrobot_levels.text.files import (
     GALLERY_FILES,
     RESERVED,

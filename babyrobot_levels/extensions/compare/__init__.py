@@ -1,0 +1,1 @@
+"""Whether two levels are the same MDP, and what differs between them."""

@@ -1,0 +1,1 @@
+"""`babyrobot compare` and `babyrobot diff`."""

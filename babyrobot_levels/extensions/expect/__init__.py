@@ -1,0 +1,1 @@
+"""Facts about levels, written into their files."""

@@ -1,0 +1,420 @@
+"""Formats whose walls fill whole cells: maze_map, Sokoban, MiniGrid, and maze-dataset's lattices.
+
+- `maze-map`: the `maze_map` of Gymnasium-Robotics, rows of 0, 1, "r", "g" and "c".
+- `sokoban`: maps of `#` and blanks, as Sokoban and many small programs have them.
+- `minigrid`: MiniGrid's text, two characters a cell, as `pprint_grid` prints it.
+- `maze-dataset`: mazes in ASCII, as `as_ascii` draws them. These blocks are walls between cells.
+"""
+
+import json
+import re
+from itertools import groupby
+from typing import Any
+
+from babyrobot_levels.extensions.formats.blocks import (
+    ENDS,
+    SPATIAL,
+    Rows,
+    as_blocks,
+    block_map,
+    drawn,
+    from_lattice,
+    is_lattice,
+    lost_areas,
+    marked,
+    only_first,
+    place_of,
+    replaced,
+    text_rows,
+    translated,
+    without_margin,
+    without_ring,
+    without_surroundings,
+)
+from babyrobot_levels.extensions.formats.conversion import (
+    Codec,
+    Conversion,
+    ConversionError,
+    Lost,
+    World,
+    fields_lost,
+    letters_in,
+    read_data,
+    sequence,
+    shown,
+)
+from babyrobot_levels.extensions.formats.minigrid_grids import (
+    LAVA,
+    Cell,
+    Object,
+    Snapshot,
+    moved,
+    world_of,
+)
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.cells import Rewards
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.words import listed
+
+GOAL_REWARDS = Rewards(step=0, exit=1)
+"""The rewards of Gymnasium-Robotics' sparse tasks, and of MiniGrid's goals."""
+
+_OTHER_TASK = "their cells are free, so the level is a different MDP"
+
+# -- maze-map --------------------------------------------------------------------------------
+
+_MAZE_MAP = "a maze_map"
+_EITHER = "c"
+_VALUES: dict[Any, str] = {0: d.PLAIN, 1: d.BLOCKED, "r": d.START, "g": d.EXIT, "c": _EITHER}
+
+
+def read_maze_map(source: SourceFile) -> World:
+    """Return the world of a map: a list of rows, as JSON or as a Python literal."""
+    rows = []
+    for y, row in enumerate(sequence(plain(read_data(source)), _MAZE_MAP)):
+        cells = [_cell_of_value(value, x, y) for x, value in enumerate(sequence(row, f"row {y}"))]
+        rows.append("".join(cells))
+        if len(cells) != len(rows[0]) or not cells:
+            raise ConversionError(f"row {y} has {len(cells)} cells, the first has {len(rows[0])}")
+    if not rows:
+        raise ConversionError("the map has no rows")
+    lost: list[Lost] = []
+    world = without_ring(_with_ends(tuple(rows), lost))
+    fields = {"version": 1, **drawn(world), "rewards": {"step": 0, "exit": 1}}
+    comments = {"rewards": "The rewards of the sparse tasks."}
+    return World(fields, "A maze_map of Gymnasium-Robotics.", comments, tuple(lost))
+
+
+def _cell_of_value(value: Any, x: int, y: int) -> str:
+    known = isinstance(value, int | str) and not isinstance(value, bool) and value in _VALUES
+    if not known:
+        raise ConversionError(
+            f'row {y}, column {x}: expected 0, 1, "r", "g" or "c", not {shown(value)}'
+        )
+    return _VALUES[value]
+
+
+def _with_ends(rows: Rows, lost: list[Lost]) -> Rows:
+    """Return the rows with starts and exits; where none are marked, choose among the free cells."""
+    cells = [list(row) for row in rows]
+    text = "".join(rows)
+    places = {
+        mark: [(x, y) for y, row in enumerate(rows) for x, c in enumerate(row) if c == mark]
+        for mark in (_EITHER, d.PLAIN)
+    }
+    count, chosen = len(places[_EITHER]), []
+    for name, what, mark, index in (("r", "start", d.START, 0), ("g", "goal", d.EXIT, -1)):
+        free = places[_EITHER] or places[d.PLAIN]
+        if mark in text or not free:
+            continue
+        x, y = free.pop(index)
+        cells[y][x] = mark
+        where = f"row {y}, column {x}"
+        if count:
+            chosen.append(f"the {what} is {where}")
+        else:
+            lost.append(Lost(name, f"no cell is marked: any free one may be it; {where} is used"))
+    if count:
+        told = ", ".join([f"{count} of them, each of which may be start or goal there", *chosen])
+        lost.append(Lost("c", f"{told}; the others are free"))
+    if (goals := text.count(d.EXIT)) > 1:
+        message = f"each of the {goals} goals ends the episode; there, one is drawn at each reset"
+        lost.append(Lost("g", message))
+    return tuple("".join(row).replace(_EITHER, d.PLAIN) for row in cells)
+
+
+def write_maze_map(level: Level) -> Conversion:
+    """Return a level as a list of rows that is JSON and a Python literal at once."""
+    ends = f"{_MAZE_MAP} has no cells that end the episode but goals"
+    rows, lost = block_map(level, _MAZE_MAP, GOAL_REWARDS, ends=ends, many="SE")
+    values = {cell: value for value, cell in _VALUES.items()}
+    lines = ",\n  ".join(json.dumps([values[cell] for cell in row]) for row in rows)
+    return Conversion(f"[\n  {lines}\n]\n", tuple(lost))
+
+
+MAZE_MAP = Codec(
+    read_maze_map,
+    write_maze_map,
+    holds=lambda data: set() < letters_in(data) <= set(map(str, _VALUES)),
+)
+
+# -- sokoban ---------------------------------------------------------------------------------
+
+_SOKOBAN = "a Sokoban map"
+_BOX, _BOX_ON_GOAL, _ON_GOAL, _DOT = "$*+."
+_SOKOBAN_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "-": d.PLAIN, "_": d.PLAIN, _BOX: d.PLAIN}
+_SOKOBAN_CELLS |= {"@": d.START, "S": d.START, _ON_GOAL: d.START}
+_SOKOBAN_CELLS |= {_DOT: d.EXIT, "E": d.EXIT, "X": d.EXIT, _BOX_ON_GOAL: d.EXIT}
+_STARTS = {mark for mark, cell in _SOKOBAN_CELLS.items() if cell == d.START}
+_PATHS = {_DOT: "EX", _BOX_ON_GOAL: "EX", _ON_GOAL: "@SEX"}
+"""What other programs draw ways with, and the marks of start and exit that show it is one."""
+
+_COMMENT = ";"
+_KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):\s*(.*?)\s*$")
+_SOKOBAN_HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit, $ and * boxes"
+
+
+def read_sokoban(source: SourceFile) -> World:
+    """Return the world of a map: its walls are blocked cells, and so is everything around them.
+
+    Comments, titles, and lines like `Author:`, as files of Sokoban levels have them, may surround
+    the map. Where `E` or `X` marks the exits, `.`, `*` and `+` are free cells.
+    """
+    texts: dict[str, Any] = {}
+    lost: list[Lost] = []
+    map_only = _map_of(source, texts, lost)
+    lines = text_rows(map_only, blanks=True)
+    text = "".join(lines)
+    meanings = _meanings(text, lost)
+    rows = translated(map_only, lines, meanings, _SOKOBAN_HELP, blanks=True)
+    world, _ = without_margin(without_surroundings(rows), rows)
+    fields = {"version": 1, **texts, **drawn(without_ring(world))}
+    boxes = text.count(_BOX) + text.count(_BOX_ON_GOAL) * (meanings[_BOX_ON_GOAL] == d.EXIT)
+    if boxes:
+        lost.append(Lost("boxes", f"{boxes} left out; {_OTHER_TASK}"))
+    if _ON_GOAL in text and meanings[_ON_GOAL] == d.START:
+        lost.append(Lost(_ON_GOAL, "a start cannot be an exit; it is only the start"))
+    if (starts := "".join(rows).count(d.START)) > 1:
+        lost.append(Lost("start", f"{starts} are drawn: each reset draws one of them"))
+    return World(fields, "A map of `#` and blanks.", {}, tuple(lost))
+
+
+def _meanings(text: str, lost: list[Lost]) -> dict[str, str]:
+    """Return what the marks of a map mean, by those that are there."""
+    meanings = dict(_SOKOBAN_CELLS)
+    for mark, ends in _PATHS.items():
+        others = [end for end in ends if end in text]
+        if others and mark in text:
+            meanings[mark] = d.PLAIN
+            names = {each: "the start" if each in _STARTS else "the exit" for each in others}
+            known = listed([f"`{each}` is {name}" for each, name in names.items()])
+            lost.append(Lost(f"`{mark}`", f"read as free, because {known}"))
+    return meanings
+
+
+def _map_of(source: SourceFile, texts: dict[str, Any], lost: list[Lost]) -> SourceFile:
+    """Return the text with blank lines in place of all that is no map.
+
+    Title and author are put into `texts`.
+
+    Raises:
+        ConversionError: there are several maps, with blank lines between them.
+    """
+    map_only = _without_texts(source, texts, lost)
+    maps = groupby(map_only.lines, lambda line: bool(line.strip()))
+    found = sum(is_map and any(set(line) & _STARTS for line in lines) for is_map, lines in maps)
+    if found > 1:
+        raise ConversionError(f"the text has {found} maps", "keep the one that is to be the level")
+    return map_only
+
+
+def _without_texts(source: SourceFile, texts: dict[str, Any], lost: list[Lost]) -> SourceFile:
+    """Return a text without comments, keywords and titles."""
+    lines, titles, left_out = [*source.lines], [], []
+    walls = [number for number, line in enumerate(lines) if "#" in line and _is_row(line)]
+    for number, line in enumerate(source.lines):
+        keyword = _KEYWORD.match(line)
+        if keyword is not None and keyword[1].lower() in ("title", "author") and keyword[2]:
+            texts[keyword[1].lower()] = keyword[2]
+        elif keyword is not None or line.startswith(_COMMENT):
+            left_out.append(_COMMENT if keyword is None else keyword[1].lower())
+        elif _is_row(line) or "#" in line or not walls or {number - 1, number + 1} <= {*walls}:
+            # What is between walls is a row with an unknown character.
+            continue
+        elif number < walls[0] and re.search("[A-Za-z]", line):
+            titles.append(line.strip())
+        else:
+            left_out.append("text")
+        lines[number] = ""
+    if titles and "title" not in texts:
+        texts["title"] = titles.pop()
+    left_out += ["text"] * len(titles)
+    lost += (Lost(name, "its text is left out") for name in dict.fromkeys(left_out))
+    return SourceFile(source.name, "\n".join(lines))
+
+
+def _is_row(line: str) -> bool:
+    return _SOKOBAN_CELLS.keys() >= set(line)
+
+
+def write_sokoban(level: Level) -> Conversion:
+    """Return a level as a map with a ring of walls, `@` for the start and `.` for exits."""
+    ends = f"{_SOKOBAN} has no cells that end the episode but exits"
+    rows, lost = block_map(level, _SOKOBAN, Rewards(), ends=ends, many="E")
+    marks = str.maketrans({d.BLOCKED: "#", d.START: "@", d.EXIT: _DOT})
+    return Conversion("\n".join(row.translate(marks) for row in rows) + "\n", tuple(lost))
+
+
+def _is_sokoban(source: SourceFile, letters: set[str]) -> bool:
+    map_only = _without_texts(source, {}, [])
+    found = {*"".join(map_only.lines)}
+    # A path from S to E is in mazes only, and letters of a start alone are a lake.
+    is_maze = found >= {"S", "E"} and found & _PATH and _is_maze(map_only, found)
+    is_map = letters - {"\n"} == found or bool(found & _STARTS)
+    return is_map and found <= _SOKOBAN_CELLS.keys() and found - {"S", " "} != set() and not is_maze
+
+
+SOKOBAN = Codec(read_sokoban, write_sokoban, draws=_is_sokoban)
+
+# -- maze-dataset ----------------------------------------------------------------------------
+
+_DATASET = "a maze of maze-dataset"
+_PATH = {"X", "+"}
+"""How maze-dataset and mazelib draw the path of the solution."""
+
+_DATASET_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "S": d.START, "E": d.EXIT}
+_DATASET_CELLS |= dict.fromkeys(_PATH, d.PLAIN)
+_DATASET_HELP = "`#` wall, a blank free, S start, E end, X or + the path of the solution"
+
+
+def read_maze_dataset(source: SourceFile) -> World:
+    """Return the world of a maze that is drawn on a lattice of walls and cells."""
+    lines = text_rows(source)
+    lost: list[Lost] = []
+    rows = _without_doors(translated(source, lines, _DATASET_CELLS, _DATASET_HELP), lost)
+    if not is_lattice(rows):
+        raise ConversionError(
+            "the map is not a maze of cells with walls between them",
+            "an odd number of rows and columns, a cell in every second one, and `#` between four; "
+            "for walls that fill cells, use --from sokoban",
+        )
+    paths = sorted(_PATH.intersection("".join(lines)))
+    message = "the path of the solution is left out; `babyrobot solve` finds it"
+    lost += (Lost(mark, message) for mark in paths)
+    cells, east, south = from_lattice(rows)
+    cells, has_start = _with_corners(cells, lost)
+    fields = {"version": 1, **drawn(cells, east, south)}
+    if has_start and not any(d.EXIT in row for row in cells):
+        lost.append(Lost("E", "none is drawn, so the level has no exit"))
+    return World(fields, "A maze of maze-dataset.", {}, tuple(lost))
+
+
+def _without_doors(rows: Rows, lost: list[Lost]) -> Rows:
+    """Return rows with a closed outer wall; a start or exit in it moves into the cell behind it."""
+    cells = [list(row) for row in rows]
+    right, bottom = len(rows[0]) - 1, len(rows) - 1
+    for y, row in enumerate(rows):
+        for x, character in enumerate(row):
+            is_inner = x not in (0, right) and y not in (0, bottom)
+            if is_inner or character == d.BLOCKED:
+                continue
+            inner = min(max(x, 1), right - 1), min(max(y, 1), bottom - 1)
+            cells[y][x] = d.BLOCKED
+            if character in (d.START, d.EXIT) and right > 1 and bottom > 1:
+                cells[inner[1]][inner[0]] = character
+            name = character if character != d.PLAIN else "the outer wall"
+            lost.append(Lost(name, f"its door in row {y}, column {x} is closed"))
+    return tuple("".join(row) for row in cells)
+
+
+def _with_corners(cells: Rows, lost: list[Lost]) -> tuple[Rows, bool]:
+    """Return the cells with start and exit in the corners if no start is marked; whether one is."""
+    if any(d.START in row for row in cells):
+        return cells, True
+    rows = replaced(cells, [(0, 0)], d.START)
+    lost.append(Lost("S", "none is drawn, so it is the top-left cell"))
+    if not any(d.EXIT in row for row in rows) and len(rows) * len(rows[0]) > 1:
+        rows = replaced(rows, [(len(rows[0]) - 1, len(rows) - 1)], d.EXIT)
+        lost.append(Lost("E", "none is drawn, so it is the bottom-right cell"))
+    return rows, False
+
+
+def write_maze_dataset(level: Level) -> Conversion:
+    """Return a level in ASCII, without the path of the solution."""
+    lost = list(fields_lost(level, SPATIAL | {"areas"}, _DATASET))
+    lost += lost_areas(level, "it has no cells that end the episode but its end")
+    grid = level.grid()
+    if any(grid.blocked_cells):
+        lost.append(Lost("blocked", "the cells are there, with walls around them"))
+    if grid.glass:
+        lost.append(Lost("walls.pass", "walls of glass become solid"))
+    rows = marked(level)
+    for name, cells in (("start", level.starts), ("exit", level.exits)):
+        if len(cells) > 1:
+            lost.append(only_first(name, cells, _DATASET))
+            rows = replaced(rows, cells[1:], d.PLAIN)
+    if not level.exits:
+        lost.append(Lost("exit", "the level has none, and a maze there has one"))
+    rows = tuple(row.replace(ENDS, d.PLAIN).replace(d.BLOCKED, d.PLAIN) for row in rows)
+    return Conversion("\n".join(as_blocks(grid, rows, lattice=True)) + "\n", tuple(lost))
+
+
+def _is_maze(source: SourceFile, letters: set[str]) -> bool:
+    if not letters <= _DATASET_CELLS.keys():
+        return False
+    return is_lattice(translated(source, text_rows(source), _DATASET_CELLS, _DATASET_HELP))
+
+
+MAZE_DATASET = Codec(read_maze_dataset, write_maze_dataset, draws=_is_maze)
+
+# -- minigrid --------------------------------------------------------------------------------
+
+_AGENTS = {">>": "E", "VV": "S", "<<": "W", "^^": "N"}
+_MINIGRID_CELLS = {"W": d.BLOCKED, "G": d.EXIT, "V": LAVA, "F": d.PLAIN}
+_OBJECTS = {"D": "door", "L": "door", "K": "key", "A": "ball", "B": "box"}
+_DOORS = {"D": "closed", "L": "locked"}
+_OBJECT_COLORS = {"R": "red", "G": "green", "B": "blue", "P": "purple", "Y": "yellow"}
+"""G is grey as well: the text has one letter for both."""
+
+_MINIGRID_HELP = (
+    "two characters a cell: WG wall, GG goal, VR lava, `>>` the agent, two blanks free; "
+    "F, D, L, K, A and B with a colour are floor, doors, locked doors, keys, balls and boxes"
+)
+
+
+def read_minigrid(source: SourceFile) -> World:
+    """Return the world of a MiniGrid text: its walls are blocked cells."""
+    rows: list[str] = []
+    objects: list[Object] = []
+    agents: dict[Cell, str] = {}
+    floor = False
+    for y, line in enumerate(text_rows(source, blanks=True)):
+        pairs = [line[x : x + 2].ljust(2) for x in range(0, len(line), 2)]
+        marks = [d.PLAIN] * len(pairs)
+        for x, pair in enumerate(pairs):
+            kind, color = pair[0], pair[1]
+            if pair in _AGENTS:
+                agents[x, y] = _AGENTS[pair]
+            elif pair == "__":
+                # An open door has no colour.
+                objects.append(Object("door", "grey", (x, y), "open"))
+            elif kind in _OBJECTS and color in _OBJECT_COLORS:
+                state = _DOORS.get(kind, "")
+                objects.append(Object(_OBJECTS[kind], _OBJECT_COLORS[color], (x, y), state))
+            elif kind in _MINIGRID_CELLS and color in _OBJECT_COLORS:
+                marks[x] = _MINIGRID_CELLS[kind]
+                floor |= kind == "F"
+            elif pair != "  ":
+                message = f"unknown cell `{pair}`"
+                place = place_of(source, 2 * x, y, blanks=True)
+                raise ConversionError.at(source, place, message, _MINIGRID_HELP)
+        rows.append("".join(marks))
+    drawn_rows = replaced(tuple(rows), agents, d.START)
+    whole, above = without_margin(without_surroundings(drawn_rows), drawn_rows)
+    inner = without_ring(whole)
+    ring = int(len(inner) < len(whole))
+    heading = next(iter(agents.values()), "E")
+    found = Snapshot(drawn_rows, tuple(objects), tuple(agents), heading, floor=floor)
+    found = moved(found, inner, ring, above + ring)
+    return world_of(found, "A text of MiniGrid's pprint_grid.")
+
+
+def write_minigrid(level: Level) -> Conversion:
+    """Return a level as a MiniGrid text, with a ring of walls."""
+    carried = frozenset({"heading"})
+    rows, lost = block_map(
+        level, "a MiniGrid text", GOAL_REWARDS, ends=None, many="E", carried=carried
+    )
+    agent = next(pair for pair, heading in _AGENTS.items() if heading == level.heading)
+    pairs = {d.BLOCKED: "WG", d.PLAIN: "  ", d.START: agent, d.EXIT: "GG", ENDS: "VR"}
+    text = "\n".join("".join(map(pairs.__getitem__, row)) for row in rows)
+    return Conversion(f"{text}\n", tuple(lost))
+
+
+MINIGRID = Codec(
+    read_minigrid,
+    write_minigrid,
+    draws=lambda source, letters: "WG" in source.text and letters <= set("WGVFDLKABRPY><^_ "),
+)

@@ -1,0 +1,262 @@
+"""Tiles: layers of them, as lists or packed texts, and tilesets, which give each tile its class."""
+
+import base64
+import struct
+import zlib
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+from babyrobot_levels.extensions.formats.conversion import (
+    MAX_DEPTH,
+    ConversionError,
+    Lost,
+    integer,
+    mapping,
+    read_data,
+    sequence,
+    shown,
+)
+from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source
+from babyrobot_levels.text.source import SourceFile
+
+MAX_TILES = 4 * MAX_SIZE**2
+"""As many tiles as four layers of the largest map have."""
+
+FAR = 1_000_000
+"""The largest distance of a chunk of an infinite map from the origin."""
+
+FLIPS = 0x0FFFFFFF
+"""The bits of a tile's number without those for flipping."""
+
+_BYTES = 4
+_WINDOWS = {"zlib": zlib.MAX_WBITS, "gzip": zlib.MAX_WBITS | 16}
+_HINT = "set the map's Tile Layer Format to CSV, and save it again"
+
+
+CLASSES = ("start", "exit", "small-puddle", "large-puddle", "blocked")
+"""The classes by which tiles say what they are, in the order of the tileset."""
+
+MAX_FILES = 16
+"""How many tilesets of a map may be files of their own."""
+
+_EMBED = "`tiled --embed-tilesets --export-map MAP NEW.tmj` writes a map that holds it"
+
+
+@dataclass(frozen=True, slots=True)
+class TileLayer:
+    """A layer of known size whose tiles have not been unpacked yet.
+
+    Attributes:
+        where: its name in messages.
+        chunks: its rectangles (left, top, width, height), each with its tiles as in the file.
+        compression: the compression of tiles that are texts; empty for none.
+    """
+
+    where: str
+    chunks: tuple[tuple[int, int, int, int, Any], ...]
+    compression: str
+
+    @property
+    def count(self) -> int:
+        """The number of tiles, including empty ones."""
+        return sum(width * height for _, _, width, height, _ in self.chunks)
+
+    def placed(self) -> Iterator[tuple[int, int, int]]:
+        """Yield x, y and the number of each tile that is not empty.
+
+        Raises:
+            ConversionError: their number is wrong, or they cannot be unpacked.
+        """
+        for left, top, width, height, data in self.chunks:
+            numbers = self._numbers(data, width * height)
+            for place, number in enumerate(numbers):
+                if number:
+                    yield left + place % width, top + place // width, number & FLIPS
+
+    def _numbers(self, data: Any, count: int) -> Sequence[int]:
+        if isinstance(data, str):
+            return self._unpacked(data, count)
+        numbers = [integer(each, self.where) for each in sequence(data, self.where)]
+        if len(numbers) != count:
+            raise ConversionError(f"{self.where} has {len(numbers)} tiles, not {count}")
+        return numbers
+
+    def _unpacked(self, text: str, count: int) -> Sequence[int]:
+        is_whole = True
+        try:
+            data = base64.b64decode(text, validate=True)
+            if self.compression:
+                packed = zlib.decompressobj(_WINDOWS[self.compression])
+                # One byte more than expected, to notice that there is more.
+                data = packed.decompress(data, count * _BYTES + 1)
+                is_whole = packed.eof or len(data) > count * _BYTES
+        except (ValueError, zlib.error):
+            kind = self.compression or "base64"
+            raise ConversionError(f"{self.where} is packed, but not with {kind}", _HINT) from None
+        if not is_whole:
+            raise ConversionError(f"{self.where} is cut off", _HINT)
+        if len(data) != count * _BYTES:
+            more = "more" if len(data) > count * _BYTES else "fewer"
+            raise ConversionError(f"{self.where} has {more} than {count} tiles")
+        # Least significant byte first, whatever this machine's order is.
+        return struct.unpack(f"<{count}I", data)
+
+
+def tile_layer(layer: dict[str, Any], where: str, size: tuple[int, int] | None) -> TileLayer:
+    """Return a layer of tiles.
+
+    Args:
+        layer: as the map has it.
+        where: what messages call it.
+        size: of the map, None if it is infinite.
+
+    Raises:
+        ConversionError: its compression is unknown, or it is too large.
+    """
+    compression = layer.get("compression") or ""
+    if compression not in ("", *_WINDOWS):
+        known = "CSV, or packed with zlib or gzip"
+        raise ConversionError(f"{where} is packed with {shown(compression)}, not {known}", _HINT)
+    if size is not None:
+        return TileLayer(where, ((0, 0, *size, layer.get("data")),), compression)
+    chunks = []
+    for index, entry in enumerate(sequence(layer.get("chunks"), f"{where}, chunks")):
+        chunk, name = mapping(entry, f"{where}, chunk {index}"), f"{where}, chunk {index}"
+        x, y, width, height = (
+            integer(chunk.get(key), f"{name}, {key}") for key in ("x", "y", "width", "height")
+        )
+        if max(abs(x), abs(y)) > FAR:
+            raise ConversionError(f"{name} is more than {FAR:,} cells away")
+        if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
+            raise ConversionError(f"{name} must be 1 to {MAX_SIZE} cells wide and high")
+        chunks.append((x, y, width, height, chunk.get("data")))
+    return TileLayer(where, tuple(chunks), compression)
+
+
+# -- tilesets --------------------------------------------------------------------------------
+
+
+class Tilesets:
+    """The tilesets of a map.
+
+    Attributes:
+        lost: those that are not read.
+    """
+
+    def __init__(self, entries: Any, folder: Path | None):
+        """Read them.
+
+        Args:
+            entries: the map's `tilesets`.
+            folder: the folder of the map: files of tilesets in it, or below it, are read. None to
+                read no files.
+
+        Raises:
+            ConversionError: one of them is malformed.
+        """
+        self.lost: list[Lost] = []
+        self._folder = folder
+        self._files = 0
+        found = sorted(self._read(entries), key=lambda entry: entry[0])
+        self._firsts = [first for first, _ in found]
+        self._classes = [classes for _, classes in found]
+
+    def class_of(self, number: int) -> str | None:
+        """Return the class of a tile by its number in the map, if it is one of ours."""
+        index = bisect_right(self._firsts, number) - 1
+        return self._classes[index].get(number - self._firsts[index]) if index >= 0 else None
+
+    def _read(self, entries: Any) -> Iterator[tuple[int, dict[int, str]]]:
+        for index, entry in enumerate(sequence(entries, "tilesets")):
+            where = f"tilesets[{index}]"
+            tileset = mapping(entry, where)
+            first = integer(tileset.get("firstgid"), f"{where}.firstgid")
+            if "source" in tileset:
+                yield first, self._from_file(tileset["source"], where)
+            else:
+                yield first, _classes(tileset, where)
+
+    def _from_file(self, name: Any, where: str) -> dict[int, str]:
+        """Return the classes of a tileset in a file, none if it is not read."""
+        found = self._file(name)
+        if isinstance(found, str):
+            self.lost.append(Lost(where, f"{shown(name)} {found}; {_EMBED}"))
+            return {}
+        if found.name.lower().endswith((".tsj", ".json")):
+            return _classes(mapping(read_data(found), one_line(found.name)), one_line(found.name))
+        return _xml_classes(found)
+
+    def _file(self, name: Any) -> SourceFile | str:
+        """Return the file of a tileset, or why it is not read."""
+        if self._folder is None or not isinstance(name, str):
+            return "is a file of its own"
+        self._files += 1
+        if self._files > MAX_FILES:
+            return f"is one of more than {MAX_FILES} files"
+        try:
+            home, path = self._folder.resolve(), (self._folder / name).resolve()
+            if not path.is_relative_to(home):
+                return "is outside the map's folder, and is not read"
+            if path.suffix.lower() not in (".tsj", ".json", ".tsx"):
+                return "has none of the suffixes .tsx, .tsj and .json"
+            return read_source(path, str(path.relative_to(home)))
+        except LevelError as error:
+            return f"cannot be read: {error.diagnostics[0].message}"
+        except (OSError, ValueError):
+            return "is not a valid file name"
+
+
+def _classes(tileset: dict[str, Any], where: str) -> dict[int, str]:
+    """Return the classes of the tiles of a tileset in JSON, by their numbers in it."""
+    classes = {}
+    for tile in sequence(tileset.get("tiles", []), f"{where}.tiles"):
+        given = mapping(tile, f"{where}.tiles")
+        name = given.get("class") or given.get("type")
+        if name in CLASSES:
+            classes[integer(given.get("id"), f"{where}.tiles.id")] = str(name)
+    return classes
+
+
+def _xml_classes(source: SourceFile) -> dict[int, str]:
+    """Return the classes of the tiles of a tileset in XML.
+
+    Raises:
+        ConversionError: it is not such a file, or has a DOCTYPE, whose entities may be unbounded.
+    """
+    where = one_line(source.name)
+    classes: dict[int, str] = {}
+    path: list[str] = []
+
+    def start(element: str, attributes: dict[str, str]) -> None:
+        path.append(element)
+        if path[0] != "tileset" or len(path) > MAX_DEPTH:
+            raise ConversionError(f"{where} is not a tileset of Tiled")
+        name = attributes.get("class") or attributes.get("type")
+        if path[1:] == ["tile"] and name in CLASSES:
+            number = attributes.get("id", "")
+            if not (number.isascii() and number.isdigit() and len(number) <= 9):
+                raise ConversionError(f"{where}: id must be a whole number, not {shown(number)}")
+            classes[int(number)] = name
+
+    def end(_: str) -> None:
+        path.pop()
+
+    def declared(*_: object) -> None:
+        raise ConversionError(f"{where} has a DOCTYPE, which tilesets of Tiled do not have")
+
+    parser = expat.ParserCreate("utf-8")
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.StartDoctypeDeclHandler = declared
+    try:
+        parser.Parse(source.text.encode("utf-8"), True)
+    except expat.ExpatError as error:
+        reason = expat.ErrorString(error.code)
+        raise ConversionError(f"{where}:{error.lineno}: invalid XML ({reason})") from None
+    return classes

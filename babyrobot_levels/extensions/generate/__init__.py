@@ -1,0 +1,1 @@
+"""Many levels at once: generated, and evolved by small changes."""

@@ -1,0 +1,1 @@
+"""Levels played in a terminal."""
