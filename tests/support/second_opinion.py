@@ -30,7 +30,7 @@ from babyrobot_levels.analysis.solver.horizon import after
 from babyrobot_levels.analysis.solver.model import Model
 from babyrobot_levels.analysis.solver.optimum import most_expected
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
-from babyrobot_levels.convert.processes import Process, process_of
+from babyrobot_levels.extensions.formats.processes import Process, process_of
 from babyrobot_levels.mdp.tables import Floats
 
 BOUND = 1e-9
@@ -283,7 +283,9 @@ def asked_at(place: tuple[str, int]) -> tuple[tuple[str, int], list[Answer]]:
 def main() -> int:
     """Ask about levels in two processes, and print what came of it."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--every", type=int, default=1, metavar="N", help="ask about each Nth level")
+    parser.add_argument(
+        "--every", type=int, default=1, metavar="N", help="ask about each Nth level"
+    )
     asked = places()[:: parser.parse_args().every]
     count: Counter[str] = Counter()
     largest: dict[tuple[str, str], float] = defaultdict(float)
