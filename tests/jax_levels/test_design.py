@@ -60,9 +60,9 @@ def same(one: Any, other: Any) -> None:
 @pytest.mark.parametrize(
     ("base", "actions", "options"),
     [
-        ("final-maze", "moves", {"observation": "planes"}),
-        ("final-maze", "all", {"observation": "index"}),
-        ("frozen-lake", "moves", {"observation": "position"}),
+        pytest.param("final-maze", "moves", {"observation": "planes"}, marks=pytest.mark.sweep),
+        pytest.param("final-maze", "all", {"observation": "index"}, marks=pytest.mark.sweep),
+        pytest.param("frozen-lake", "moves", {"observation": "position"}, marks=pytest.mark.sweep),
         (MIXED, "all", {"observation": "planes", **BYTES}),
     ],
     ids=["planes", "stay", "ice", "mixed"],
@@ -83,6 +83,7 @@ def test_tables_are_those_of_the_saved_files(
             same(made.layout(level), one_of(layouts, number))
 
 
+@pytest.mark.sweep
 def test_tables_of_32_bits_are_close_to_those_of_the_files() -> None:
     env, made = brl_jax.designs(MIXED, 4, observation="index")
     layouts = mutants(made, 20)

@@ -66,6 +66,7 @@ def test_ppo_learns_mazes_that_it_has_not_seen(suite: Path, tmp_path: Path) -> N
     assert 0 < regret < 0.1 * chance.summary.regret
 
 
+@pytest.mark.sweep
 def test_q_learning_finds_an_optimal_policy_in_each_level(suite: Path, tmp_path: Path) -> None:
     # 120 levels with 16 environments each.
     text = printed_by("q_learning_jax", "--suite", suite, "--steps", 76_800,
@@ -98,6 +99,7 @@ def test_levels_are_replayed_by_their_regret(suite: Path, tmp_path: Path) -> Non
         assert sum(map(float, seeds)) / 2 == pytest.approx(rows[-1][column], abs=0.001)
 
 
+@pytest.mark.sweep
 @pytest.mark.usefixtures("quickly_compiled")
 def test_evolved_levels_are_files_that_lint_and_replay(tmp_path: Path) -> None:
     text = printed_by("accel_jax", "--steps", 32_768, "--every", 2, "--score", "maxmc",

@@ -72,8 +72,8 @@ def errors(params: Any, found: Any, wanted: list[Any]) -> list[float]:
 @pytest.mark.parametrize(
     ("actions", "is_x64", "arguments"),
     [
-        ("valid", False, {"within": "max_steps"}),
-        ("moves", False, {"discount": 0.95}),
+        pytest.param("valid", False, {"within": "max_steps"}, marks=pytest.mark.sweep),
+        pytest.param("moves", False, {"discount": 0.95}, marks=pytest.mark.sweep),
         ("turns", True, {"within": 9, "discount": 0.9}),
         ("valid", True, {}),
     ],
@@ -144,6 +144,7 @@ ROOM = [
 """Levels with as many states, starts and outcomes as random ones can have."""
 
 
+@pytest.mark.sweep
 @settings(max_examples=30, deadline=None)
 @given(world=worlds(4))
 @pytest.mark.filterwarnings("ignore:with this policy")
