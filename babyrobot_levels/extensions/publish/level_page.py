@@ -19,7 +19,7 @@ from babyrobot_levels.language.play import program
 from babyrobot_levels.library.catalogue import files_in
 from babyrobot_levels.library.citation import bibtex, citation
 from babyrobot_levels.library.level import Level, load_file
-from babyrobot_levels.library.search_path import gallery_place
+from babyrobot_levels.library.search_path import Place, gallery_place
 from babyrobot_levels.mdp.states import (
     configuration_words,
     initial_configuration,
@@ -142,7 +142,7 @@ def programs(facts: Facts, *, answers: bool) -> tuple[str, str]:
 
 def load_name(facts: Facts) -> str:
     """Return what `brl.load` takes: a name of the package's gallery, else that of the file."""
-    path = _package_levels().get(facts.name)
+    path = _levels_in(gallery_place()).get(facts.name)
     if path is not None:
         with suppress(BabyRobotError):
             if load_file(path).digest == facts.digest:
@@ -151,8 +151,8 @@ def load_name(facts: Facts) -> str:
 
 
 @cache
-def _package_levels() -> dict[str, Path]:
-    return {file.name: file.path for file in files_in(gallery_place())}
+def _levels_in(place: Place) -> dict[str, Path]:
+    return {file.name: file.path for file in files_in(place)}
 
 
 def _facts(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]:
