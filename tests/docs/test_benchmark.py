@@ -124,7 +124,9 @@ def test_runs_that_have_a_result_are_left_out(
 
 
 @pytest.mark.libraries
-@pytest.mark.parametrize("method", ["maskable-ppo", "recurrent-ppo"])
+@pytest.mark.parametrize(
+    "method", ["maskable-ppo", pytest.param("recurrent-ppo", marks=pytest.mark.sweep)]
+)
 def test_networks_are_trained_and_scored(method: str, few: Any, tmp_path: Path) -> None:
     few.train([(method, "bench-easy", 0)], tmp_path, 4096)
     path = tmp_path / f"bench-easy-{method}-0.json"

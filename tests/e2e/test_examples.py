@@ -129,7 +129,11 @@ def test_every_other_episode_is_filmed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "example",
     # The page on training has the first program, and runs it.
-    [pytest.param("ppo_sb3", marks=pytest.mark.sweep), "maskable_ppo", "ppo_cleanrl"],
+    [
+        pytest.param("ppo_sb3", marks=pytest.mark.sweep),
+        "maskable_ppo",
+        pytest.param("ppo_cleanrl", marks=pytest.mark.sweep),
+    ],
 )
 def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) -> None:
     text = printed_by(example, "--steps", 100_000, cwd=tmp_path)
@@ -147,7 +151,7 @@ def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) ->
     [
         # The page on training has the same program, and others learn with RLlib, too.
         pytest.param("ppo_rllib", 130_000, marks=pytest.mark.sweep),
-        ("ppo_torchrl", 102_400),
+        pytest.param("ppo_torchrl", 102_400, marks=pytest.mark.sweep),
     ],
 )
 def test_libraries_with_loops_of_their_own_come_close(
@@ -164,6 +168,7 @@ def test_libraries_with_loops_of_their_own_come_close(
     assert table["learned, greedy"][1] > 98
 
 
+@pytest.mark.sweep
 @pytest.mark.libraries
 def test_a_network_of_action_values_comes_close_to_the_best_policy(tmp_path: Path) -> None:
     text = printed_by("dqn_sb3", cwd=tmp_path)
@@ -234,7 +239,7 @@ def test_these_examples_are_short(example: str) -> None:
     [
         # The page on training has Tianshou's DQN, and others imitate with Tianshou, too.
         pytest.param("dqn_tianshou", "all", marks=pytest.mark.sweep),
-        ("dataset_minari", "moves"),
+        pytest.param("dataset_minari", "moves", marks=pytest.mark.sweep),
     ],
 )
 def test_other_libraries_come_close_to_the_best_policy(
@@ -250,6 +255,7 @@ def test_other_libraries_come_close_to_the_best_policy(
         assert 100 * float(score[1]) == pytest.approx(table["learned, greedy"][1], abs=0.01)
 
 
+@pytest.mark.sweep
 @pytest.mark.libraries
 def test_imitation_solves_mazes_that_it_has_not_seen(tmp_path: Path) -> None:
     text = printed_by("imitation_tianshou", "--steps", 500, cwd=tmp_path)
@@ -292,6 +298,7 @@ def address() -> Iterator[str]:
     cluster.shutdown()
 
 
+@pytest.mark.sweep
 @pytest.mark.libraries
 @pytest.mark.flaky(reruns=1)
 def test_ppo_is_scored_in_each_maze_of_the_other_split(address: str, tmp_path: Path) -> None:
@@ -326,6 +333,7 @@ def test_where_there_is_no_cluster_it_is_said(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.sweep
 @pytest.mark.libraries
 @pytest.mark.flaky(reruns=1)
 def test_a_sweep_finds_what_each_of_its_trials_finds_alone(tmp_path: Path) -> None:
