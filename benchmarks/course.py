@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import babyrobot_levels as brl
-from babyrobot_levels.scoring.plays import play_of
+from babyrobot_levels.agents.plays import play_of
 
 LEVELS = ("coin-run", "maze", "puddle-test", "final-maze", "frozen-lake", "first-key",
           "treasure-chests", "night-watch", "two-levers", "four-rooms", "teleport-pads",

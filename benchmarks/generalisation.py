@@ -25,9 +25,9 @@ from typing import Any
 import numpy as np
 
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.scoring.summaries import improvement_of, statistics_of
+from babyrobot_levels.language.plain_data import json_mapping
 from babyrobot_levels.render.charts import Curve, curves_svg
-from babyrobot_levels.scoring.results import plain
-from babyrobot_levels.scoring.summaries import improvement_of, statistics_of
 from babyrobot_levels.text.files import write_text
 
 RESULTS = Path(__file__).with_name("generalisation")
@@ -400,9 +400,9 @@ def result_of(method: str, suite: str, seed: int, steps: int) -> dict[str, Any]:
         "is_exact": test.is_exact,
         **spent,
         "score_cpu_seconds": round(time.process_time() - trained, 1),
-        "train": plain(asdict(seen.summary)),
-        "test": plain(asdict(test.summary)),
-        "test-mazes": plain(asdict(mazes.summary)),
+        "train": json_mapping(asdict(seen.summary)),
+        "test": json_mapping(asdict(test.summary)),
+        "test-mazes": json_mapping(asdict(mazes.summary)),
         "test_shares": shares_of(test),
         "test_maze_shares": {score.level: round(score.share, 4) for score in mazes},
         **({"held_out_shares": held_out} if held_out else {}),

@@ -17,7 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.scoring.summaries import SOLVED, WORST, improvement_of, statistics_of
+from babyrobot_levels.extensions.scoring.summaries import (
+    SOLVED,
+    WORST,
+    improvement_of,
+    statistics_of,
+)
 
 Floats = NDArray[np.float64]
 Random = np.random.Generator

@@ -42,7 +42,7 @@ beside_pages() {
 # Runs the tests with libraries that learn, those of the sweep or the others.
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
-        tests/extensions/assistants/test_server.py tests/envs tests/scoring tests/language_agents/test_trl.py \
+        tests/extensions/assistants/test_server.py tests/envs tests/agents tests/extensions/scoring tests/language_agents/test_trl.py \
         tests/extensions/publish/test_dataset.py tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 # Runs the tests with JAX, those of the sweep or the others.

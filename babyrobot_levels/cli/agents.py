@@ -48,7 +48,7 @@ def named_agent(word: str, *, trust: bool, plays: bool = False) -> Any:
         trust: whether models may be loaded, which can run any code.
         plays: whether it may be a file of recorded episodes, too.
     """
-    from babyrobot_levels.scoring.agents import AgentError, load_agent
+    from babyrobot_levels.agents.agents import AgentError, load_agent
 
     if word in NAMED:
         return word

@@ -38,15 +38,13 @@ _OWN: Mapping[str, Command | str] = {
         "Look and play", "preview:preview", "Draw a level, or save a picture or page.", limited=True
     ),
     "play": "play",
-    "replay": _core(
-        "Look and play", "replay:replay", "Verify and show recorded episodes.", limited=True
-    ),
+    "replay": "scoring",
     "show": _core("Look and play", "show:show", "Show the facts about a level.", limited=True),
     "list": _core("Look and play", "show:list_levels", "List levels, suites or packs."),
     "solve": _core(
         "Analyse", "solve:solve", "Compute an optimal policy and its values.", limited=True
     ),
-    "score": _core("Analyse", "score:score", "Score agents and recorded episodes.", limited=True),
+    "score": "scoring",
     "compare": "compare",
     "diff": "compare",
     "share": _core(

@@ -110,7 +110,7 @@ def write_rows(
         columns: what is written.
         options: how, and where to.
     """
-    from babyrobot_levels.scoring.many import reason
+    from babyrobot_levels.agents.many import reason
 
     target = _target(columns, options, len(levels))
     first, errors = target.first, 0

@@ -125,9 +125,9 @@ def show(
 
 def _show_many(levels: Suite | list[Any], options: RowOptions) -> None:
     """Write the metrics of each level."""
+    from babyrobot_levels.agents.many import metrics_many
     from babyrobot_levels.language.metric_names import METRICS
     from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
-    from babyrobot_levels.scoring.many import metrics_many
 
     names = ("path_length", "dead_ends", "loops", "best_return", "random_return", "difficulty")
     columns = Columns(

@@ -1,7 +1,7 @@
 """Data from anywhere as a file could hold it: texts, numbers, lists and mappings, within bounds."""
 
 from collections.abc import Mapping
-from math import inf, log10, prod
+from math import inf, isfinite, isnan, log10, prod
 from typing import Any
 
 from pydantic import BaseModel
@@ -128,3 +128,18 @@ class _Copy:
         keys = (f"[{key}]" if isinstance(key, int) else f".{shortened(key)}" for key in self.route)
         place = "".join(keys).lstrip(".")
         return LevelError(message=f"`{place}`: {message}" if place else message)
+
+
+def json_mapping(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a mapping with None for nan, and texts for infinities."""
+    return {name: _json_value(value) for name, value in data.items()}
+
+
+def _json_value(value: Any) -> Any:
+    if isinstance(value, dict):
+        return json_mapping(value)
+    if isinstance(value, tuple):
+        return [_json_value(each) for each in value]
+    if not isinstance(value, float) or isfinite(value):
+        return value
+    return None if isnan(value) else "inf" if value > 0 else "-inf"

@@ -11,7 +11,6 @@ import time
 from pathlib import Path
 
 import pytest
-from support.combinations import swept
 from support.packs import pack_text, write_files
 from support.sessions import Result, babyrobot, environment
 
@@ -49,9 +48,13 @@ def test_errors_of_files_are_reported_as_by_validate_and_nothing_is_written() ->
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("jobs", "number"),
-    swept(
-        [("2", signal.SIGINT)], [("1", signal.SIGINT), ("1", signal.SIGTERM), ("2", signal.SIGTERM)]
-    ),
+    [
+        ("2", signal.SIGINT),
+        *(
+            pytest.param(*each, marks=pytest.mark.sweep)
+            for each in (("1", signal.SIGINT), ("1", signal.SIGTERM), ("2", signal.SIGTERM))
+        ),
+    ],
 )
 def test_ctrl_c_leaves_what_was_there(jobs: str, number: int) -> None:
     assert babyrobot("gallery", "maze", "-o", "site").status == 0

@@ -19,6 +19,8 @@ from support.places import DOCS
 from support.plays import record
 from support.sessions import babyrobot
 
+from babyrobot_levels.agents.plays import read_plays
+from babyrobot_levels.agents.policy_tables import policy_table
 from babyrobot_levels.analysis.pictures import MAX_STEPS
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.library.catalogue import load
@@ -26,8 +28,6 @@ from babyrobot_levels.render.gif import Step, to_gif
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.words.rules import rules_of
-from babyrobot_levels.scoring.plays import read_plays
-from babyrobot_levels.scoring.policy_tables import policy_table
 
 CHESTS = load("treasure-chests")
 HEAD = "version: 1\nsize: [3, 1]\n"

@@ -20,11 +20,11 @@ from support.sessions import babyrobot
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import pictures as formats_of_pictures
-from babyrobot_levels.analysis.learning import algorithms
 from babyrobot_levels.extensions.formats.commands import PICTURES
 from babyrobot_levels.extensions.formats.formats import FORMATS, MODELS, written
 from babyrobot_levels.extensions.formats.setups import _PLAYING, KEYWORDS
 from babyrobot_levels.extensions.generate.batch import origin_of
+from babyrobot_levels.extensions.learning import algorithms
 from babyrobot_levels.language.json_schema import SCHEMAS
 from babyrobot_levels.language.metric_names import METRICS
 from babyrobot_levels.language.share_code import DICTIONARY_1

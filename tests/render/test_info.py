@@ -14,7 +14,7 @@ from support.scenes import CORRIDOR, without_legend
 from support.worlds import level
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.learning.algorithms import value_iteration
+from babyrobot_levels.extensions.learning.algorithms import value_iteration
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.states import initial_configuration

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.learning.algorithms import MAX_SWEEPS
 from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+from babyrobot_levels.extensions.learning.algorithms import MAX_SWEEPS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import page_data
 

@@ -4,6 +4,7 @@ from babyrobot_levels.registry.manifest import Command, Extension
 
 EXTENSION = Extension(
     summary="A page for assistants that write levels, and a server of tools for them.",
+    needs=("scoring",),
     commands={
         "mcp": Command(
             "Editors and assistants",

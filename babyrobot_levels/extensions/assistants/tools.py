@@ -30,6 +30,7 @@ from babyrobot_levels.extensions.assistants.results import (
     Solved,
 )
 from babyrobot_levels.extensions.assistants.skill import language_page
+from babyrobot_levels.extensions.scoring.text_world import MOVES, TextWorld
 from babyrobot_levels.language.documents import is_suite, theme_folders
 from babyrobot_levels.language.share_code import decode, is_code
 from babyrobot_levels.library.level import Level, load_source
@@ -39,7 +40,6 @@ from babyrobot_levels.linter.rules import rule
 from babyrobot_levels.linter.runner import is_note
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.render.text import TextPainter
-from babyrobot_levels.scoring.text_world import MOVES, TextWorld
 from babyrobot_levels.suites.checking import formatted
 from babyrobot_levels.suites.suite import load_suite
 from babyrobot_levels.text.diagnostics import Diagnostic

@@ -96,8 +96,8 @@ def gallery(
 
       babyrobot gallery levels --key -o teacher
     """
+    from babyrobot_levels.agents.many import reason
     from babyrobot_levels.extensions.publish.gallery import check_place
-    from babyrobot_levels.scoring.many import reason
 
     if key and no_answers:
         fail("--key and --no-answers cannot be combined", "leave out one of the two")

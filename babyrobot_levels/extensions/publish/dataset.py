@@ -11,6 +11,7 @@ from itertools import count, islice
 from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.agents.sent import Item, received, sent
 from babyrobot_levels.analysis.metrics import Metrics, metrics
 from babyrobot_levels.analysis.pictures import to_png
 from babyrobot_levels.analysis.shown import MAX_SOLVED
@@ -22,7 +23,6 @@ from babyrobot_levels.parallel.executor import Failure
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.templates import as_html, html, static
-from babyrobot_levels.scoring.sent import Item, received, sent
 from babyrobot_levels.suites.suite import Levels, Suite, named_levels
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import emit

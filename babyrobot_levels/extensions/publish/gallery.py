@@ -13,6 +13,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.agents.sent import Item, received, sent
 from babyrobot_levels.analysis import pictures
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.analysis.solver.results import Solution
@@ -31,7 +32,6 @@ from babyrobot_levels.render.raster import reduced, to_png
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import to_svg
-from babyrobot_levels.scoring.sent import Item, received, sent
 from babyrobot_levels.suites.suite import Levels, Suite, folder_named, named_levels
 from babyrobot_levels.text.errors import BabyRobotError, FolderError
 from babyrobot_levels.text.files import (

@@ -13,11 +13,11 @@ from typing import Any
 
 from babyrobot_levels.analysis.endings import ending_of
 from babyrobot_levels.analysis.guides import best_average
-from babyrobot_levels.analysis.learning.algorithms import value_iteration
 from babyrobot_levels.analysis.pictures import dressed, still
 from babyrobot_levels.analysis.shown import Shown as ShownInNotebook
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
+from babyrobot_levels.extensions.learning.algorithms import value_iteration
 from babyrobot_levels.extensions.publish.sheet_pages import INK, Entry, PageStyle, pages_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level

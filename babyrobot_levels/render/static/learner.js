@@ -1,4 +1,4 @@
-// Learning, update by update: the algorithms of `babyrobot_levels.analysis.learning`, with the same numbers.
+// Learning, update by update: the algorithms of `babyrobot_levels.extensions.learning`, with the same numbers.
 
 import { OUTCOME_LENGTH } from "./checks.js";
 import { COMMON } from "./common.js";

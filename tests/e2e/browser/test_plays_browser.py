@@ -11,9 +11,9 @@ from playwright.sync_api import Page
 from support.playground import KEYS, Playground
 
 import babyrobot_levels as brl
+from babyrobot_levels.agents.verify import verify_play
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.render.page import link_fragment, to_html
-from babyrobot_levels.scoring.verify import verify_play
 
 TURN_KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp"]
 

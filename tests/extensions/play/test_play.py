@@ -20,7 +20,7 @@ import pytest
 from support.sessions import environment
 
 import babyrobot_levels as brl
-from babyrobot_levels.scoring.verify import verify_play
+from babyrobot_levels.agents.verify import verify_play
 
 pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
 fcntl = pytest.importorskip("fcntl")

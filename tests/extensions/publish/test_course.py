@@ -96,7 +96,7 @@ def test_the_code_of_students_grades_itself(built: Path) -> None:
     assert lines[1].split(None, 4) == ["wrong", "10", "levels", "0/27", "it is not written yet"]
 
 
-SOLUTION = ROOT / "tests" / "scoring" / "solutions" / "value_iteration.py"
+SOLUTION = ROOT / "tests" / "extensions" / "scoring" / "solutions" / "value_iteration.py"
 
 
 def run(script: Path, folder: Path, **more: str) -> None:

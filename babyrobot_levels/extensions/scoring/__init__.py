@@ -1,0 +1,1 @@
+"""Scores of agents against the exact optimum, and grades of what is handed in."""

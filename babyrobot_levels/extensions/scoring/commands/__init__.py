@@ -1,0 +1,1 @@
+"""`babyrobot score` and `babyrobot replay`."""

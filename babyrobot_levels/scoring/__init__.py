@@ -1,1 +1,0 @@
-"""Scores of agents against the exact optimum of each level."""
