@@ -16,14 +16,6 @@ def east_or_south(position: Any) -> int:
     return 2 if position[0] < 3 else 3
 
 
-@pytest.mark.parametrize("agent", ["random", "uniform", east_or_south, brl.solve("frozen-lake")])
-def test_a_table_earns_what_its_agent_earns(agent: Any) -> None:
-    table = brl.policy_table("frozen-lake", agent)
-    assert table.shape == (4, 4, 5)
-    one, other = (brl.score(["frozen-lake"], each)[0] for each in (agent, table))
-    assert one.expected_return == pytest.approx(other.expected_return)
-
-
 def test_a_table_has_the_axes_of_the_level_and_the_actions() -> None:
     level = brl.load("first-key")
     shape = level.compile().shape

@@ -233,15 +233,6 @@ def test_regret_and_luck_add_up_to_what_a_return_lacks(
         assert found.play.return_ == pytest.approx(optimum - found.regret + found.luck)
 
 
-def test_decisions_are_those_of_text_worlds(tmp_path: Path) -> None:
-    world = brl.TextWorld("frozen-lake")
-    world.reset(seed=3)
-    for direction in ("east", "south", "south", "west", "north", "east"):
-        world.move(direction)
-    found = verify_play(world.play)
-    assert (found.regret, found.luck) == pytest.approx((world.regret, world.luck))
-
-
 def test_a_blunder_is_no_bad_luck_and_a_chosen_start_is_none(tmp_path: Path) -> None:
     level = brl.load({"version": 1, "size": [4, 1], "start": [1, 0]})
     found = played(level, tmp_path / "a", lambda _, step: [4, 2, 2, 2, 2][step])

@@ -65,21 +65,6 @@ def test_costs_times_visits_add_up_to_the_regret(name: str) -> None:
     assert f"regret {rounded(regret)} " in told
 
 
-@pytest.mark.parametrize("name", LEVELS)
-def test_the_regret_is_that_of_scores(name: str) -> None:
-    policy = random_policy(name, 1)
-    (score,) = brl.score([name], policy)
-    limit = f"within {score.within:,} steps" if score.within else "without a limit"
-    assert (
-        agent(name, policy)
-        .told[0]
-        .startswith(
-            f"Return {rounded(score.expected_return)}, optimum {rounded(score.optimum)}: "
-            f"regret {rounded(score.regret)} {limit}"
-        )
-    )
-
-
 def test_a_difference_tells_its_state_actions_and_cost() -> None:
     best = brl.solve("first-key")
     policy = np.array(best.policy)

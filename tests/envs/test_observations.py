@@ -157,8 +157,3 @@ def test_the_page_has_gymnasiums_headings_in_their_order() -> None:
         "Arguments",
         "Version History",
     ]
-
-
-def test_an_option_that_there_is_not_is_refused() -> None:
-    with pytest.raises(TypeError, match="option 'see_trough'; did you mean `see_through`"):
-        brl.score("maze", "random", see_trough=True)

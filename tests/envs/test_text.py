@@ -11,21 +11,6 @@ from support.worlds import level
 import babyrobot_levels as brl
 
 
-@pytest.mark.parametrize("sight", ["map", "view", "words"])
-def test_observations_are_what_worlds_of_text_tell(sight: str) -> None:
-    env: Any = brl.TextObservation(brl.make("ice-vault", actions="all"), sight)
-    world = brl.TextWorld("ice-vault", sight=sight)
-    seen, info = env.reset(seed=4)
-    assert world.reset(seed=4) == f"{info['rules']}\n\n{seen}"
-    for _ in range(30):
-        seen, _, terminated, truncated, _ = env.step(int(brl.Action.EAST))
-        assert seen in env.observation_space
-        told = world.move("east")
-        if terminated or truncated:
-            break
-        assert told.endswith(seen)
-
-
 def test_each_level_of_a_suite_has_its_own_rules() -> None:
     env: Any = brl.TextObservation(gymnasium.make("babyrobot/Suite-v0", suite="text-easy"))
     told = [env.reset(options={"index": number}) for number in range(6)]

@@ -227,18 +227,6 @@ def test_too_little_room_is_said() -> None:
         suite[0]
 
 
-def test_the_command_takes_ranges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    command = "generate --count 4 --size 6x6 --keys 1..2 --coins 2 --detour 4.. -o out"
-    assert run_here(command.split(), environment(tmp_path)).status == 0
-    files = sorted((tmp_path / "out").glob("*.yaml"))
-    assert len(files) == 4
-    for file in files:
-        level = load(file)
-        assert sum(item.picture == "coin" for item in level.items) == 2
-        assert fewest_steps(level) is not None
-
-
 @pytest.mark.parametrize(
     "options",
     [

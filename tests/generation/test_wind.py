@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from support.combinations import swept
-from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.generation import search
@@ -89,12 +87,3 @@ def test_too_much_wind_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     suite = brl.load_suite({**FIELDS, "size": [7, 7], "maze": {}, "wind": 14})
     with pytest.raises(search.UnsatisfiableError, match="a way against the wind"):
         suite[0]
-
-
-def test_the_command_takes_a_range(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    command = "generate --count 4 --size 6x6 --wind 1..2 -o out"
-    assert run_here(command.split(), environment(tmp_path)).status == 0
-    files = sorted((tmp_path / "out").glob("*.yaml"))
-    assert {lines(brl.load(file)) for file in files} <= {1, 2}
-    assert "--wind 1..2" in files[0].read_text("utf-8")

@@ -14,7 +14,6 @@ from support.scenes import CORRIDOR, without_legend
 from support.worlds import level
 
 import babyrobot_levels as brl
-from babyrobot_levels.extensions.learning.algorithms import value_iteration
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.states import initial_configuration
@@ -166,12 +165,12 @@ def test_the_policy_of_a_solution_knows_that_its_actions_are_moves() -> None:
     assert actions[0][2] == (S,)
 
 
-def test_a_sweep_of_learning_stands_for_its_arrays() -> None:
-    *_, sweep = value_iteration(LEVEL)
-    whole = read(values=sweep, policy=sweep)
-    assert whole == read(values=sweep.values, policy=sweep.policy)
-    assert whole.actions is not None
-    assert whole.actions[1] == [(E,), (E,), ()]
+def test_a_result_stands_for_its_arrays() -> None:
+    found = brl.solve(LEVEL)
+    assert read(values=found) == read(values=found.values)
+    actions = read(policy=found).actions
+    assert actions is not None
+    assert actions[1] == [(E,), (E,), ()]
 
 
 # -- texts ---------------------------------------------------------------------------------

@@ -185,11 +185,6 @@ def test_the_command_line_knows_it(course: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.chdir(course.parent)
     for command in ("validate", "lint", "format"):
         assert run_here([command, "course.yaml"], environment(course.parent)).status == 0
-    done = run_here(["generate", "course.yaml", "-o", "out"], environment(course.parent))
-    assert (done.status, done.err.splitlines()[0]) == (
-        2,
-        "error: course lists its levels, so there is nothing to generate",
-    )
 
 
 def test_no_file_is_outside_the_folder_of_the_suite(course: Path) -> None:

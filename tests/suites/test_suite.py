@@ -107,19 +107,6 @@ def test_levels_have_what_the_suite_states(mixed: Suite) -> None:
     assert seen["puddles"] == {0, 1, 2, 3}
 
 
-def test_a_level_is_the_file_that_generate_writes(
-    mixed: Suite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("mixed.yaml").write_text(mixed.to_yaml(), "utf-8")
-    assert run_here(["generate", "mixed.yaml", "-o", "out"], environment(tmp_path)).status == 0
-    for number in (0, 5, 89, 90, 119):
-        folder = "train" if number < 90 else "test"
-        text = Path("out", folder, f"mixed-{number:05}.yaml").read_text("utf-8")
-        assert text.split("\n", 2)[2] == mixed[number].to_yaml()
-        assert "suite mixed, seed 7" in text
-
-
 # -- splits ----------------------------------------------------------------------------------
 
 
@@ -451,12 +438,3 @@ def test_what_is_not_there_is_told() -> None:
         named_levels("empty")
     with pytest.raises(TypeError, match=r"levels are a name, a path, .* not int"):
         named_levels(3)  # type: ignore[arg-type]
-
-
-def test_all_that_take_levels_take_a_folder(folder: Path, tmp_path: Path) -> None:
-    assert [each.name for each in brl.solve_many(folder)] == ["level-3", "level-2"]
-    assert [each.level for each in brl.score(folder, "random")] == ["level-3", "level-2"]
-    assert len(brl.sheet(folder, per_page=1).pages) == 2
-    made = brl.gallery(folder, tmp_path / "site")
-    assert made.title == "week-1"
-    assert [each["name"] for each in made.levels] == ["level-3", "level-2"]

@@ -8,8 +8,6 @@ import pytest
 from support.sessions import babyrobot
 
 import babyrobot_levels as brl
-from babyrobot_levels.extensions.editor.protocol import answer
-from babyrobot_levels.extensions.editor.session import Session
 
 SENTENCE = "rewards of up to 1e+308 are too large to add up; use at most 1e+140"
 
@@ -46,13 +44,6 @@ def test_show_and_lint_go_on() -> None:
     shown = babyrobot("show", "level.yaml", status=0).out
     assert f"best_return:   none: {SENTENCE}\n" in shown
     assert f"level.yaml:4:10: warning BR504: {SENTENCE}\n" in babyrobot("lint", "level.yaml").out
-
-
-def test_the_editor_says_so_and_copies_a_link() -> None:
-    session = Session(LEVEL)
-    told = answer(session, {"id": 1, "do": "answers", "revision": session.revision})
-    assert told["state"]["answers"]["reason"] == SENTENCE
-    assert answer(session, {"id": 2, "do": "copy", "form": "link"})["copy"].startswith("#")
 
 
 @pytest.mark.parametrize(

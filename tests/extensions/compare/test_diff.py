@@ -416,3 +416,12 @@ def test_names_that_the_program_gives_too_are_kept_apart() -> None:
         for name in ("exit", "key")
     )
     assert (found.count, found.total) == (usual.count, usual.total)
+
+
+def test_a_share_code_is_a_level_and_facts_change_nothing_else() -> None:
+    level = brl.load("maze")
+    assert brl.diff(level, level.share_code()).same_game
+    bare = brl.Level(version=1)
+    difference = brl.diff(bare, bare.replace(expect={"path_length": 4.0}))
+    assert difference.same_game
+    assert [change.name for change in difference.beside] == ["expect"]

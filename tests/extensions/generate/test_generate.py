@@ -109,3 +109,44 @@ def test_processes_are_not_sent_what_is_excluded() -> None:
     heads = [pickle.loads(each).text(0, 0, level) for each in sent]
     assert [origin_of(head) for head in heads] == [(few.mark, 0, 0), (many.mark, 0, 0)]
     assert few.mark != many.mark
+
+
+MIXED: dict[str, Any] = {
+    "version": 1,
+    "kind": "suite",
+    "name": "mixed",
+    "seed": 7,
+    "count": 120,
+    "size": {"min": [4, 4], "max": [7, 6]},
+    "maze": {"algorithm": ["wilson", "depth-first"], "loops": {"max": 0.4}},
+    "puddles": {"max": 3},
+    "exit": "random",
+    "rewards": {"exit": 10},
+    "discount": 0.9,
+    "max_steps": 99,
+    "theme": "green",
+    "splits": {"train": 0.75, "test": 0.25},
+}
+
+
+def test_a_level_of_a_suite_is_the_file_that_generate_writes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mixed = brl.load_suite(MIXED)
+    Path("mixed.yaml").write_text(mixed.to_yaml(), "utf-8")
+    assert run_here(["generate", "mixed.yaml", "-o", "out"], environment(tmp_path)).status == 0
+    for number in (0, 5, 89, 90, 119):
+        folder = "train" if number < 90 else "test"
+        text = Path("out", folder, f"mixed-{number:05}.yaml").read_text("utf-8")
+        assert text.split("\n", 2)[2] == mixed[number].to_yaml()
+        assert "suite mixed, seed 7" in text
+
+
+def test_a_suite_that_lists_its_levels_has_nothing_to_generate(here: Path) -> None:
+    Path("course.yaml").write_text("version: 1\nkind: suite\nlevels: [maze]\n", "utf-8")
+    done = run_here(["generate", "course.yaml", "-o", "out"], environment(here))
+    assert (done.status, done.err.splitlines()[0]) == (
+        2,
+        "error: course lists its levels, so there is nothing to generate",
+    )

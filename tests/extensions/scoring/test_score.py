@@ -296,3 +296,20 @@ def test_more_needs_an_agent_without_memory_and_a_share() -> None:
         brl.score("maze", Forgetful(), cvar=0.1)
     with pytest.raises(ValueError, match=r"^cvar must be above 0 and at most 1, not 5$"):
         brl.score("maze", "random", cvar=5)
+
+
+def test_an_option_that_there_is_not_is_refused() -> None:
+    with pytest.raises(TypeError, match="option 'see_trough'; did you mean `see_through`"):
+        brl.score("maze", "random", see_trough=True)
+
+
+def east_or_south(position: Any) -> int:
+    return 2 if position[0] < 3 else 3
+
+
+@pytest.mark.parametrize("agent", ["random", "uniform", east_or_south, brl.solve("frozen-lake")])
+def test_a_table_earns_what_its_agent_earns(agent: Any) -> None:
+    table = brl.policy_table("frozen-lake", agent)
+    assert table.shape == (4, 4, 5)
+    one, other = (brl.score(["frozen-lake"], each)[0] for each in (agent, table))
+    assert one.expected_return == pytest.approx(other.expected_return)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import random
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ from support.things import thing_worlds
 from support.worlds import level, level_of, worlds
 
 import babyrobot_levels as brl
+from babyrobot_levels.agents.verify import verify_play
 from babyrobot_levels.analysis.solver.results import action_names
 
 WET = {
@@ -217,3 +219,27 @@ def test_blunders_are_told_by_their_share_of_what_there_is_to_win() -> None:
         strict, lenient = lenient, world.blunders
     assert strict > lenient
     assert strict == sum(move.advantage < 0 for move in world.moves)
+
+
+@pytest.mark.parametrize("sight", ["map", "view", "words"])
+def test_observations_are_what_worlds_of_text_tell(sight: str) -> None:
+    env: Any = brl.TextObservation(brl.make("ice-vault", actions="all"), sight)
+    world = brl.TextWorld("ice-vault", sight=sight)
+    seen, info = env.reset(seed=4)
+    assert world.reset(seed=4) == f"{info['rules']}\n\n{seen}"
+    for _ in range(30):
+        seen, _, terminated, truncated, _ = env.step(int(brl.Action.EAST))
+        assert seen in env.observation_space
+        told = world.move("east")
+        if terminated or truncated:
+            break
+        assert told.endswith(seen)
+
+
+def test_decisions_are_those_of_text_worlds(tmp_path: Path) -> None:
+    world = brl.TextWorld("frozen-lake")
+    world.reset(seed=3)
+    for direction in ("east", "south", "south", "west", "north", "east"):
+        world.move(direction)
+    found = verify_play(world.play)
+    assert (found.regret, found.luck) == pytest.approx((world.regret, world.luck))
