@@ -33,6 +33,25 @@ ResetSeedOption = Annotated[
     int | None,
     value_option("N", "Seed of the reset of an environment of MiniGrid.  [default: 0]", min=0),
 ]
+SightOption = Annotated[
+    str | None,
+    value_option(
+        "NAMES",
+        "What the agent observes, such as `view`, if it does not see everything: the names of "
+        "observations, with commas, or `text-map`, `text-view`, `text-words`.",
+        "--sight",
+    ),
+]
+ViewRadiusOption = Annotated[
+    int | None,
+    value_option("N", "How many cells the sight `view` shows in each direction.", min=1, max=15),
+]
+
+
+def sight_options(sight: str, view_radius: int | None) -> dict[str, Any]:
+    """Return what --sight and --view-radius say, as `brl.solve` takes it."""
+    names = tuple(sight.split(",")) if "," in sight else sight
+    return {"sight": names, **({} if view_radius is None else {"view_radius": view_radius})}
 
 
 def check_name(name: str) -> None:

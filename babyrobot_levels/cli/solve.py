@@ -21,7 +21,15 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.inputs import LevelsArgument, SplitOption, configuration_of, load_level
+from babyrobot_levels.cli.inputs import (
+    LevelsArgument,
+    SightOption,
+    SplitOption,
+    ViewRadiusOption,
+    configuration_of,
+    load_level,
+    sight_options,
+)
 from babyrobot_levels.cli.many import (
     Columns,
     KeepGoingOption,
@@ -100,6 +108,21 @@ def solve(
             "Needs the extra `exact`.",
         ),
     ] = False,
+    sight: SightOption = None,
+    view_radius: ViewRadiusOption = None,
+    gap: Annotated[
+        float | None,
+        value_option(
+            "SHARE",
+            "With --sight: stop when the bounds differ by no more than this share of the optimum, "
+            "or of 1, such as 0.05.  [default: 0]",
+            min=0.0,
+        ),
+    ] = None,
+    beliefs: Annotated[
+        int | None,
+        value_option("N", "With --sight: explore at most N beliefs.  [default: 100,000]", min=1),
+    ] = None,
     split: SplitOption = None,
     report_format: TableOption = TableFormat.TEXT,
     output: RowsOption = None,
@@ -118,6 +141,9 @@ def solve(
     robot that turns, policy and values are those of the heading at the start: L left, R right, F
     forward. JSON has all headings, and all configurations of things.
 
+    With --sight, the answer is what the best agent can expect that observes only this, remembers
+    it, and knows the rules: exactly, or between two bounds.
+
     Several levels, folders, packs and suites give a row for each level, without policies and
     values; with --format json, a line of JSON. Rows do not depend on --jobs. The exit
     status is 1 if a level has an error.
@@ -134,6 +160,8 @@ def solve(
 
       babyrobot solve russell-norvig-4x3 --exact
 
+      babyrobot solve shell-game --sight view --view-radius 1
+
       babyrobot solve final-maze frozen-lake
 
       babyrobot solve classics -o optimal.jsonl --jobs 4
@@ -142,10 +170,24 @@ def solve(
         split, report_format, output, resume, force, keep_going, Workers(jobs, ray, ray_address)
     )
     many = levels_for_rows(levels, options)
+    search = {"--view-radius": view_radius, "--gap": gap, "--beliefs": beliefs}
+    if sight is None:
+        for name, value in search.items():
+            if value is not None:
+                fail(f"{name} is for --sight", "add --sight view, for example")
+    elif many is None:
+        if held is not None or exact:
+            fail("--held and --exact are for one who sees everything", "leave out --sight, or them")
+        how = {"discount": discount, "actions": str(actions)}
+        how |= {key: value for key, value in {"gap": gap, "beliefs": beliefs}.items() if value}
+        how |= sight_options(sight, view_radius)
+        _solve_sight(levels[0], within, report_format, how)
+        return
     if many is None:
         _solve_one(levels[0], discount, actions, within, held, report_format, exact)
         return
-    for name, given in {"--held": held is not None, "--exact": exact}.items():
+    only = {"--held": held is not None, "--exact": exact, "--sight": sight is not None}
+    for name, given in only.items():
         if given:
             fail(f"{name} is for one level")
     _check_discount(discount)
@@ -174,6 +216,80 @@ def _check_discount(discount: float | None) -> None:
         fail(f"--discount must be above 0 and at most 1, not {discount:g}")
 
 
+def _loaded(level: str, discount: float | None) -> brl.Level:
+    """Return the level that is solved; end the command if it cannot be."""
+    loaded = load_level(level)
+    _check_discount(discount)
+    if loaded.has_random_maze:
+        fail(
+            "the maze of this level is random",
+            "choose one first: babyrobot resolve LEVEL --maze-seed 0 | babyrobot solve -",
+        )
+    return loaded
+
+
+def _solve_sight(
+    level: str, within: str | None, report_format: TableFormat, how: dict[str, Any]
+) -> None:
+    """Write what the best agent with a sight can expect of one level."""
+    loaded = _loaded(level, how["discount"])
+    limit = _limit(within, loaded)
+    most = how.get("beliefs", 0)
+    with working("solving") as report:
+
+        def progress(explored: int, lower: float, upper: float) -> None:
+            report(explored, max(most, explored))
+
+        try:
+            found = brl.solve(loaded, within=limit, progress=progress, **how)
+        except (brl.UndefinedReturnError, brl.EpisodeTooLongError) as error:
+            fail(str(error))
+        except brl.BabyRobotError:
+            raise
+        except (ValueError, TypeError) as error:
+            fail(str(error))
+    if report_format is TableFormat.JSON:
+        rules = {"discount": how["discount"] or loaded.discount, "actions": how["actions"]}
+        write_json(_sight_data(loaded, found) | rules)
+        return
+    if not found.is_exact and found.gap > how.get("gap", 0):
+        note("the bounds may come closer with more --beliefs, or with --no-limit")
+    write(_sight_summary(loaded, found))
+
+
+def _sight_data(level: brl.Level, found: Any) -> dict[str, Any]:
+    """Return for JSON what is known of the optimum of a sight."""
+    bounds = "lower", "upper", "full", "gap"
+    return {
+        "name": level.name,
+        "digest": level.digest,
+        "sight": found.sight,
+        "within": found.within,
+        **{name: _number(getattr(found, name)) for name in bounds},
+        "cost": [*map(_number, found.cost)],
+        "is_exact": found.is_exact,
+        "beliefs": found.beliefs,
+    }
+
+
+def _sight_summary(level: brl.Level, found: Any) -> str:
+    from babyrobot_levels.render.words.phrases import with_limit
+
+    def told(lower: float, upper: float) -> str:
+        return f"{lower:.6g}" if found.is_exact else f"{lower:.6g} to {upper:.6g}"
+
+    more = "exact" if found.is_exact else f"bounds, {100 * found.gap:.3g} % apart"
+    best = f"{told(found.lower, found.upper)} ({more})"
+    facts = {
+        "sight": found.sight,
+        "expected return": with_limit(best, found.within, level.max_steps),
+        "with full sight": f"{found.full:.6g}",
+        "cost of the sight": told(*found.cost),
+        "beliefs": f"{found.beliefs:,} explored",
+    }
+    return fact_lines(facts)
+
+
 def _solve_one(
     level: str,
     discount: float | None,
@@ -186,13 +302,7 @@ def _solve_one(
     """Write the solution of one level."""
     from babyrobot_levels.analysis.endings import ending_of
 
-    loaded = load_level(level)
-    _check_discount(discount)
-    if loaded.has_random_maze:
-        fail(
-            "the maze of this level is random",
-            "choose one first: babyrobot resolve LEVEL --maze-seed 0 | babyrobot solve -",
-        )
+    loaded = _loaded(level, discount)
     configuration = None if held is None else configuration_of(loaded, held)
     limit = _limit(within, loaded)
     if exact and limit is not None:

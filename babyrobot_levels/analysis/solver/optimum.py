@@ -7,6 +7,7 @@ end cannot be reached with probability one, costs are infinite. Policy iteration
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal, overload
@@ -43,6 +44,8 @@ from babyrobot_levels.analysis.solver.results import (
 from babyrobot_levels.analysis.solver.within import solve_within
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.registry.own import own
+from babyrobot_levels.text.words import unexpected
 
 TOLERANCE = 1e-9
 """Actions whose values differ by no more than this share of the optimal one are all greedy."""
@@ -68,6 +71,18 @@ def solve(
 ) -> ExactSolution: ...
 
 
+@overload
+def solve(
+    level: Any,
+    discount: float | None = ...,
+    *,
+    actions: str = ...,
+    within: int | str | None = ...,
+    sight: str | Sequence[str] | Callable[..., Any],
+    **options: Any,
+) -> Any: ...
+
+
 def solve(
     level: Any,
     discount: float | None = None,
@@ -75,7 +90,9 @@ def solve(
     actions: str = "all",
     within: int | str | None = None,
     exact: bool = False,
-) -> Solution | ExactSolution:
+    sight: str | Sequence[str] | Callable[..., Any] | None = None,
+    **options: Any,
+) -> Solution | ExactSolution | Any:
     """Return the optimal values of a level and an optimal policy, exactly.
 
     Without a discount the return is the total reward. It is inf from where the robot can reach,
@@ -96,6 +113,11 @@ def solve(
             level's own limit; None for no limit.
         exact: whether to compute over the rationals, with the extra `exact`: an `ExactSolution`,
             whose values are fractions. For levels of up to 3,000 states, without a limit of steps.
+        sight: what the agent observes, such as `"view"`, if it does not see everything: returns a
+            `SightSolution`, the best that any agent with this sight and its memory can expect. The
+            level may then be several, or a suite: the agent does not know in which it is.
+        options: with a sight, the other arguments of
+            `babyrobot_levels.extensions.sight.solve_sight`: `view_radius`, `gap`, `beliefs`, …
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -108,6 +130,14 @@ def solve(
             end; or the limit is so large that this takes too long, or the policy is too large.
         NotExactError: there are too many states or digits for exact values, or no python-flint.
     """
+    if sight is not None:
+        if exact:
+            raise ValueError("exact values are those of full sight; leave `sight` or `exact` out")
+        how = {"discount": discount, "actions": actions, "within": within}
+        return own("solve_sight")(level, sight, **how, **options)
+    for name in options:
+        known = "discount", "actions", "within", "exact", "sight"
+        raise TypeError(unexpected("solve", name, known))
     level = world_of(level)
     discount = check_discount(discount, level.discount)
     space, limit = space_of(level, actions), check_within(within, level.max_steps)

@@ -21,6 +21,7 @@ from babyrobot_levels.extensions.sight.sights import Sensor, sight_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.suite import Suite, named_levels
+from babyrobot_levels.text import budget
 
 MOST_BELIEFS = 100_000
 """So many beliefs are explored unless another number is asked for."""
@@ -146,7 +147,8 @@ def solve_sight(
 
     The result has two bounds. They are equal where all beliefs that the agent can come to are
     explored, or enough of them. Else they are closer the more beliefs are explored. Nothing depends
-    on time but where `seconds` is given.
+    on time but where `seconds` is given. Within a budget of work, as commands have it, the search
+    ends with what is left of it.
 
     Args:
         levels: a level, several, a folder, a pack or a suite: names, paths, mappings, `Level`s.
@@ -211,9 +213,22 @@ def _run(
             progress(explored, found.lower, found.upper)
         late = deadline is not None and time.monotonic() >= deadline
         closed = search.is_closed or _gap(found.lower, found.upper) <= max(gap, EXACT / 10)
-        if late or closed or explored >= beliefs or search.is_full:
+        work = _work(search)
+        room = min(beliefs, budget.left() / work - explored) - explored
+        if late or closed or room < 1 or search.is_full:
             return
-        search.advance(min(max(FIRST_ROUND, explored), beliefs - explored), deadline)
+        more = int(min(max(FIRST_ROUND, explored), room))
+        budget.spend(work * (explored + more))
+        # What is spent already is for all of the round, which is not left halfway.
+        with budget.within(budget.UNLIMITED):
+            search.advance(more, deadline)
+
+
+def _work(search: Search) -> float:
+    """Return about how many steps of work a round takes for each belief that is then explored."""
+    graph = search.graph
+    states = graph.numbers / len(graph)
+    return 50_000 + 2_000 * states + 100 * search.model.num_actions * (search.within or 0)
 
 
 def _members(

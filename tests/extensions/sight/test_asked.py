@@ -1,0 +1,111 @@
+"""What earlier rooms ask of the optimum of a sight: by name, in Python and at the command line."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from extensions.sight import cassandra
+
+import babyrobot_levels as brl
+from babyrobot_levels.convert.formats import PARTIAL
+from babyrobot_levels.extensions.sight.solve import SightSolution, solve_sight
+from babyrobot_levels.extensions.sight.writers import WRITERS
+from babyrobot_levels.registry.entries import resolve
+from babyrobot_levels.registry.own import PLACES
+from babyrobot_levels.text.budget import COMMAND, OverBudgetError, within
+
+
+def test_solve_with_a_sight_is_the_optimum_of_the_sight() -> None:
+    how: Any = {"view_radius": 1, "within": "max_steps", "actions": "moves", "discount": 0.9}
+    found = brl.solve("shell-game", sight="view", **how)
+    assert isinstance(found, SightSolution)
+    wanted = solve_sight("shell-game", "view", **how)
+    assert (found.lower, found.upper, found.within) == (wanted.lower, wanted.upper, 200)
+    assert brl.load("shell-game").solve(sight="view", view_radius=1).upper == pytest.approx(-6)
+
+
+def test_one_of_several_levels_can_be_solved() -> None:
+    levels = "frozen-lake", "shell-game"
+    assert brl.solve(levels, sight="position").full == pytest.approx(
+        sum(brl.solve(level).expected_return for level in levels) / 2
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"view_radius": 1}, "unexpected keyword argument 'view_radius'"),
+        ({"sigth": "view"}, "did you mean `sight`"),
+        ({"sight": "view", "radius": 1}, "'radius'"),
+    ],
+)
+def test_options_that_there_are_not_are_refused(given: dict[str, object], message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        brl.solve("shell-game", **given)  # type: ignore[call-overload]
+
+
+def test_exact_values_are_those_of_full_sight() -> None:
+    with pytest.raises(ValueError, match="full sight"):
+        brl.solve("shell-game", sight="view", exact=True)
+
+
+def test_within_a_budget_the_search_ends_with_two_bounds() -> None:
+    with within(replace(COMMAND, steps=100_000_000)):
+        found = brl.solve("small-corridor", sight="view")
+    assert 100 < found.beliefs < 2_000
+    assert found.lower < found.upper
+    assert found.beliefs == brl.solve("small-corridor", sight="view", beliefs=found.beliefs).beliefs
+    with within(replace(COMMAND, steps=1_000)), pytest.raises(OverBudgetError):
+        brl.solve("small-corridor", sight="view")
+
+
+@pytest.mark.parametrize("to", ["pomdp", "pomdp-prism", "pomdp-drn"])
+def test_an_export_is_the_process_that_is_solved(to: str) -> None:
+    level = brl.load("shell-game")
+    conversion = brl.export(level, to, sight="view", view_radius=1)
+    model = solve_sight(level, "view", view_radius=1, beliefs=1).model
+    assert conversion.text.endswith(WRITERS[to](model))
+    about = conversion.text.removesuffix(WRITERS[to](model)).splitlines()
+    assert about[0].lstrip("#/ ") == level.title
+    assert str(level.license) in about[-2]
+    told = {lost.field for lost in conversion.warnings}
+    assert told == {"tags", "expect", "max_steps"} | ({"start"} if to != "pomdp" else set())
+
+
+def test_an_exported_process_is_read_with_the_same_value() -> None:
+    level = brl.load("shell-game").replace(discount=0.5)
+    text = brl.export(level, "pomdp", sight="view", view_radius=1).text
+    found = brl.solve(level, sight="view", view_radius=1, within=6)
+    assert cassandra.read(text).within(6) == pytest.approx(found.upper, abs=1e-9)
+
+
+def test_what_draws_a_start_and_discounts_are_told() -> None:
+    level = {"version": 1, "size": [3, 1], "start": [[0, 0], [1, 0]], "discount": 0.9}
+    found = {to: brl.export(level, to, sight="position").warnings for to in PARTIAL}
+    told = {to: {lost.field: lost.message for lost in lost} for to, lost in found.items()}
+    assert all("and a discount counts it" in each["start"] for each in told.values())
+    assert ["discount" in each for each in told.values()] == [False, True, True]
+
+
+def test_other_formats_hold_no_sight() -> None:
+    with pytest.raises(TypeError, match="prism holds no sight"):
+        brl.export("frozen-lake", "prism", sight="view")
+
+
+def test_all_places_of_own_extensions_can_be_imported() -> None:
+    for place in PLACES.values():
+        assert place.startswith("babyrobot_levels.extensions.")
+        assert callable(resolve(place))
+
+
+def test_who_gives_no_sight_loads_nothing_of_it() -> None:
+    code = (
+        "import sys, babyrobot_levels as brl; brl.solve('frozen-lake');"
+        "print([name for name in sys.modules if name.startswith('babyrobot_levels.extensions')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
