@@ -25,9 +25,12 @@ from babyrobot_levels.cli.inputs import (
     LevelArgument,
     MazeSeedOption,
     ResetSeedOption,
+    SightOption,
+    ViewRadiusOption,
     check_name,
     json_mapping,
     load_level,
+    sight_options,
     with_seed,
 )
 from babyrobot_levels.cli.parallel import working
@@ -37,12 +40,14 @@ from babyrobot_levels.extensions.formats import formats
 from babyrobot_levels.extensions.formats.formats import (
     FORMATS,
     MODELS,
+    PARTIAL,
     UnknownFormatError,
     format_of,
     is_environment,
     world_of_id,
 )
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import schema_for
 from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import listed
@@ -258,12 +263,15 @@ def export_level(
     ] = None,
     output: OutputOption = None,
     maze_seed: MazeSeedOption = None,
+    sight: SightOption = None,
+    view_radius: ViewRadiusOption = None,
     strict: StrictOption = False,
     force: ForceOption = False,
 ) -> None:
     """Convert a level to the format of another program or of a model checker, or to a picture.
 
-    What the format cannot express is reported on standard error, by the names of the fields.
+    What the format cannot express is reported on standard error, by the names of the fields. The
+    formats of POMDPs hold what an agent observes: --sight, by default `view`.
 
     Examples:
 
@@ -274,8 +282,13 @@ def export_level(
       babyrobot export random-maze --maze-seed 7 --to sokoban
 
       babyrobot export final-maze -o final-maze.prism
+
+      babyrobot export shell-game --sight view --view-radius 1 -o shell-game.pomdp
     """
     chosen = to or _by_suffix(output)
+    if chosen not in PARTIAL and (sight or view_radius):
+        fail(f"--sight and --view-radius are for {listed([*PARTIAL])}, not for {chosen}")
+    seen = sight_options(sight or "view", view_radius) if chosen in PARTIAL else {}
     loaded = with_seed(load_level(level), maze_seed)
     made: str | bytes
     beside: Mapping[str, bytes] = {}
@@ -284,9 +297,13 @@ def export_level(
             made = picture(loaded, chosen, {}, report)
     else:
         try:
-            conversion = formats.converted(loaded, chosen)
+            conversion = formats.converted(loaded, chosen, **seen)
         except ImportError as error:
             fail(*str(error).split(": ", 1))
+        except BabyRobotError:
+            raise
+        except (ValueError, TypeError) as error:
+            fail(str(error))
         report_losses(conversion.warnings, strict=strict)
         made, beside = conversion.content, conversion.beside
     for name, data in beside.items():

@@ -26,6 +26,7 @@ from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.registry.entries import Entries
+from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import SUFFIXES as SUFFIXES_OF_LEVELS
@@ -124,12 +125,19 @@ def _umb(level: Level) -> Conversion:
     return write_umb(level)
 
 
-MODELS: Mapping[str, Callable[[Level], Conversion]] = {"prism": _prism, "umb": _umb}
-"""What writes levels for model checkers, by the format, which is the suffix of the file as well."""
+def _pomdp(name: str) -> Callable[..., Conversion]:
+    return lambda level, **seen: own("export_sight")(level, name, **seen)
+
+
+PARTIAL = {name: _pomdp(name) for name in ("pomdp", "pomdp-prism", "pomdp-drn")}
+"""What writes levels with a sight, for solvers of partially observable processes."""
+
+MODELS: Mapping[str, Callable[..., Conversion]] = {"prism": _prism, "umb": _umb, **PARTIAL}
+"""What writes levels for model checkers and for solvers of processes, by the format."""
 
 SUFFIXES = {
     **{suffix: name for name, each in _OWN.items() for suffix in each.written_suffixes},
-    **{f".{name}": name for name in MODELS},
+    **{f".{name}": name for name in ("prism", "umb", "pomdp")},
 }
 """The formats of files that levels are written to, by their suffixes."""
 
@@ -384,12 +392,13 @@ def export(
     *,
     maze_seed: int | None = None,
     force: bool = False,
+    **seen: Any,
 ) -> Conversion:
     """Return a level in the format of another program, as `babyrobot export` writes it.
 
     The warnings list everything that the format cannot hold. The result is read again (but that of
-    model checkers) and its tables are compared with those of the level, in which what warnings name
-    is as in the result: a difference is a warning too.
+    model checkers and solvers) and its tables are compared with those of the level, in which what
+    warnings name is as in the result: a difference is a warning too.
 
     Args:
         level: a name, a path, a share code, a mapping, or a level.
@@ -397,16 +406,20 @@ def export(
         path: a file to write it to, and beside it what belongs to it.
         maze_seed: the seed of the maze of a level with a random maze.
         force: whether to replace existing files.
+        seen: for the formats `pomdp`, `pomdp-prism` and `pomdp-drn`: `sight`, what the agent
+            observes, by default `"view"`, and the options of the observation, such as
+            `view_radius`.
 
     Raises:
         LevelNotFoundError: nothing has that name.
         LevelError: the level is not valid, or its maze has no seed yet (`seed: random`).
-        ValueError: there is no such format.
+        ValueError: there is no such format, or no such sight.
+        TypeError: there is no such option.
         ImportError: the format needs an extra that is not installed.
         FileExistsError: there is a file, and `force` is not given.
     """
     found = load(level) if maze_seed is None else load(level).with_maze_seed(maze_seed)
-    conversion = converted(found, format or _by_suffix(path))
+    conversion = converted(found, format or _by_suffix(path), **seen)
     if path is not None:
         for beside, data in conversion.beside.items():
             write_new(Path(path).parent / beside, data, force=force)
@@ -422,10 +435,14 @@ def _by_suffix(path: str | os.PathLike[str] | None) -> str:
     return name
 
 
-def converted(level: Level, name: str) -> Conversion:
+def converted(level: Level, name: str, **seen: Any) -> Conversion:
     """Return a level in a format by its name; see `export`."""
     if not is_written(name):
         raise ValueError(no_format(name, written()))
+    if name in PARTIAL:
+        return PARTIAL[name](level, **seen)
+    for each in seen:
+        raise TypeError(f"unexpected option {each!r}: {name} holds no sight")
     if name in MODELS:
         return MODELS[name](level)
     conversion = FORMATS[name].write(level)

@@ -217,5 +217,9 @@ def _drn(table: _Table) -> Iterator[str]:
 
 Writer = Callable[[PartialModel], str]
 
-WRITERS: dict[str, Writer] = {"pomdp": write_pomdp, "prism": write_prism, "drn": write_drn}
-"""What writes each format."""
+WRITERS: dict[str, Writer] = {
+    "pomdp": write_pomdp,
+    "pomdp-prism": write_prism,
+    "pomdp-drn": write_drn,
+}
+"""What writes each format, by its name for `babyrobot export`."""
