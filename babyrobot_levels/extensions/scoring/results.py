@@ -39,6 +39,16 @@ MAX_BARS = 100
 """The most levels in a picture."""
 
 
+def share(earned: float, chance: float, optimum: float) -> float:
+    """Return how much of the way from the random policy to an optimum a return covers.
+
+    It is nan where the random policy is optimal.
+    """
+    way = optimum - chance
+    scale = max(1.0, abs(optimum), abs(chance) if math.isfinite(chance) else 1.0)
+    return math.nan if way <= 1e-9 * scale else 1.0 - (optimum - earned) / way
+
+
 @dataclass(frozen=True, slots=True)
 class LevelScore(Telling, public=True):
     """The score of an agent in one level.
@@ -66,6 +76,9 @@ class LevelScore(Telling, public=True):
         positive_advantage: if asked for, the mean of the advantages Q(s, a) - V(s) of the agent's
             steps, those below 0 counted as 0, with its own exact action values and values.
         cvar: if asked for, the mean of its returns in the worst share of episodes.
+        knowable: if asked for, the best expected return of any agent that observes what this one
+            does, remembers it, and knows the level's rules; an upper bound of it where it is not
+            found exactly.
     """
 
     level: str
@@ -85,6 +98,17 @@ class LevelScore(Telling, public=True):
     invalid: float = 0.0
     positive_advantage: float | None = None
     cvar: float | None = None
+    knowable: float | None = None
+
+    @property
+    def knowable_share(self) -> float | None:
+        """As `share`, of the way from the random policy to `knowable`; None if not asked for.
+
+        It is nan where one who observes this cannot do better than the random policy.
+        """
+        if self.knowable is None:
+            return None
+        return share(self.expected_return, self.random, self.knowable)
 
     @property
     def learnability(self) -> float:

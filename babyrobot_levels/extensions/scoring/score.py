@@ -25,7 +25,7 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.extensions.scoring.conversations import converse
-from babyrobot_levels.extensions.scoring.results import LevelScore, Played, Scores, extremes
+from babyrobot_levels.extensions.scoring.results import LevelScore, Played, Scores, extremes, share
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
@@ -62,6 +62,7 @@ def score(
     record: str | os.PathLike[str] | None = None,
     positive_advantage: bool = False,
     cvar: float | None = None,
+    knowable: bool = False,
     **options: Any,
 ) -> Scores:
     """Return the scores of an agent: its expected return in each level, beside the best one.
@@ -109,6 +110,9 @@ def score(
         cvar: the share of the worst episodes, such as 0.1, of which to find the mean return, of an
             agent without memory; exact where `brl.return_distribution` is, else that of 10,000
             simulated episodes; this can take a second for each level.
+        knowable: whether to find the best that can be expected of any agent that observes what this
+            one does, of an agent that observes, reads or has a memory; this can take seconds for
+            each level.
         options: the other options of the observation.
 
     Raises:
@@ -147,6 +151,8 @@ def score(
         raise ValueError("positive_advantage and cvar are for agents without memory: tables")
     if cvar is not None and not 0 < cvar <= 1:
         raise ValueError(f"cvar must be above 0 and at most 1, not {cvar!r}")
+    if knowable and isinstance(taken, Table):
+        raise ValueError("knowable is for agents that observe: this one is a table of all states")
     best = _best(problems)
     chance = _worth(
         problems, [weights_by_step("random", each.space, each.limit) for each in problems]
@@ -166,6 +172,11 @@ def score(
     ]
     for number, policy in enumerate(policies):
         rows[number] = _with_more(rows[number], problems[number], policy, positive_advantage, cvar)
+    if knowable:
+        seen: dict[str, Any] = {"sight": observation, **options}
+        if sight is not None:
+            seen = {"sight": f"text-{sight}"}
+        rows = [_known(row, each, seen) for row, each in zip(rows, problems, strict=True)]
     scores = Scores(rows, played)
     if scores.notice is not None and sight is None:
         warn(scores.notice)
@@ -253,6 +264,23 @@ def _with_more(
         returns = distribution_of(space, policy, discount, limit or MAX_STEPS)
         row = replace(row, cvar=returns.cvar(cvar))
     return row
+
+
+MOST_BELIEFS = 10_000
+"""So many beliefs are explored for what can be known of a level."""
+
+
+def _known(row: LevelScore, problem: _Problem, seen: dict[str, Any]) -> LevelScore:
+    """Return a row with what can be expected at most of an agent that observes something."""
+    found = solve(
+        problem.level,
+        problem.discount,
+        actions=problem.space.actions,
+        within=problem.limit,
+        beliefs=MOST_BELIEFS,
+        **seen,
+    )
+    return replace(row, knowable=found.upper)
 
 
 def _arguments(
@@ -384,9 +412,6 @@ def _row(
 ) -> LevelScore:
     earned, optimum = float(worth.returns[number]), float(best[number])
     by_chance = float(chance.returns[number])
-    way = optimum - by_chance
-    scale = max(1.0, abs(optimum), abs(by_chance) if math.isfinite(by_chance) else 1.0)
-    share = math.nan if way <= 1e-9 * scale else 1.0 - (optimum - earned) / way
     low, high = (earned, earned) if played is None else played.interval()
     return LevelScore(
         level=problem.level.name or problem.level.digest,
@@ -394,7 +419,7 @@ def _row(
         expected_return=earned,
         optimum=optimum,
         random=by_chance,
-        share=share,
+        share=share(earned, by_chance, optimum),
         regret=optimum - earned,
         success=float(worth.success[number]),
         steps=float(worth.steps[number]),

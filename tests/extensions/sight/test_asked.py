@@ -96,6 +96,44 @@ def test_other_formats_hold_no_sight() -> None:
         brl.export("frozen-lake", "prism", sight="view")
 
 
+def test_a_score_says_what_can_be_known() -> None:
+    options: Any = {"observation": "view", "view_radius": 1, "actions": "moves", "discount": 0.99}
+    seen: Any = {"sight": "view", "view_radius": 1, "actions": "moves", "discount": 0.99}
+    best = brl.solve("shell-game", within=40, **seen)
+    (row,) = brl.score(
+        "shell-game", best.policy(), within=40, episodes=200, knowable=True, **options
+    )
+    assert row.knowable == best.upper < row.optimum
+    assert row.knowable_share is not None
+    assert row.share < row.knowable_share == pytest.approx(1, abs=0.03)
+    assert brl.Scores([row]).to_dict()["levels"][0]["knowable"] == best.upper
+
+
+def test_a_score_does_not_say_what_it_is_not_asked_for() -> None:
+    (row,) = brl.score("frozen-lake", lambda place: 1)
+    assert row.knowable is None
+    assert row.knowable_share is None
+
+
+def test_who_sees_where_it_is_can_know_all_of_a_lake() -> None:
+    (row,) = brl.score("frozen-lake", lambda place: 1, knowable=True)
+    assert row.knowable == pytest.approx(row.optimum)
+    assert row.knowable_share == pytest.approx(row.share)
+
+
+def test_a_score_of_a_reader_is_set_beside_what_its_texts_tell() -> None:
+    options: Any = {"within": 10, "episodes": 2}
+    (row,) = brl.score("shell-game", lambda text: "east", sight="view", knowable=True, **options)
+    assert row.knowable == brl.solve("shell-game", sight="text-view", within=10).upper
+    assert row.knowable is not None
+    assert row.knowable <= row.optimum
+
+
+def test_a_table_of_all_states_has_no_sight() -> None:
+    with pytest.raises(ValueError, match="agents that observe"):
+        brl.score("frozen-lake", "best", knowable=True)
+
+
 def test_all_places_of_own_extensions_can_be_imported() -> None:
     for place in PLACES.values():
         assert place.startswith("babyrobot_levels.extensions.")

@@ -116,6 +116,14 @@ def score(
     chat: Annotated[
         bool, flag("--chat", "With --sight: the function gets all messages so far.")
     ] = False,
+    knowable: Annotated[
+        bool,
+        flag(
+            "--knowable",
+            "Find the best that any agent can expect that observes what this one does, and the "
+            "share of that: takes seconds for each level.",
+        ),
+    ] = False,
     record: Annotated[
         Path | None,
         value_option("FILE", f"With --sight: append each episode to this file ({PLAYS})."),
@@ -176,10 +184,10 @@ def score(
         )
     if level is not None or are_plays == {True}:
         options = split, within, discount, episodes, sight, record
-        if any(option is not None for option in options) or stochastic or trust or chat:
+        if any(each is not None for each in options) or any((stochastic, trust, chat, knowable)):
             fail(
-                "--split, --within, --discount, --stochastic, --trust, --episodes, --sight, --chat "
-                "and --record are for agents",
+                "--split, --within, --discount, --stochastic, --trust, --episodes, --sight, "
+                "--chat, --knowable and --record are for agents",
                 "leave them out: episodes are scored under the conditions under which they were "
                 "played",
             )
@@ -213,6 +221,7 @@ def score(
         episodes=episodes,
         sight=sight,
         chat=chat,
+        knowable=knowable,
         record=record,
     )
     if scores.notice is not None and sight is None:
@@ -251,9 +260,14 @@ def _put(scores: brl.Scores, kind: TableFormat, output: Path | None, *, force: b
         pictures = {".svg": scores.to_svg, ".png": scores.to_png}
         _save({".csv": scores.to_csv, ".json": scores.to_json, **pictures}, output, force=force)
     elif not _written(scores, kind):
-        has_invalid = any(each.invalid for each in scores)
-        heading = (*_HEADING, "invalid") if has_invalid else _HEADING
-        write_table(heading, [_score_cells(each)[: len(heading)] for each in scores])
+        rows = [_score_cells(each) for each in scores]
+        has_more = {
+            "invalid": any(each.invalid for each in scores),
+            "knowable": any(each.knowable is not None for each in scores),
+        }
+        has_more["of knowable"] = has_more["knowable"]
+        heading = [name for name in rows[0] if has_more.get(name, True)]
+        write_table(heading, [[row[name] for name in heading] for row in rows])
         write("\n" + fact_lines({**_summary(scores), "returns": _limits(scores)}))
 
 
@@ -266,9 +280,6 @@ def _written(found: brl.Scores | brl.Grades, kind: TableFormat) -> bool:
     return kind is not TableFormat.TEXT
 
 
-_HEADING = ("level", "return", "optimum", "random", "share", "success", "steps")
-
-
 def _save(makers: Mapping[str, Callable[[], Any]], output: Path, *, force: bool) -> None:
     """Write a file in the format that its suffix names."""
     suffix = output.suffix.lower()
@@ -277,20 +288,22 @@ def _save(makers: Mapping[str, Callable[[], Any]], output: Path, *, force: bool)
     save(output, makers[suffix](), force=force)
 
 
-def _score_cells(row: brl.LevelScore) -> list[str]:
+def _score_cells(row: brl.LevelScore) -> dict[str, str]:
     earned = short(row.expected_return)
     if row.episodes:
         earned += f" ({short(row.low)} to {short(row.high)})"
-    return [
-        printable(row.level),
-        earned,
-        short(row.optimum),
-        short(row.random),
-        short(row.share),
-        percent(row.success),
-        short(row.steps),
-        short(row.invalid),
-    ]
+    return {
+        "level": printable(row.level),
+        "return": earned,
+        "optimum": short(row.optimum),
+        "random": short(row.random),
+        "share": short(row.share),
+        "success": percent(row.success),
+        "steps": short(row.steps),
+        "invalid": short(row.invalid),
+        "knowable": short(row.knowable),
+        "of knowable": short(row.knowable_share),
+    }
 
 
 def _limits(scores: brl.Scores) -> str:
