@@ -34,7 +34,14 @@ from babyrobot_levels.cli.console import (
     write_json,
     write_table,
 )
-from babyrobot_levels.cli.inputs import LevelsArgument, SplitOption, load_level
+from babyrobot_levels.cli.inputs import (
+    LevelsArgument,
+    SightOption,
+    SplitOption,
+    ViewRadiusOption,
+    load_level,
+    sight_options,
+)
 from babyrobot_levels.cli.many import (
     Columns,
     KeepGoingOption,
@@ -49,6 +56,7 @@ from babyrobot_levels.cli.many import (
 from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, track
 from babyrobot_levels.cli.pictures import text_picture
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
+from babyrobot_levels.cli.solve import cost_text, sight_solution
 from babyrobot_levels.language.ranges import ends
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
 from babyrobot_levels.library.packs import KnownPack, fields, known_packs
@@ -70,6 +78,8 @@ def show(
     citation: Annotated[
         bool, typer.Option("--cite", help="Print one line to cite: name, versions and digest.")
     ] = False,
+    sight: SightOption = None,
+    view_radius: ViewRadiusOption = None,
     split: SplitOption = None,
     report_format: TableOption = TableFormat.TEXT,
     output: RowsOption = None,
@@ -85,6 +95,8 @@ def show(
     The metrics are those of `brl.metrics` in Python. The ones that need the level to be solved are
     left out above 5,000 cells; with things that have a state, above 5,000 states. Digest and
     metrics are left out above 1,048,576 states times outcomes of an action; --cite has the digest.
+    With --sight, `sight_cost` is by how much the best that one can expect who sees everything is
+    more than that of one who observes only this.
 
     Several levels, folders and packs give a row with the metrics of each level; so do the levels
     of a suite with --split, --output or --format csv. Rows do not depend on --jobs. The exit
@@ -98,6 +110,8 @@ def show(
 
       babyrobot show final-maze --cite
 
+      babyrobot show shell-game --sight view --view-radius 1
+
       babyrobot show small-mazes
 
       babyrobot show final-maze frozen-lake
@@ -107,18 +121,25 @@ def show(
     options = RowOptions(
         split, report_format, output, resume, force, keep_going, Workers(jobs, ray, ray_address)
     )
+    if view_radius is not None and sight is None:
+        fail("--view-radius is for --sight", "add --sight view")
+    if sight is not None and citation:
+        fail("--cite has no facts for --sight", "leave one of them out")
     if len(levels) == 1 and not options.want_rows:
         from babyrobot_levels.library.catalogue import suite_path
 
         suite = None if levels[0] == str(STANDARD_INPUT) else suite_path(levels[0])
         if suite is not None:
+            if sight is not None:
+                fail("--sight is for one level")
             _show_suite(suite, citation, report_format)
             return
     many = levels_for_rows(levels, options)
     if many is None:
-        _show_one(levels[0], citation, report_format)
-    elif citation:
-        fail("--cite is for one level")
+        seen = None if sight is None else sight_options(sight, view_radius)
+        _show_one(levels[0], citation, report_format, seen)
+    elif citation or sight is not None:
+        fail(f"{'--cite' if citation else '--sight'} is for one level")
     else:
         _show_many(many, options)
 
@@ -138,8 +159,10 @@ def _show_many(levels: Suite | list[Any], options: RowOptions) -> None:
     write_rows(partial(metrics_many, max_states=MAX_SOLVED), levels, columns, options)
 
 
-def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
-    """Write the facts about one level."""
+def _show_one(
+    level: str, citation: bool, report_format: TableFormat, seen: dict[str, Any] | None
+) -> None:
+    """Write the facts about one level, and what a sight costs there."""
     loaded = load_level(level)
     if citation:
         cite(loaded, level, as_json=report_format is TableFormat.JSON)
@@ -149,10 +172,13 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
     from babyrobot_levels.render.words.phrases import with_limit
 
     facts = facts_of(loaded)
+    found = None if seen is None else sight_solution(loaded, **seen)
     if report_format is TableFormat.JSON:
-        write_json(facts)
+        write_json(facts if found is None else facts | {"sight_cost": [*map(_finite, found.cost)]})
         return
     texts = {name: printable(text) for name, text in facts.lines().items()}
+    if found is not None:
+        texts["sight_cost"] = with_limit(cost_text(found), None, loaded.max_steps)
     for name in UNLIMITED:
         if (facts["metrics"] or {}).get(name) is not None:
             texts[name] = with_limit(texts[name], None, loaded.max_steps)
@@ -161,6 +187,10 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
         note("the maze is random: see one with `babyrobot preview LEVEL --maze-seed N`")
     else:
         write("\n" + text_picture(loaded))
+
+
+def _finite(cost: float) -> float | str:
+    return cost if math.isfinite(cost) else "inf"
 
 
 def _show_suite(path: Path, citation: bool, report_format: TableFormat) -> None:

@@ -60,6 +60,9 @@ LONGEST_SHOWN = 60
 MAX_WRITTEN = 10_000_000
 """The most actions of a policy by step in JSON."""
 
+MOST_BELIEFS = 100_000
+"""So many beliefs are explored at most unless another number is asked for."""
+
 MAX_OTHERS = 3
 """How many other sets of held things are named."""
 
@@ -228,26 +231,30 @@ def _loaded(level: str, discount: float | None) -> brl.Level:
     return loaded
 
 
-def _solve_sight(
-    level: str, within: str | None, report_format: TableFormat, how: dict[str, Any]
-) -> None:
-    """Write what the best agent with a sight can expect of one level."""
-    loaded = _loaded(level, how["discount"])
-    limit = _limit(within, loaded)
-    most = how.get("beliefs", 0)
+def sight_solution(level: brl.Level, **how: Any) -> Any:
+    """Return the optimum of a sight; end the command if there is none."""
+    most = how.get("beliefs", MOST_BELIEFS)
     with working("solving") as report:
 
         def progress(explored: int, lower: float, upper: float) -> None:
-            report(explored, max(most, explored))
+            report(explored, most)
 
         try:
-            found = brl.solve(loaded, within=limit, progress=progress, **how)
+            return brl.solve(level, progress=progress, **how)
         except (brl.UndefinedReturnError, brl.EpisodeTooLongError) as error:
             fail(str(error))
         except brl.BabyRobotError:
             raise
         except (ValueError, TypeError) as error:
             fail(str(error))
+
+
+def _solve_sight(
+    level: str, within: str | None, report_format: TableFormat, how: dict[str, Any]
+) -> None:
+    """Write what the best agent with a sight can expect of one level."""
+    loaded = _loaded(level, how["discount"])
+    found = sight_solution(loaded, within=_limit(within, loaded), **how)
     if report_format is TableFormat.JSON:
         rules = {"discount": how["discount"] or loaded.discount, "actions": how["actions"]}
         write_json(_sight_data(loaded, found) | rules)
@@ -272,19 +279,25 @@ def _sight_data(level: brl.Level, found: Any) -> dict[str, Any]:
     }
 
 
+def _told(found: Any, lower: float, upper: float) -> str:
+    return f"{lower:.6g}" if found.is_exact else f"{lower:.6g} to {upper:.6g}"
+
+
+def cost_text(found: Any) -> str:
+    """Return what full sight is worth, exactly or at least and at most."""
+    return _told(found, *found.cost)
+
+
 def _sight_summary(level: brl.Level, found: Any) -> str:
     from babyrobot_levels.render.words.phrases import with_limit
 
-    def told(lower: float, upper: float) -> str:
-        return f"{lower:.6g}" if found.is_exact else f"{lower:.6g} to {upper:.6g}"
-
     more = "exact" if found.is_exact else f"bounds, {100 * found.gap:.3g} % apart"
-    best = f"{told(found.lower, found.upper)} ({more})"
+    best = f"{_told(found, found.lower, found.upper)} ({more})"
     facts = {
         "sight": found.sight,
         "expected return": with_limit(best, found.within, level.max_steps),
         "with full sight": f"{found.full:.6g}",
-        "cost of the sight": told(*found.cost),
+        "cost of the sight": cost_text(found),
         "beliefs": f"{found.beliefs:,} explored",
     }
     return fact_lines(facts)
