@@ -21,11 +21,12 @@ from pathlib import Path
 from pkgutil import resolve_name
 from runpy import run_path
 from tokenize import TokenError
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.text.files import open_zip, read_bytes
 from babyrobot_levels.text.words import AGENTS, NAMED, did_you_mean, listed
@@ -41,17 +42,6 @@ class Chooser(Protocol):
             observations: stacked along the first axis; a dict of such arrays for a `Dict` space.
             masks: which actions do not only bump into a wall, `[observations, actions]`.
         """
-
-
-@runtime_checkable
-class Player(Protocol):
-    """An agent with memory: it is told when an episode begins."""
-
-    def reset(self) -> None:
-        """Forget the episode before."""
-
-    def act(self, observation: Any, mask: NDArray[np.int8]) -> int:
-        """Return the action for the next observation of an episode."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.agents.agents import AnswerError, Chooser, Player, Table, read_agent
+from babyrobot_levels.agents.agents import AnswerError, Chooser, Table, read_agent
 from babyrobot_levels.agents.plays import Play
 from babyrobot_levels.agents.verify import verify_play
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
@@ -15,6 +15,7 @@ from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent, Observer
+from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.mdp.tables import Floats

@@ -24,12 +24,16 @@ from babyrobot_levels.envs.engine.tables import (
     info_dtype,
     part_of,
 )
+from babyrobot_levels.envs.remembering import Player, follow
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.text.words import Telling
+from babyrobot_levels.text.words import Telling, unexpected
 
 CHUNK = 16_384
 """About how many steps, of all environments together, use one block of draws."""
+
+_KEYWORDS = "num_envs", "num_steps", "seed", "actions", "max_episode_steps", "engine"
+"""What may be said of a policy without memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,18 +78,22 @@ def rollout(
     actions: str = "all",
     max_episode_steps: int | None = None,
     engine: str | None = None,
+    **options: Any,
 ) -> Rollout:
     """Follow a policy in many environments, and return all transitions.
 
     The outcomes of actions are drawn from the generator of the seed, in the order of a
     `LevelVectorEnv` with `SAME_STEP` autoreset; the actions of a stochastic policy, from another
-    one.
+    one. An agent with memory plays in one level, in one environment after the other; each of them
+    has a seed of its own.
 
     Args:
         level: a name, a path, a mapping or a `Level`; or a list of them or a suite, of which
             environment i has number `i % len(level)`.
         policy: a policy as for `brl.evaluate`, also one for each step of an episode; for several
-            levels, a word or a list with a policy for each level that is used.
+            levels, a word or a list with a policy for each level that is used. Or an object with
+            memory, as for `brl.score`: `reset()` begins an episode, `act(observation, mask)`
+            returns an action.
         num_envs: how many environments there are.
         num_steps: how many steps each of them takes.
         seed: a number that seeds all randomness; None for an unpredictable one.
@@ -94,6 +102,8 @@ def rollout(
             if it is a `Solution` within one, else each level's `max_steps`.
         engine: `"numpy"`, `"compiled"`, or None for `"compiled"` where Numba is installed,
             else `"numpy"`. All give the same results.
+        options: what an agent with memory observes: `observation`, by default `"position"`, and
+            its options, as in environments.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -112,6 +122,17 @@ def rollout(
     if not levels:
         raise ValueError("there must be at least one level")
     mdps = [ACTION_SETS[actions].tables(each) for each in levels]
+    if isinstance(policy, Player):
+        if len(levels) > 1:
+            raise ValueError("an agent with memory is followed in one level, not in several")
+        (limit,) = limits_of(levels, max_episode_steps)
+        record = Record.empty(steps, size)
+        masks = np.empty((steps, size, ACTION_SETS[actions].num_actions), np.int8)
+        options["actions"] = actions
+        follow(policy, levels[0], record, masks, check_seed(seed), limit, **options)
+        return _result(record, masks)
+    for name in options:
+        raise TypeError(unexpected("rollout", name, _KEYWORDS))
     parts = [part_of(each, mdp, first) for each, mdp in zip(levels, mdps, strict=True)]
     policies = _policies(policy, len(levels), several)
     limits = limits_of(levels, max_episode_steps)
@@ -155,6 +176,10 @@ def rollout(
             taken = _taken(weights, tables, envs, drawn[row])
             even = (taken[None] + 0.5) / tables.num_actions
             stepper.run(envs, thresholds, even, draws, part.rows(row, row + 1))
+    return _result(record, record.words.view(info_dtype(tables.num_actions))["mask"])
+
+
+def _result(record: Record, masks: NDArray[np.int8]) -> Rollout:
     return Rollout(
         observations=record.observations,
         actions=record.actions,
@@ -162,7 +187,7 @@ def rollout(
         terminations=record.terminations,
         truncations=record.truncations,
         next_observations=record.next_observations,
-        action_masks=record.words.view(info_dtype(tables.num_actions))["mask"],
+        action_masks=masks,
     )
 
 

@@ -22,6 +22,7 @@ from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.single import LevelEnv
+from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.extensions.scoring.conversations import converse
