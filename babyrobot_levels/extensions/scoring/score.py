@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.agents.agents import Chooser, Player, Table, read_agent
+from babyrobot_levels.agents.agents import Chooser, Table, read_agent
 from babyrobot_levels.agents.policy_tables import policy_of
 from babyrobot_levels.analysis.solver.advantage import mean_positive_advantage
 from babyrobot_levels.analysis.solver.distribution import distribution_of
@@ -21,8 +21,8 @@ from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, wei
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent, Observation
-from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.remembering import Player
+from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.extensions.scoring.conversations import converse

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from babyrobot_levels.analysis.solver.policies import space_of
-from babyrobot_levels.convert.conversion import Conversion, Lost, fields_lost
-from babyrobot_levels.convert.processes import ABOUT
 from babyrobot_levels.envs.observations.base import Extent
+from babyrobot_levels.extensions.formats.conversion import Conversion, Lost, fields_lost
+from babyrobot_levels.extensions.formats.processes import ABOUT
 from babyrobot_levels.extensions.sight.model import PartialModel, build_model
 from babyrobot_levels.extensions.sight.sights import sight_of
 from babyrobot_levels.extensions.sight.writers import WRITERS

@@ -2,4 +2,4 @@
 
 from babyrobot_levels.registry.manifest import Extension
 
-EXTENSION = Extension(summary="The optimum of partial observation.")
+EXTENSION = Extension(summary="The optimum of partial observation.", needs=("formats",))

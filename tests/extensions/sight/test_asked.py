@@ -11,7 +11,7 @@ import pytest
 from extensions.sight import cassandra
 
 import babyrobot_levels as brl
-from babyrobot_levels.convert.formats import PARTIAL
+from babyrobot_levels.extensions.formats.formats import PARTIAL
 from babyrobot_levels.extensions.sight.solve import SightSolution, solve_sight
 from babyrobot_levels.extensions.sight.writers import WRITERS
 from babyrobot_levels.registry.entries import resolve
