@@ -78,6 +78,13 @@ from .extensions.learning.results import Learning as Learning
 from .extensions.learning.results import Sweep as Sweep
 from .extensions.learning.results import Trials as Trials
 from .extensions.learning.strip import strip as strip
+from .extensions.packs.archive import PackConflictError as PackConflictError
+from .extensions.packs.archive import PackError as PackError
+from .extensions.packs.archive import PackNotFoundError as PackNotFoundError
+from .extensions.packs.build import Packed as Packed
+from .extensions.packs.store import Installation as Installation
+from .extensions.packs.store import install as install
+from .extensions.packs.store import uninstall as uninstall
 from .extensions.publish.course import BuiltCourse as BuiltCourse
 from .extensions.publish.course import course as course
 from .extensions.publish.course import new_course as new_course
@@ -122,13 +129,6 @@ from .library.catalogue import resolve as resolve
 from .library.level import Level as Level
 from .library.level import loads as loads
 from .library.packs import InstalledPack as InstalledPack
-from .library.packs.archive import PackConflictError as PackConflictError
-from .library.packs.archive import PackError as PackError
-from .library.packs.archive import PackNotFoundError as PackNotFoundError
-from .library.packs.build import Packed as Packed
-from .library.packs.store import Installation as Installation
-from .library.packs.store import install as install
-from .library.packs.store import uninstall as uninstall
 from .linter.linting import SettingsError as SettingsError
 from .linter.linting import lint as lint
 from .linter.rule import Rule as Rule

@@ -11,10 +11,10 @@ from support.carriers import LEVEL, carry, write
 from support.sessions import Result, environment, run_here
 
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.packs.store import uninstall
 from babyrobot_levels.language.documents import theme_folders
 from babyrobot_levels.library.catalogue import catalogue
 from babyrobot_levels.library.packs import unusable_packs
-from babyrobot_levels.library.packs.store import uninstall
 from babyrobot_levels.library.search_path import places
 from babyrobot_levels.suites.suite import load_suite
 from babyrobot_levels.text.files import user_folder

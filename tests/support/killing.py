@@ -18,9 +18,10 @@ from types import FrameType
 from typing import Any
 
 from babyrobot_levels.cli import commands  # noqa: F401
-from babyrobot_levels.library.packs import build as packing  # noqa: F401  (so that the calls need not import it)
-from babyrobot_levels.library.packs import packs, store
-from babyrobot_levels.library.packs.archive import read_archive
+from babyrobot_levels.extensions.packs import build as packing  # noqa: F401  (so that the calls need not import it)
+from babyrobot_levels.extensions.packs import store
+from babyrobot_levels.extensions.packs.archive import read_archive
+from babyrobot_levels.library.packs import packs
 from babyrobot_levels.text.files import user_folder
 from support.packs import snapshot
 from support.sessions import run_here

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from babyrobot_levels.extensions.packs.archive import MANIFEST, LevelEntry, Manifest, file_entry
 from babyrobot_levels.library.level import loads
-from babyrobot_levels.library.packs.archive import MANIFEST, LevelEntry, Manifest, file_entry
 from babyrobot_levels.text.files import user_folder
 from support.sessions import Result, run_here
 

@@ -8,6 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from babyrobot_levels.analysis.sharing import share
+from babyrobot_levels.extensions.packs.archive import SUFFIX, PackError
+from babyrobot_levels.extensions.packs.build import Course, read_course
 from babyrobot_levels.extensions.publish.gallery import gallery
 from babyrobot_levels.extensions.publish.packing import pack
 from babyrobot_levels.extensions.publish.schools import (
@@ -21,8 +23,6 @@ from babyrobot_levels.extensions.publish.schools import (
 from babyrobot_levels.extensions.publish.sheet import PAPERS, Sheet, sheet
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.packs.archive import SUFFIX, PackError
-from babyrobot_levels.library.packs.build import Course, read_course
 from babyrobot_levels.library.search_path import data_folder
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import FolderError

@@ -4,9 +4,9 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from babyrobot_levels.library.packs import build
-from babyrobot_levels.library.packs.archive import SUFFIX, PackError
-from babyrobot_levels.library.packs.build import Packed
+from babyrobot_levels.extensions.packs import build
+from babyrobot_levels.extensions.packs.archive import SUFFIX, PackError
+from babyrobot_levels.extensions.packs.build import Packed
 from babyrobot_levels.linter.linting import lint
 from babyrobot_levels.text.diagnostics import Severity
 from babyrobot_levels.text.errors import LevelError

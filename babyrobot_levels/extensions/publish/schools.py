@@ -7,8 +7,8 @@ from pathlib import Path
 from uuid import NAMESPACE_URL, uuid5
 from xml.etree import ElementTree
 
+from babyrobot_levels.extensions.packs.build import Course
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.packs.build import Course
 from babyrobot_levels.render.templates import html, put_together, static
 from babyrobot_levels.text.errors import DISTRIBUTION
 from babyrobot_levels.text.files import PACK_FILE

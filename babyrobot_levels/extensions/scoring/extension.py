@@ -4,7 +4,7 @@ from babyrobot_levels.registry.manifest import Command, Extension
 
 EXTENSION = Extension(
     summary="Scores of agents against the exact optimum, and grades of what is handed in.",
-    needs=("learning",),
+    needs=("learning", "packs"),
     commands={
         "replay": Command(
             "Look and play",

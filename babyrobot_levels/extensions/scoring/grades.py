@@ -18,14 +18,14 @@ from babyrobot_levels.agents.plays import Play
 from babyrobot_levels.agents.verify import verify_play
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
+from babyrobot_levels.extensions.packs.archive import PackError
+from babyrobot_levels.extensions.packs.build import read_course
 from babyrobot_levels.extensions.scoring.hand_ins import HandIn, hand_ins, words_of
 from babyrobot_levels.extensions.scoring.results import Table, csv_of
 from babyrobot_levels.extensions.scoring.score import score
 from babyrobot_levels.language.plain_data import json_mapping
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.packs.archive import PackError
-from babyrobot_levels.library.packs.build import read_course
 from babyrobot_levels.suites.suite import Levels, folder_named, named_levels
 from babyrobot_levels.text.words import Telling, did_you_mean, listed
 

@@ -13,6 +13,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.extensions.packs.build import Course, read_course
 from babyrobot_levels.extensions.scoring.answers import (
     GradedAnswer,
     grade_agent,
@@ -22,7 +23,6 @@ from babyrobot_levels.extensions.scoring.answers import (
 from babyrobot_levels.extensions.scoring.results import Table
 from babyrobot_levels.extensions.scoring.student import Answer, answers
 from babyrobot_levels.language.plain_data import json_mapping
-from babyrobot_levels.library.packs.build import Course, read_course
 from babyrobot_levels.render.words.phrases import name_of
 from babyrobot_levels.text.files import is_file
 from babyrobot_levels.text.words import listed

@@ -6,12 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from babyrobot_levels.language.looks import Theme
-from babyrobot_levels.language.names import slug
-from babyrobot_levels.language.suite import SuiteTexts
-from babyrobot_levels.language.suite_list import PackFields
-from babyrobot_levels.language.validation import check
-from babyrobot_levels.library.packs.archive import (
+from babyrobot_levels.extensions.packs.archive import (
     MAX_FILES,
     TEXTS,
     LevelEntry,
@@ -25,6 +20,11 @@ from babyrobot_levels.library.packs.archive import (
     path_fault,
     write_archive,
 )
+from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.language.names import slug
+from babyrobot_levels.language.suite import SuiteTexts
+from babyrobot_levels.language.suite_list import PackFields
+from babyrobot_levels.language.validation import check
 from babyrobot_levels.mdp.gridworld import GridWorld, check_world
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Severity
 from babyrobot_levels.text.document import Document

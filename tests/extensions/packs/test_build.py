@@ -14,7 +14,7 @@ from support.packs import babyrobot, level, pack_text, packed, snapshot, write_f
 from support.work import counted_calls
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs.archive import MANIFEST, MAX_FILES
+from babyrobot_levels.extensions.packs.archive import MANIFEST, MAX_FILES
 
 pytestmark = pytest.mark.usefixtures("here")
 needs_posix = pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")

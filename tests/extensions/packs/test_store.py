@@ -15,7 +15,8 @@ from support.packs import babyrobot, level, packed, snapshot, users_files, write
 from support.subprocesses import HOME
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs import fields, installed, packs, store
+from babyrobot_levels.extensions.packs import store
+from babyrobot_levels.library.packs import fields, installed, packs
 from babyrobot_levels.text.files import user_folder
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -108,10 +109,10 @@ def test_another_pack_of_the_same_version_needs_force() -> None:
 
 
 def test_of_many_levels_the_first_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("babyrobot_levels.cli.packs.MAX_LISTED", 3)
+    monkeypatch.setattr("babyrobot_levels.extensions.packs.commands.MAX_LISTED", 3)
     names = ["  zoo/bear", "  zoo/herd", "  zoo/lion"]
     assert install("1.0.0").splitlines()[1:] == names
-    monkeypatch.setattr("babyrobot_levels.cli.packs.MAX_LISTED", 2)
+    monkeypatch.setattr("babyrobot_levels.extensions.packs.commands.MAX_LISTED", 2)
     assert install("2.0.0").splitlines()[1:] == [*names[:2], "  and 1 more"]
 
 
@@ -367,8 +368,8 @@ def test_calls_at_once_do_not_break_one_another() -> None:
     archives = [packed(f"{number}.0.0") for number in range(1, 5)]
     code = (
         "import sys; from pathlib import Path\n"
-        "from babyrobot_levels.library.packs import archive, store\n"
-        "from babyrobot_levels.library.packs.archive import PackNotFoundError\n"
+        "from babyrobot_levels.extensions.packs import archive, store\n"
+        "from babyrobot_levels.extensions.packs.archive import PackNotFoundError\n"
         "for round in range(6):\n"
         "    if sys.argv[1] == 'uninstall':\n"
         "        try: store.uninstall('zoo')\n"

@@ -28,7 +28,7 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.packs.archive import Archive
+    from babyrobot_levels.extensions.packs.archive import Archive
 
 MAX_SHOWN = 10
 """The largest number of files that a message names."""
@@ -68,8 +68,8 @@ def pack(
 
       babyrobot pack zoo -o zoo.brlpack
     """
-    from babyrobot_levels.library.packs import build as packing
-    from babyrobot_levels.library.packs.archive import SUFFIX, PackError
+    from babyrobot_levels.extensions.packs import build as packing
+    from babyrobot_levels.extensions.packs.archive import SUFFIX, PackError
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
@@ -194,7 +194,7 @@ def install(
 
       babyrobot preview zoo/lion
     """
-    from babyrobot_levels.library.packs import store
+    from babyrobot_levels.extensions.packs import store
 
     try:
         done = store.install(file, force=force)
@@ -227,7 +227,8 @@ def uninstall(
 
       babyrobot uninstall zoo
     """
-    from babyrobot_levels.library.packs import carried_packs, store
+    from babyrobot_levels.extensions.packs import store
+    from babyrobot_levels.library.packs import carried_packs
 
     try:
         gone = store.uninstall(name)

@@ -10,6 +10,13 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from babyrobot_levels.extensions.packs.archive import (
+    Archive,
+    PackConflictError,
+    PackNotFoundError,
+    read_archive,
+)
+from babyrobot_levels.extensions.packs.build import Contents, check_contents, survey
 from babyrobot_levels.language.suite_list import version_order
 from babyrobot_levels.library.packs import (
     CURRENT,
@@ -22,13 +29,6 @@ from babyrobot_levels.library.packs import (
     packs_folder,
     version_of,
 )
-from babyrobot_levels.library.packs.archive import (
-    Archive,
-    PackConflictError,
-    PackNotFoundError,
-    read_archive,
-)
-from babyrobot_levels.library.packs.build import Contents, check_contents, survey
 from babyrobot_levels.text.files import is_folder, make_folder, write_text
 from babyrobot_levels.text.words import nearest
 

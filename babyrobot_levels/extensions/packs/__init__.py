@@ -1,0 +1,1 @@
+"""Packs: folders of levels as one file, which is built, installed and removed."""
