@@ -108,7 +108,7 @@ def test_a_file_that_is_no_rows_is_left_alone() -> None:
     assert Path("rows.jsonl").read_bytes() != before
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_an_interrupted_call_can_be_continued() -> None:
     written("many.yaml", SUITE.replace("12", "2000"))
     call = ["solve", "many.yaml", "-o", "rows.jsonl"]

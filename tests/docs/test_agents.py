@@ -30,7 +30,7 @@ def digest_of(levels: Any) -> str:
 @pytest.mark.parametrize(
     ("name", "column"),
     [
-        pytest.param("text-easy", 1, marks=pytest.mark.slow),
+        pytest.param("text-easy", 1, marks=pytest.mark.sweep),
         pytest.param("text-hard", 2, marks=pytest.mark.sweep),
     ],
 )

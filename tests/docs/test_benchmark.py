@@ -29,7 +29,7 @@ def _scripts(monkeypatch: pytest.MonkeyPatch) -> None:
     ("name", "column"),
     # Each candidate with a door is solved several times.
     [
-        pytest.param("bench-easy", 1, marks=pytest.mark.slow),
+        pytest.param("bench-easy", 1, marks=pytest.mark.sweep),
         pytest.param("bench-hard", 2, marks=pytest.mark.sweep),
         pytest.param("bench-keys", 3, marks=pytest.mark.sweep),
     ],
@@ -57,7 +57,7 @@ def test_the_hard_test_split_is_fixed_in_its_first_levels() -> None:
 # -- the page --------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_the_tables_are_those_of_the_results() -> None:
     import generalisation
 

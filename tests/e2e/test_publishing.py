@@ -24,7 +24,7 @@ def schema_check(schema: str, *files: Path) -> str:
     return "" if done.returncode == 0 else done.stdout + done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_the_workflows_and_the_citation_are_valid() -> None:
     assert {path.stem for path in WORKFLOWS} == {"check", "pages", "release"}
     assert schema_check("github-workflows", *WORKFLOWS) == ""

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.combinations import swept
 from support.strangers import run_among, strangers
 
 from babyrobot_levels.extensions.editor import runtime
@@ -36,7 +37,7 @@ def east(observation):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+@pytest.mark.parametrize("method", swept(["spawn"], ["fork", "spawn", "forkserver"]))
 def test_workers_and_tools(method: str, tmp_path: Path) -> None:
     if sys.platform == "win32" and method != "spawn":
         pytest.skip("Windows starts processes in one way")

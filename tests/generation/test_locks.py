@@ -148,7 +148,7 @@ def test_a_hit_is_worse_than_the_way_and_changes_no_layout() -> None:
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_what_a_hit_costs_can_be_given() -> None:
     fields = {**FIELDS, "size": [8, 6], "keys": 0, "coins": 0, "guards": 1, "count": 12}
     for hit in ({"reward": -7.0}, {"ends": False}, {"reward": -2.0, "ends": False}):
@@ -219,7 +219,7 @@ def test_what_cannot_be_is_an_error(fields: dict[str, Any], message: str) -> Non
         load_suite({"version": 1, "kind": "suite", "count": 3, **fields})
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_too_little_room_is_said() -> None:
     small = {"size": [4, 4], "exit": "farthest", "guards": 4}
     suite = load_suite({"version": 1, "kind": "suite", "count": 1, **small})

@@ -337,7 +337,7 @@ def test_they_agree_on_themes(data: dict[str, Any]) -> None:
     assert bool(against) == (not THEME.is_valid(data)), f"{data}\n{against}"
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_other_checkers_accept_a_new_level(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     result = run_here(["new-level", "mine", "--puddles", "2"], environment(tmp_path))

@@ -11,9 +11,14 @@ from unittest import mock
 from support.mutants import mutated
 from support.packs import good_files, manifest_of, sealed, snapshot
 
+from babyrobot_levels.extensions.packs.archive import (
+    Manifest,
+    PackError,
+    parse_archive,
+    write_archive,
+)
+from babyrobot_levels.extensions.packs.store import install
 from babyrobot_levels.library.level import load_file
-from babyrobot_levels.library.packs.archive import Manifest, PackError, parse_archive, write_archive
-from babyrobot_levels.library.packs.store import install
 
 GOOD = sealed()
 FILES = good_files()

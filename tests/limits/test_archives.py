@@ -28,8 +28,8 @@ from support.packs import (
 )
 from support.work import counted_calls
 
-from babyrobot_levels.library.packs import archive
-from babyrobot_levels.library.packs.archive import MANIFEST
+from babyrobot_levels.extensions.packs import archive
+from babyrobot_levels.extensions.packs.archive import MANIFEST
 
 pytestmark = pytest.mark.usefixtures("here")
 

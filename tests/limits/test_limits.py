@@ -110,6 +110,7 @@ def test_broken_files(name: str, tmp_path: Path, babyrobot: Babyrobot) -> None:
     assert all(len(each["message"]) < 300 for each in found)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", VALID)
 def test_large_levels(name: str, tmp_path: Path, babyrobot: Babyrobot) -> None:
     path = write(tmp_path, VALID[name]())

@@ -173,7 +173,7 @@ def test_random_levels_with_things_have_every_field() -> None:
     assert {where for where in expected - drawn if not where.startswith("maze")} == set()
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_random_levels_without_things_have_every_field() -> None:
     drawn: set[str] = set()
 

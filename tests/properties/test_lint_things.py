@@ -92,6 +92,7 @@ def optimum(level: Level) -> float:
         return np.nan
 
 
+@pytest.mark.sweep
 @untimed
 @given(worlds, st.sampled_from([1.0, 0.9]))
 @pytest.mark.parametrize("codes", [["BR529", "BR536"], ["BR531", "BR532"], ["BR533"]])

@@ -171,7 +171,7 @@ def test_commands_are_run_listed_and_meant(site: Path) -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_formats_are_recognised_and_chosen_by_name_and_by_suffix(site: Path) -> None:
     status, level, _ = babyrobot(site, "import", "cave.txt")
     assert status == 0

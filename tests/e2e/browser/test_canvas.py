@@ -139,6 +139,7 @@ def test_everything_at_once_looks_as_its_svg_in_each_theme(theme: str, page: Pag
     assert from_raster < 0.06
 
 
+@pytest.mark.sweep
 def test_a_large_level_is_made_smaller_as_its_svg_is(page: Page) -> None:
     from_svg, from_raster = compare(LARGE, page, state=5050, pose=Pose(mood=Mood.CHEER))
     assert from_svg < 0.0005

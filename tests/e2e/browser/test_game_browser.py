@@ -169,6 +169,7 @@ def test_the_same_luck_and_new_luck_are_seeds(ground: Playground) -> None:
 # -- the result --------------------------------------------------------------------------------
 
 
+@pytest.mark.sweep
 def test_the_optimal_policy_has_all_stars_whatever_chance_does(ground: Playground) -> None:
     world = named("final-maze")
     best = solve(world, within="max_steps").expected_return

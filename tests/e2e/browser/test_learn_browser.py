@@ -297,6 +297,7 @@ def test_the_answers_of_the_worksheet_are_those_of_python() -> None:
     assert list(run_page(WORKSHEET, Path(sys.executable).parent, set(), str(ROOT))) == []
 
 
+@pytest.mark.sweep
 def test_the_pages_of_the_worksheet_open_as_it_says(ground: Playground) -> None:
     addresses = re.findall(r"`([\w-]+)\.html#(learn=[^`]+)`", WORKSHEET.read_text("utf-8"))
     assert len(addresses) == 7

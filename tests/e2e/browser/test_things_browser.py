@@ -335,6 +335,7 @@ HOSTILE: dict[str, Callable[[Any], object]] = {
 }
 
 
+@pytest.mark.sweep
 def test_what_are_no_things_is_not_shown(ground: Playground) -> None:
     ground.open(Level.from_fields({"version": 1, "size": [4, 3], "title": "Plain"}))
     # Otherwise the page would pass that shows nothing.

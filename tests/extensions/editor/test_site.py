@@ -158,6 +158,7 @@ def test_a_level_is_drawn_mended_saved_and_shared_offline(
     expect(page.locator(".title")).to_contain_text("Mine")
 
 
+@pytest.mark.sweep
 def test_what_needs_numpy_is_offered_and_nobody_asked_before(visit: Visit) -> None:
     asked: list[str] = []
     page = visit()
@@ -179,6 +180,7 @@ def test_what_needs_numpy_is_offered_and_nobody_asked_before(visit: Visit) -> No
     expect(text_of(page)).to_have_value(re.compile(r"^puddles:", re.M))
 
 
+@pytest.mark.sweep
 def test_what_takes_too_long_is_stopped_and_nothing_is_lost(visit: Visit) -> None:
     page = visit()
     stage, text = page.locator(".stage"), text_of(page)

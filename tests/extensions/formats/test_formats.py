@@ -228,7 +228,7 @@ HEAVY = ("walls", "blocked")
 @pytest.mark.parametrize(
     "text",
     [
-        pytest.param(text, marks=[pytest.mark.slow] if name in HEAVY else [], id=name)
+        pytest.param(text, marks=[pytest.mark.sweep] if name in HEAVY else [], id=name)
         for name, text in HOSTILE.items()
     ],
 )

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.combinations import swept
 from support.sessions import environment, run_here
 from support.worlds import level_of, worlds
 
@@ -102,7 +103,7 @@ def test_only_what_is_asked_for_is_edited(kind: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", EDITABLE)
+@pytest.mark.parametrize("kind", swept([*EDITABLE][::3], EDITABLE))
 def test_a_kind_is_added_moved_and_removed(kind: str) -> None:
     """Each of these happens, to what a level has of every kind."""
     level = brl.Level(

@@ -18,7 +18,7 @@ from support.places import ROOT
 from yaml import safe_load
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs.archive import PackError
+from babyrobot_levels.extensions.packs.archive import PackError
 
 pytestmark = pytest.mark.slow
 

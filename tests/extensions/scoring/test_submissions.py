@@ -13,7 +13,7 @@ from support.classrooms import RESULT, TOLD
 from support.places import ROOT
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs.archive import PackError
+from babyrobot_levels.extensions.packs.archive import PackError
 
 SOLUTIONS = Path(__file__).parent / "solutions"
 
@@ -48,7 +48,7 @@ def code(folder: Path, **texts: str) -> Path:
     return folder
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_solutions_have_all_points_in_the_example() -> None:
     found = brl.grade_functions(ROOT / "course", SOLUTIONS)
     assert [each.message for each in found if not each.passed] == []
