@@ -79,6 +79,7 @@ sweep)
     with_jax sweep
     make_storm
     PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion
+    .venv-storm/bin/python -m pytest -m "libraries and sweep" tests/extensions/sight/test_readers.py
     tests=(-m "(slow or sweep) and not libraries" --hypothesis-profile thorough "${again[@]}")
     ;;
 libraries)
@@ -101,7 +102,7 @@ ray)
 storm)
     make_storm
     PYTHONPATH=tests .venv-storm/bin/python -m support.second_opinion --every 20
-    beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m libraries tests/storm \
+    beside_pages .venv-storm storm .venv-storm/bin/python -m pytest -m "libraries and not sweep" tests/storm \
         tests/extensions/sight/test_readers.py \
         tests/extensions/assistants/test_server.py tests/language_agents/test_verifiers.py
     exit

@@ -95,6 +95,7 @@ def test_tables_of_32_bits_are_close_to_those_of_the_files() -> None:
     np.testing.assert_array_equal(params.next_state, files.next_state)
 
 
+@pytest.mark.sweep
 def test_mutants_are_solvable_where_asked() -> None:
     _, made = mazes()
     layouts = mutants(made, 60)

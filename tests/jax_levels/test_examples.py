@@ -52,6 +52,7 @@ def rows_of(text: str) -> list[list[float]]:
     return [list(map(float, line.split())) for line in lines if re.fullmatch(r"[-\d. ]+", line)]
 
 
+@pytest.mark.sweep
 def test_ppo_learns_mazes_that_it_has_not_seen(suite: Path, tmp_path: Path) -> None:
     text = printed_by("ppo_jax", "--suite", suite, "--steps", 163_840, "--every", 10,
                       "--seeds", 1, cwd=tmp_path)  # fmt: skip

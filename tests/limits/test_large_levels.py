@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.combinations import swept
 from support.work import counted_calls
 
 import babyrobot_levels as brl
@@ -41,7 +42,9 @@ def one_exit() -> dict[str, Any]:
     return {**WHOLE, "rewards": {"closer": 1, "farther": -2}}
 
 
-@pytest.mark.parametrize("make", [long_walls, strong_wind, many_exits, one_exit])
+@pytest.mark.parametrize(
+    "make", swept([many_exits], [long_walls, strong_wind, many_exits, one_exit])
+)
 def test_large_levels_are_compiled_soon(make: Any) -> None:
     level, plain = brl.load(make()), brl.load(WHOLE)
     begin = time.process_time()

@@ -13,7 +13,7 @@ import numpy as np
 import pypdfium2 as pdfium
 import pytest
 from playwright.sync_api import Page
-from support.combinations import swept
+from support.combinations import combined, swept
 from support.markup import Reader
 from support.scenes import bounds
 
@@ -87,9 +87,7 @@ def test_a_key_has_a_picture_for_each_set_of_held_things() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("landscape", [False, True])
-@pytest.mark.parametrize("paper", ["a4", "letter"])
-@pytest.mark.parametrize("per_page", [1, 2, 4, 6, 9, 24])
+@combined(1, per_page=[1, 2, 4, 6, 9, 24], paper=["a4", "letter"], landscape=[False, True])
 def test_nothing_leaves_the_page(per_page: int, paper: str, landscape: bool) -> None:
     long = brl.load("final-maze").replace(title="A title of many words " * 7)
     levels: list[Any] = [

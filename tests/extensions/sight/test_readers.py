@@ -14,12 +14,11 @@ import stormpy.developer
 import stormpy.pomdp
 from extensions.sight.cases import Fields, levels_of, sight_of, slow_solver, walls
 from pomdp_toolkit.parsers import POMDPParser
+from support.combinations import swept
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.sight.solve import SightSolution, solve_sight
 from babyrobot_levels.extensions.sight.writers import write_drn, write_pomdp, write_prism
-
-CASES = 100
 
 MOST_ALIKE = 12
 
@@ -105,9 +104,10 @@ def costly(seed: int) -> list[Fields] | None:
     return levels if is_finite else None
 
 
-def test_storm_agrees_on_random_levels(tmp_path: Path) -> None:
+@pytest.mark.parametrize("cases", swept([20], [100]))
+def test_storm_agrees_on_random_levels(cases: int, tmp_path: Path) -> None:
     compared, silent, partial, seed = 0, 0, 0, 0
-    while compared < CASES:
+    while compared < cases:
         seed += 1
         if (levels := costly(seed)) is None:
             continue
@@ -122,8 +122,8 @@ def test_storm_agrees_on_random_levels(tmp_path: Path) -> None:
             partial += found.upper < found.full - 1e-6
         else:
             silent += 1
-    assert silent <= CASES / 20
-    assert partial >= CASES / 10
+    assert silent <= cases / 20
+    assert partial >= cases / 10
 
 
 @pytest.mark.parametrize("name", ["shell-game", "bat-cave", "ice-rink"])
