@@ -27,15 +27,6 @@ class Counting:
         return 2 if self.lengths[-1] % 2 else 4
 
 
-def test_the_best_agent_of_a_sight_earns_its_optimum() -> None:
-    agent = brl.solve("shell-game", sight="view", **SIGHT).policy()
-    data = brl.rollout("shell-game", agent, 20, 100, seed=1, observation="view", **SIGHT)
-    ends = int((data.terminations | data.truncations).sum())
-    assert not data.truncations.any()
-    # Each of the 20 columns ends within an episode, which adds a little.
-    assert data.rewards.sum() / ends == pytest.approx(-6, abs=0.7)
-
-
 def test_an_episode_begins_where_the_last_one_ended() -> None:
     agent = Counting()
     data = brl.rollout("frozen-lake", agent, 3, 30, seed=1, max_episode_steps=7)

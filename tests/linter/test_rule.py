@@ -10,7 +10,7 @@ import pytest
 import babyrobot_levels
 from babyrobot_levels.linter.finding import Needs
 from babyrobot_levels.linter.rule import Rule
-from babyrobot_levels.linter.rules import all_pages, all_rules, documents, titles
+from babyrobot_levels.linter.rules import all_pages, all_rules, documents
 from babyrobot_levels.linter.rules.expectations import BROKEN_EXPECTATION
 from babyrobot_levels.linter.runner import apply, lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic, Fix
@@ -47,11 +47,6 @@ def fixes(page: Rule, text: str) -> list[Fix]:
 def test_the_documentation_has_these_pages_and_no_others() -> None:
     # `python scripts/renew.py docs/rules` writes them.
     assert {path.name: path.read_text("utf-8") for path in DOCS.iterdir()} == documents()
-
-
-def test_every_code_in_the_sources_has_a_page() -> None:
-    sources = "".join(path.read_text("utf-8") for path in PACKAGE.rglob("*.py"))
-    assert set(re.findall(r'"(BR\d{3})"', sources)) == set(titles())
 
 
 def test_codes_and_names_are_unique() -> None:
