@@ -41,10 +41,19 @@ def _run() -> None:
     from babyrobot_levels.cli.commands import app
     from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
     from babyrobot_levels.cli.meant import argument
-    from babyrobot_levels.text.errors import BabyRobotError, LevelError, LevelNotFoundError
+    from babyrobot_levels.text.errors import (
+        BabyRobotError,
+        LevelError,
+        LevelNotFoundError,
+        RandomMazeError,
+    )
 
     try:
         app(prog_name="babyrobot")
+    except RandomMazeError:
+        note("error: the maze of this level is random")
+        note("  help: choose one first: babyrobot resolve LEVEL --maze-seed 0")
+        sys.exit(FINDINGS)
     except LevelError as error:
         note(error.shown(width_of(sys.stderr)))
         sys.exit(FINDINGS)

@@ -18,7 +18,7 @@ from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.text.diagnostics import Issue
-from babyrobot_levels.text.errors import LevelError, UnplayableError
+from babyrobot_levels.text.errors import RandomMazeError, UnplayableError
 from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
     maze = level.maze
     if maze is not None:
         if isinstance(maze.seed, str):
-            raise LevelError(
+            raise RandomMazeError(
                 message="the level grows another maze at each reset (`seed: random`); "
                 "`level.with_maze_seed(n)` gives one of them"
             )

@@ -65,6 +65,10 @@ class LevelError(BabyRobotError, ValueError, public=True):
         return type(self), (self.diagnostics, self.message)
 
 
+class RandomMazeError(LevelError):
+    """A level grows another maze at each reset: there is not one that could be looked at."""
+
+
 class UnplayableError(LevelError, public=True):
     """A level whose tables cannot be made: a door stands on a wall, or there are too many states.
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 from extensions.sight import cassandra
+from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.formats.formats import PARTIAL
@@ -46,6 +48,25 @@ def test_one_of_several_levels_can_be_solved() -> None:
 def test_options_that_there_are_not_are_refused(given: dict[str, object], message: str) -> None:
     with pytest.raises(TypeError, match=message):
         brl.solve("shell-game", **given)  # type: ignore[call-overload]
+
+
+def test_a_gap_and_a_number_of_beliefs_have_bounds() -> None:
+    for wrong in ({"gap": -0.1}, {"beliefs": 0}):
+        with pytest.raises(ValueError, match="gap must be at least 0, and beliefs 1"):
+            brl.solve("shell-game", sight="view", **wrong)
+
+
+@pytest.mark.parametrize("command", ["show --sight view", "score east.py:east"])
+def test_a_random_maze_is_told_with_what_to_do(command: str, here: Path) -> None:
+    Path("east.py").write_text("def east(observation):\n    return 2\n", "utf-8")
+    name, *options = command.split()
+    agent, more = ([], options) if name == "show" else (options, [])
+    done = run_here([name, *agent, "random-maze", *more], environment(here))
+    assert (done.status, done.err) == (
+        1,
+        "error: the maze of this level is random\n"
+        "  help: choose one first: babyrobot resolve LEVEL --maze-seed 0\n",
+    )
 
 
 def test_exact_values_are_those_of_full_sight() -> None:
