@@ -49,11 +49,16 @@ def follow(
         taken = 0
         for row in range(steps):
             at, before = (row, column), env.state
-            action = int(agent.act(observation, info["action_mask"]))
+            action = agent.act(observation, info["action_mask"])
             masks[at] = info["action_mask"]
+            # Refuses what is no action.
             observation, reward, terminated, _, info = env.step(action)
             taken += 1
-            record.observations[at], record.actions[at], record.rewards[at] = before, action, reward
+            record.observations[at], record.actions[at], record.rewards[at] = (
+                before,
+                int(action),
+                reward,
+            )
             record.terminations[at], record.truncations[at] = terminated, taken >= limit
             record.next_observations[at] = env.state
             if terminated or taken >= limit:

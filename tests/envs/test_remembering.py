@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gymnasium.error import InvalidAction
 
 import babyrobot_levels as brl
 
@@ -60,6 +61,14 @@ def test_steps_are_those_of_the_tables_and_a_seed_repeats_them() -> None:
     allowed = dict(zip(masks.observations.flat, masks.action_masks.reshape(-1, 5), strict=True))
     for state, mask in zip(first.observations.flat, first.action_masks.reshape(-1, 5), strict=True):
         assert state not in allowed or (mask == allowed[state]).all()
+
+
+@pytest.mark.parametrize("answer", [99, "east", None])
+def test_an_answer_that_is_no_action_is_refused(answer: Any) -> None:
+    agent = Counting()
+    agent.act = lambda observation, mask: answer  # type: ignore[method-assign]
+    with pytest.raises(InvalidAction, match=f"{answer!r} is not an action"):
+        brl.rollout("frozen-lake", agent, 1, 3)
 
 
 def test_what_does_not_go_together_is_refused() -> None:
