@@ -154,6 +154,7 @@ from .text.errors import BabyRobotError as BabyRobotError
 from .text.errors import FolderError as FolderError
 from .text.errors import LevelError as LevelError
 from .text.errors import LevelNotFoundError as LevelNotFoundError
+from .text.errors import RandomMazeError as RandomMazeError
 from .text.errors import SuiteNotFoundError as SuiteNotFoundError
 
 __all__: list[str]

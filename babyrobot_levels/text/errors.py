@@ -65,7 +65,7 @@ class LevelError(BabyRobotError, ValueError, public=True):
         return type(self), (self.diagnostics, self.message)
 
 
-class RandomMazeError(LevelError):
+class RandomMazeError(LevelError, public=True):
     """A level grows another maze at each reset: there is not one that could be looked at."""
 
 

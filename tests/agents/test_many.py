@@ -177,7 +177,7 @@ def test_an_error_is_told_with_the_index_of_its_level(executor: Executor, here: 
         1: (brl.LevelError, None),
         2: (brl.UndefinedReturnError, "cancelling"),
         3: (brl.LevelNotFoundError, None),
-        4: (brl.LevelError, "random-maze"),
+        4: (brl.RandomMazeError, "random-maze"),
     }
     assert (
         rows[1].to_dict()["error"]

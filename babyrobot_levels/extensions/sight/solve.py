@@ -181,8 +181,8 @@ def solve_sight(
             many states and steps.
     """
     begin = time.monotonic()
-    if gap < 0 or beliefs < 1:
-        raise ValueError(f"gap must be at least 0, and beliefs 1, not {gap:g} and {beliefs}")
+    if gap < 0 or beliefs < 0:
+        raise ValueError(f"gap and beliefs must be at least 0, not {gap:g} and {beliefs}")
     members, shares, extent = _members(levels, weights, turns=actions == "turns")
     limit = _limit(members, within)
     chosen = sight_of(sight, extent, mask=mask, reward=reward, within=limit, **options)

@@ -252,7 +252,7 @@ def test_files_of_mutants_are_those_of_the_command() -> None:
         (["--from", "final-maze", "--edits", "0"], "--edits must be from 1 to 1,000, not 0"),
         (["--from", "final-maze", "--edits", "few"], "--edits: invalid range 'few'"),
         (["--from", "final-mase"], "there is no level called 'final-mase'"),
-        (["--from", "random-maze"], "another maze at each reset"),
+        (["--from", "random-maze"], "the maze of this level is random"),
     ],
 )
 def test_wrong_options_end_the_command(call: list[str], message: str) -> None:

@@ -51,8 +51,8 @@ def test_options_that_there_are_not_are_refused(given: dict[str, object], messag
 
 
 def test_a_gap_and_a_number_of_beliefs_have_bounds() -> None:
-    for wrong in ({"gap": -0.1}, {"beliefs": 0}):
-        with pytest.raises(ValueError, match="gap must be at least 0, and beliefs 1"):
+    for wrong in ({"gap": -0.1}, {"beliefs": -1}):
+        with pytest.raises(ValueError, match="gap and beliefs must be at least 0"):
             brl.solve("shell-game", sight="view", **wrong)
 
 
