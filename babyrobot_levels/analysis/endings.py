@@ -13,7 +13,7 @@ from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, Solution
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.mdp.tables import Floats, Ints, hits_by_mover
-from babyrobot_levels.render.words.phrases import counted, percent, with_limit
+from babyrobot_levels.render.words.phrases import counted, percent, reaching, with_limit
 
 SURE = 1e-9
 """What differs from a sure event by no more is sure."""
@@ -64,7 +64,7 @@ def ending_of(solution: Solution, start: int | None = None) -> Ending | None:
         None if an exit is surely reached, if there is none, or if it takes too long to compute.
     """
     level = solution.level
-    if level is None or not level.exits:
+    if level is None or not level.has_goal:
         return None
     if start is None and not solution.exit_probability < 1 - SURE:
         return None
@@ -101,7 +101,7 @@ def ending_of(solution: Solution, start: int | None = None) -> Ending | None:
         how = f"are cut off after {counted(solution.within, 'step')}"
     rest = 1 - success - share
     told = (
-        f"reaches an exit in {percent(success)} of the episodes; {percent(share)} {how}"
+        f"{reaching(level)} in {percent(success)} of the episodes; {percent(share)} {how}"
         f"{f', {percent(rest)} otherwise' if rest > SURE else ''}"
     )
     text = f"{with_limit('the optimal policy', solution.within, level.max_steps)} {told}"

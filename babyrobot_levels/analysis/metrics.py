@@ -30,6 +30,7 @@ from babyrobot_levels.analysis.solver.results import (
 )
 from babyrobot_levels.language import kinds
 from babyrobot_levels.language.metric_names import (
+    BOXES,
     MISTAKES,
     NEEDS,
     PATHS,
@@ -109,7 +110,8 @@ class Metrics(Shown, public=True):
                 than once.
         """
         things, needs = (THINGS, NEEDS) if self.level.has_things else ((), ())
-        names = SHAPE + PATHS + things + (SOLVED + needs if solve else ())
+        boxes = BOXES if self.level.boxes or self.level.targets else ()
+        names = SHAPE + PATHS + things + boxes + (SOLVED + needs if solve else ())
         return {name: getattr(self, name) for name in names}
 
     def why_none(self, name: str) -> str:
@@ -119,7 +121,7 @@ class Metrics(Shown, public=True):
             name: the name of a metric that is None.
         """
         if name in (*PATHS, "detour", "success", "difficulty", "needs", "dependencies"):
-            if not self.level.exits:
+            if not self.level.has_goal:
                 return "there is no exit"
             if self.path_length is None and name != "success":
                 return "from a start, no path to an exit is known"
@@ -272,6 +274,16 @@ class Metrics(Shown, public=True):
         return len(self.level.movers)
 
     @cached_property
+    def boxes(self) -> int:
+        """The number of boxes."""
+        return len(self.level.boxes)
+
+    @cached_property
+    def targets(self) -> int:
+        """The number of targets."""
+        return len(self.level.targets)
+
+    @cached_property
     def configurations(self) -> int:
         """The number of configurations: 1 without things."""
         return self.level.compile().num_configurations if self.level.has_things else 1
@@ -321,7 +333,7 @@ class Metrics(Shown, public=True):
         None without an exit, and if the optimal return is inf: a policy that earns as much need not
         go to an exit, and may.
         """
-        if self.solution is None or not self.level.exits or self.best_return == math.inf:
+        if self.solution is None or not self.level.has_goal or self.best_return == math.inf:
             return None
         found = self.solution.exit_probability
         return None if math.isnan(found) else found

@@ -523,13 +523,14 @@ def _summary(
     configuration: int | None,
     fractions: brl.ExactSolution | None,
 ) -> str:
-    from babyrobot_levels.render.words.phrases import with_limit
+    from babyrobot_levels.render.words.phrases import reaching, with_limit
 
+    reaches = reaching(level)
     best = f"{solution.expected_return:.6g}"
     facts = {
         "expected return": with_limit(best, solution.within, level.max_steps),
         "expected steps": f"{solution.expected_steps:.6g}",
-        "reaches an exit": f"{100 * solution.exit_probability:.4g} %",
+        reaches: f"{100 * solution.exit_probability:.4g} %",
         "discount": f"{solution.discount:g}",
         "method": f"{solution.method}, residual {solution.residual:.1g}",
     }
@@ -537,12 +538,12 @@ def _summary(
         exact = {
             "expected return": fractions.expected_return,
             "expected steps": fractions.expected_steps,
-            "reaches an exit": fractions.exit_probability,
+            reaches: fractions.exit_probability,
         }
         facts |= {name: _exactly(value, facts[name]) for name, value in exact.items()}
         facts["method"] = "policy iteration over the rationals: no action is better"
-    if not level.exits:
-        del facts["reaches an exit"]
+    if not level.has_goal:
+        del facts[reaches]
     if solution.actions == "turns":
         facts["heading"] = f"{level.heading} (L turns left, R turns right, F goes forward, . none)"
     if configuration is not None:

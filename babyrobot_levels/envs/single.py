@@ -25,7 +25,7 @@ from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent
 from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
-from babyrobot_levels.envs.observations.views import VIEW_PLANES
+from babyrobot_levels.envs.observations.views import view_planes
 from babyrobot_levels.envs.rendering import RENDER_MODES, RenderedEnv, show_wrapped_environments
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
 from babyrobot_levels.envs.specs import MadeSpec, as_spec
@@ -87,12 +87,9 @@ class LevelEnv(RenderedEnv):
     Attributes:
         level: the level of the current episode. If the level has `seed: random`, it is one of its
             mazes.
-        view_planes: the names of the planes of views.
     """
 
     __module__ = "babyrobot_levels"
-
-    view_planes = VIEW_PLANES
 
     @takes_observation
     def __init__(
@@ -325,6 +322,11 @@ class LevelEnv(RenderedEnv):
         return tuple(outcomes)
 
     # -- description -----------------------------------------------------------------------
+
+    @property
+    def view_planes(self) -> tuple[str, ...]:
+        """The names of the planes of views."""
+        return view_planes(self._extent())
 
     @property
     def plane_names(self) -> tuple[str, ...]:

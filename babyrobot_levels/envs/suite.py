@@ -162,6 +162,7 @@ def extent_of(bounds: Bounds, *, turns: bool) -> Extent:
         headings,
         bounds.num_items > 0,
         bounds.has_wind,
+        bounds.has_boxes,
     )
 
 

@@ -193,7 +193,8 @@ class Edits:
 
     def _new_door(self) -> Fields:
         """Return a door; what opens it is there already and of no use yet, or is a new key."""
-        needed = [each["name"] for kind in NEEDED for each in self.fields.get(kind.field, [])]
+        entries = [each for kind in NEEDED for each in self.fields.get(kind.field, [])]
+        needed = [each["name"] for each in entries if each.get("name") is not None]
         doors, exits = self.fields.get("doors", []), self.fields.get("exit_needs", ())
         used = str([doors, exits])
         free = [name for name in needed if f"'{name}'" not in used]
@@ -224,6 +225,8 @@ _ADDED: Mapping[str, Callable[[Edits], Fields]] = {
     "switch": lambda edits: edits._added(
         "switch", {"name": edits._unused("switch"), "at": edits._cell()}
     ),
+    "box": lambda edits: edits._added("box", {"at": edits._cell()}),
+    "target": lambda edits: edits._added("target", {"at": edits._cell()}),
     "warp": lambda edits: edits._added("warp", {"at": edits._cell(), "to": edits._cell()}),
     "blocked": lambda edits: edits._added("blocked", {"at": edits._cell()}),
 }

@@ -255,7 +255,7 @@ class Rewards(Model):
     step: Number = -1.0
     """A step onto a plain cell."""
     exit: Number = 0.0
-    """A step onto an exit."""
+    """A step onto an exit, or the step that covers the last target and so ends the episode."""
     bump: Annotated[Number | None, Told("wall", "bumping into a wall")] = None
     """A move into a wall."""
     bounce: Number = -1.0
@@ -266,6 +266,12 @@ class Rewards(Model):
     """A step that brings the robot closer to the nearest exit, by Euclidean distance."""
     farther: Annotated[Number | None, Told("ground", "a step away from the exit")] = None
     """A step that takes the robot farther from the nearest exit, by Euclidean distance."""
+    push: Annotated[Number | None, Told("ground", "pushing a box")] = None
+    """Added when the robot pushes a box."""
+    covered: Annotated[Number | None, Told("ground", "covering a target")] = None
+    """Added when more targets are covered than before."""
+    uncovered: Annotated[Number | None, Told("ground", "uncovering a target")] = None
+    """Added when fewer targets are covered than before."""
 
 
 PRECEDENCE = ("hit", "warp", "exit", "item", "stay", "bump", "closer", "farther", "step")
@@ -275,7 +281,7 @@ PRECEDENCE = ("hit", "warp", "exit", "item", "stay", "bump", "closer", "farther"
 that of the cell: of its puddle, its area, or the level. The others are entries of `rewards`.
 """
 
-ADDED = ("bounce",)
+ADDED = ("bounce", "push", "covered", "uncovered")
 """The rewards that come in addition."""
 
 

@@ -330,7 +330,8 @@ def _check_expectations(level: LevelFields) -> Iterator[Issue]:
 
 def _unknown_needs(level: LevelFields, names: tuple[str, ...]) -> Iterator[Issue]:
     known = [*(item.name for item in level.items), *(switch.name for switch in level.switches)]
+    known += [target.name for target in level.targets if target.name is not None]
     for number, name in enumerate(names):
         if name not in known:
-            message = f"there is no item or switch `{name}`{did_you_mean(name, known)}"
+            message = f"there is no item, switch or target `{name}`{did_you_mean(name, known)}"
             yield Issue("BR326", ("expect", "needs", number), message)

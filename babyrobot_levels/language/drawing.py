@@ -14,6 +14,9 @@ from typing import Any, TypeVar
 from babyrobot_levels.text.diagnostics import Mark
 
 BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
+BOX, TARGET, COVERED = "$", ".", "*"
+"""A box, a target, and a target with a box on it, unless the legend says something else."""
+
 RESERVED = frozenset("#SEoO+-|: ")
 """Characters that a legend cannot define."""
 
@@ -94,6 +97,13 @@ def compose(drawing: Drawing) -> str:
             below = map(_HORIZONTAL_TEXT.__getitem__, drawing.south[y])
             lines.append("+" + "+".join(below) + "+")
     return "\n".join([*lines, border, ""])
+
+
+def together(one: str, other: str) -> str | None:
+    """Return the mark of a cell with what two marks show, None if there is none."""
+    if PLAIN in (one, other):
+        return one if other == PLAIN else other
+    return COVERED if {one, other} == {BOX, TARGET} else None
 
 
 def mark_of(text: str, x: int, y: int, side: str | None = None) -> Mark:

@@ -42,6 +42,7 @@ from babyrobot_levels.language.expectations import Expect
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import Display, ThemeLike
 from babyrobot_levels.language.things import (
+    Box,
     Door,
     Hit,
     Item,
@@ -50,6 +51,7 @@ from babyrobot_levels.language.things import (
     NameOrNames,
     Places,
     Switch,
+    Target,
     as_names,
 )
 
@@ -139,11 +141,11 @@ class LevelFields(Model):
         Role.GEOMETRY,
         DRAWN,
     ] = "none"
-    """The exit: a cell, several, or `none`; the bottom-right cell by default."""
+    """The exit: a cell, several, or `none`; by default bottom right, or `none` with targets."""
     exit_one_of: Annotated[Places | None, Role.GEOMETRY] = None
     """Cells of which one is drawn uniformly at each reset: it is the exit of that episode."""
     exit_needs: Annotated[NameOrNames, Role.DYNAMICS] = ()
-    """The items and switches without which the exits are plain cells."""
+    """The items, switches and targets without which the exits are plain cells."""
     maze: Annotated[Maze | None, Role.GEOMETRY] = None
     """A maze grown from a seed."""
     walls: Annotated[tuple[Wall, ...], Role.GEOMETRY] = ()
@@ -151,11 +153,15 @@ class LevelFields(Model):
     openings: Annotated[tuple[Opening, ...], Role.GEOMETRY] = ()
     """Walls that are removed, after the maze and the walls."""
     doors: Annotated[tuple[Door, ...], Role.DYNAMICS] = ()
-    """Walls that open, or close, by what the robot holds and has switched on."""
+    """Walls that open, or close, by what the robot holds, has switched on, and has covered."""
     items: Annotated[tuple[Item, ...], Role.DYNAMICS] = ()
     """Things that the robot takes."""
     switches: Annotated[tuple[Switch, ...], Role.DYNAMICS] = ()
     """Cells that flip between off and on as the robot arrives there."""
+    boxes: Annotated[tuple[Box, ...], Role.DYNAMICS] = ()
+    """Boxes that the robot pushes."""
+    targets: Annotated[tuple[Target, ...], Role.DYNAMICS] = ()
+    """Cells to push boxes to. Without an exit, the episode ends when all are covered."""
     movers: Annotated[tuple[Mover, ...], Role.DYNAMICS] = ()
     """What moves by itself: guards on a path, wanderers in a rectangle."""
     hit: Annotated[Hit, Role.DYNAMICS] = Field(default_factory=cache(Hit.model_construct))
@@ -214,6 +220,16 @@ class LevelFields(Model):
     def has_things(self) -> bool:
         """Whether the level has anything whose state changes during an episode."""
         return self.exit_one_of is not None or any(kind.of(self) for kind in THINGS)
+
+    @property
+    def ends_covered(self) -> bool:
+        """Whether the episode ends when all targets are covered: there is no exit."""
+        return bool(self.targets) and not self.exits
+
+    @property
+    def has_goal(self) -> bool:
+        """Whether an episode can end by what there is to do: at an exit, or all targets covered."""
+        return bool(self.exits or self.targets)
 
     @property
     def stands_on_grid(self) -> bool:

@@ -23,7 +23,16 @@ from babyrobot_levels.language.cells import (
     Warp,
     Wind,
 )
-from babyrobot_levels.language.things import DRAWN_NAMES, Door, Item, LegendEntry, Mover, Switch
+from babyrobot_levels.language.things import (
+    DRAWN_NAMES,
+    Box,
+    Door,
+    Item,
+    LegendEntry,
+    Mover,
+    Switch,
+    Target,
+)
 
 LOOKS = frozenset({"color", "fit", "label", "shape", "width"})
 """The fields of entries that only pictures show."""
@@ -86,7 +95,7 @@ class Kind:
     @property
     def plural(self) -> str:
         """What several of it are called."""
-        return f"{self.noun}{'es' if self.noun.endswith('ch') else 's'}"
+        return f"{self.noun}{'es' if self.noun.endswith(('ch', 'x')) else 's'}"
 
     @property
     def one(self) -> str:
@@ -181,6 +190,26 @@ KINDS = (
         state="the switches that are on",
         need=Need("switch on", "flipping", "on", "off"),
         other_names=("button", "lever"),
+    ),
+    Kind(
+        "box",
+        "boxes",
+        "cell",
+        Box,
+        marks={d.BOX: {}, d.COVERED: {}},
+        state="the places of boxes",
+        other_names=("crate",),
+    ),
+    Kind(
+        "target",
+        "targets",
+        "cell",
+        Target,
+        marks={d.TARGET: {}, d.COVERED: {}},
+        state="the targets that are covered",
+        need=Need("cover", "covering", "covered", "not covered"),
+        label=lambda target: target.name or "target",
+        other_names=("pad", "storage"),
     ),
     Kind(
         "mover",

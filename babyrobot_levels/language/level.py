@@ -39,7 +39,7 @@ class LevelSpec(LevelFields):
                 self._drawn.update(drawn.counts)
                 # The model is frozen for its users; these fields are the drawing's own.
                 self.__dict__.update(drawn.fields)
-        elif "exit" not in self.model_fields_set and self.exit_one_of is None:
+        elif not ("exit" in self.model_fields_set or self.exit_one_of or self.targets):
             self.__dict__["exit"] = (self.size[0] - 1, self.size[1] - 1)
         issues = issues or issues_of(self)
         if issues:

@@ -1,6 +1,5 @@
 """What a drawing gives, as fields: size, start, exit, walls, puddles, blocked, areas, things."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,11 +69,10 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
     issues += _check_drawn_once(level, drawing)
     if issues:
         return None, issues
-    drawn: dict[str, Sequence[Model]] = {
-        "walls": drawn_walls(drawing),
-        **{kind.field: marked_entries(kind, drawing) for kind in MARKED},
-        **{kind.field: legend_entries(kind, level, drawing) for kind in LEGEND},
-    }
+    drawn: dict[str, list[Model]] = {"walls": [*drawn_walls(drawing)]}
+    for kinds, entries_of in ((MARKED, marked_entries), (LEGEND, legend_entries)):
+        for kind in kinds:
+            drawn.setdefault(kind.field, []).extend(entries_of(kind, level, drawing))
     fields = {
         "size": (drawing.width, drawing.height),
         "start": starts[0] if len(starts) == 1 else tuple(starts),
@@ -96,11 +94,12 @@ def drawn_walls(drawing: d.Drawing) -> list[Wall]:
     ]
 
 
-def marked_entries(kind: Kind, drawing: d.Drawing) -> list[Model]:
-    """Return the entries of a kind in cells that its marks show."""
+def marked_entries(kind: Kind, level: LevelFields, drawing: d.Drawing) -> list[Model]:
+    """Return the entries of a kind in cells that its marks show, where no legend has these."""
     return [
         kind.entry({"at": cell, **given})
         for mark, given in kind.marks.items()
+        if mark not in level.legend
         for cell in drawing.find(mark)
     ]
 

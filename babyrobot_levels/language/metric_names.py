@@ -5,6 +5,9 @@ PATHS = ("states", "reachable", "path_length", "turns")
 THINGS = ("items", "doors", "switches", "movers", "configurations", "detour")
 """Only levels with things have these."""
 
+BOXES = ("boxes", "targets")
+"""Only levels with boxes or targets have these."""
+
 UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps", "success")
 """What is expected of episodes without a limit."""
 
@@ -17,7 +20,7 @@ SOLVED = (*UNLIMITED, "wet_share", "difficulty", *MISTAKES)
 NEEDS = ("needs", "dependencies", "distractors")
 """Those for which it is compiled without the effect of some things; only levels with things."""
 
-METRICS = (*SHAPE, *PATHS, *THINGS, *SOLVED, *NEEDS)
+METRICS = (*SHAPE, *PATHS, *THINGS, *BOXES, *SOLVED, *NEEDS)
 
 SHARES = ("reachable", "success", "wet_share", "irreversible")
 """Shares and probabilities: of these, 0 and 1 are never rounded."""

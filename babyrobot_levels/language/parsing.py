@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 from babyrobot_levels.language.drawing import (
     BLOCKED,
+    BOX,
+    COVERED,
     DOOR,
     EXIT,
     GLASS,
@@ -17,6 +19,7 @@ from babyrobot_levels.language.drawing import (
     SMALL,
     SOLID,
     START,
+    TARGET,
     Drawing,
     framed,
     is_block_map,
@@ -32,18 +35,21 @@ _CELLS = re.compile(r"\|(?: [^#] |###)(?:[|:/ ](?: [^#] |###))*\|")
 _TOKENS = re.compile(r"#+|-+|[|:/]|[^ |:/#-]+")
 """What stands in a line of cells: blocked cells, dashes, sides, and other characters."""
 
-_BUILT_IN = "S start, E exit, o small puddle, O large puddle, ### blocked"
+_BUILT_IN = (
+    "S start, E exit, o small puddle, O large puddle, ### blocked, $ box, . target, "
+    "* box on a target"
+)
 _MEANT = {
     "a start is `S`": "sAaPpR@>",
     "an exit is `E`": "eGgXxT",
-    "a cell without anything is a space": "F._,",
+    "a cell without anything is a space": "F_,",
     "a blocked cell is `###`, all of its three characters": "#BW",
-    "a small puddle is `o`, a large one `O`": "0~*",
+    "a small puddle is `o`, a large one `O`": "0~",
     "a hole is `H: {reward: -1, ends: true}` in `legend`": "H",
 }
 """What a character means to those who know other programs."""
 
-_MARKS = frozenset((PLAIN, START, EXIT, SMALL, LARGE, BLOCKED))
+_MARKS = frozenset((PLAIN, START, EXIT, SMALL, LARGE, BLOCKED, BOX, TARGET, COVERED))
 _SIDES = {SOLID: "a wall", GLASS: "glass", DOOR: "a door"}
 
 _BOXES = re.compile("[\u2500-\u257f]")

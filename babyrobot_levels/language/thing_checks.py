@@ -30,6 +30,8 @@ def check_things(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
     yield from _check_names(level)
     yield from _check_needs(level)
     yield from _check_places(level, blocked)
+    if level.boxes:
+        yield from _check_boxes(level, blocked)
     for index, _ in enumerate(level.doors):
         yield from _check_door(level, index)
     if _cells_of_movers(level) > MAX_WAYS:
@@ -73,7 +75,7 @@ def _place(level: LevelFields, field: str, index: int, *more: str | int) -> Loca
 
 
 def _check_needs(level: LevelFields) -> Iterator[Issue]:
-    known = [thing.name for kind in NEEDED for thing in kind.of(level)]
+    known = [thing.name for kind in NEEDED for thing in kind.of(level) if thing.name is not None]
     others = {thing.name: kind for kind in NAMED if not kind.need.met for thing in kind.of(level)}
     told: list[tuple[str | tuple[str, ...], Route]] = [(level.exit_needs, ("exit_needs",))]
     for index, door in enumerate(level.doors):
@@ -89,7 +91,7 @@ def _unknown_name(
     level: LevelFields, name: str, route: Route, known: list[str], other: Kind | None
 ) -> Issue:
     if other is not None:
-        message = f"`{name}` is {other.one}, which can be neither held nor switched on"
+        message = f"`{name}` is {other.one}, which can be neither held, switched on nor covered"
         help_text = f"name {listed([kind.one for kind in NEEDED], 'or')}"
         return Issue("BR321", route, message, help_text)
     for character, entry in level.legend.items():
@@ -112,9 +114,9 @@ def _check_places(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
     """Check where what doors and exits can need lies."""
     exits = set(level.exits)
     entered = {warp.at for warp in level.warps if warp.when == "enter"}
-    seen: dict[Cell, tuple[str, str]] = {}
-    for what, name, cell, part in _lying(level):
-        kind, other = seen.setdefault(cell, (what, name))
+    seen: dict[Cell, tuple[str, int, str]] = {}
+    for what, called, cell, part in _lying(level):
+        field, number, other = seen.setdefault(cell, (*part[:2], called))
         ground = (
             "a blocked cell"
             if blocked(cell)
@@ -127,25 +129,26 @@ def _check_places(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
         if not is_inside(level, cell):
             yield off_the_grid(level, f"the {what}", cell, _place(level, *part))
         elif ground is not None:
-            message = f"the {what} `{name}` {show_cell(cell)} is on {ground}"
+            message = f"the {called} {show_cell(cell)} is on {ground}"
             yield Issue("BR318", _place(level, *part), message, f"move the {what}")
-        elif other != name:
-            message = f"the {what} `{name}` {show_cell(cell)} is on the cell of the {kind}"
+        elif (field, number) != part[:2]:
+            message = f"the {called} {show_cell(cell)} is on the cell of the {other}"
             nouns = listed([kind.noun for kind in NEEDED], "or")
             help_text = f"move one of them: a cell holds one {nouns}"
-            yield Issue("BR319", _place(level, *part), f"{message} `{other}`", help_text)
+            yield Issue("BR319", _place(level, *part), message, help_text)
     for index, item in enumerate(level.items):
         yield from _check_item(level, item, index)
 
 
 def _lying(level: LevelFields) -> Iterator[tuple[str, str, Cell, Part]]:
-    """Yield what lies where: what it is, its name, its cell, and which part says so."""
+    """Yield what lies where: its noun, what it is called, its cell, and which part says so."""
     for kind in NEEDED:
         for index, thing in enumerate(kind.of(level)):
+            called = kind.noun if thing.name is None else f"{kind.noun} `{thing.name}`"
             if thing.at is not None:
-                yield kind.noun, thing.name, thing.at, (kind.field, index, "at")
+                yield kind.noun, called, thing.at, (kind.field, index, "at")
             for number, cell in enumerate(getattr(thing, "one_of", None) or ()):
-                yield kind.noun, thing.name, cell, (kind.field, index, "one_of", number)
+                yield kind.noun, called, cell, (kind.field, index, "one_of", number)
 
 
 def _check_item(level: LevelFields, item: Item, index: int) -> Iterator[Issue]:
@@ -170,6 +173,52 @@ def _check_door(level: LevelFields, index: int) -> Iterator[Issue]:
         yield off_the_grid(level, "the cell", door.at, (*route, "at"))
     elif not is_inside(level, last):
         yield off_the_grid(level, "the last cell of the door", last, (*route, "length"))
+
+
+# -- boxes ---------------------------------------------------------------------------------
+
+
+MAX_BOXED = 1 << 14
+"""The most cells of a level with boxes."""
+
+
+def _check_boxes(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
+    cells = level.size[0] * level.size[1]
+    if cells > MAX_BOXED:
+        message = f"the level has {cells:,} cells; with boxes the limit is {MAX_BOXED:,}"
+        yield Issue("BR205", ("boxes",), message, "use a smaller level")
+        return
+    sent = {
+        cell
+        for warp in level.warps
+        for cell in (level.starts if isinstance(warp.to, str) else (warp.to,))
+    }
+    seen: set[Cell] = set()
+    for index, box in enumerate(level.boxes):
+        ground = (
+            "a blocked cell"
+            if blocked(box.at)
+            else "a start"
+            if box.at in level.starts
+            else "a cell to which a warp leads"
+            if box.at in sent
+            else None
+        )
+        where = _place(level, "boxes", index, "at")
+        if not is_inside(level, box.at):
+            yield off_the_grid(level, "the box", box.at, where)
+        elif ground is not None:
+            yield Issue(
+                "BR318", where, f"the box {show_cell(box.at)} is on {ground}", "move the box"
+            )
+        elif box.at in seen:
+            message = f"{show_cell(box.at)} already has a box"
+            yield Issue("BR319", where, message, "keep one box per cell")
+        seen.add(box.at)
+    if level.ends_covered and seen.issuperset(target.at for target in level.targets):
+        message = "all targets are covered at the beginning, which ends the episode"
+        where = _place(level, "targets", 0, "at")
+        yield Issue("BR327", where, message, "move a box, or add a target or an exit")
 
 
 # -- movers --------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Things, whose state changes during an episode: items, doors, switches, movers."""
+"""Things, whose state changes during an episode: items, doors, switches, boxes, movers."""
 
 from typing import Annotated, Any, Literal
 
@@ -108,6 +108,41 @@ class Switch(Model):
         return "switch"
 
 
+class Box(Model):
+    """A box, which the robot pushes; all boxes are alike."""
+
+    at: Cell
+    """The cell in which it stands at the beginning."""
+
+    @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """The cells in which it may begin: its own."""
+        return (self.at,)
+
+
+class Target(Model):
+    """A cell to push a box to: it is covered while a box stands there."""
+
+    at: Cell
+    """The cell."""
+    name: Slug | None = None
+    """The name, unique among all things of the level, by which doors and exits need it."""
+    color: Color | None = None
+    """The colour, if it is not the theme's."""
+    label: Text | None = None
+    """A text to show on it."""
+
+    @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """The cells in which it may lie: its own."""
+        return (self.at,)
+
+    @property
+    def picture(self) -> str:
+        """How it is drawn."""
+        return "target"
+
+
 class Mover(Model):
     """A guard that walks a path, or a wanderer that walks at random in a rectangle."""
 
@@ -152,17 +187,19 @@ class Hit(Model):
     """Whether the episode ends."""
 
 
-DRAWN_NAMES = ("item", "switch")
+DRAWN_NAMES = ("item", "switch", "target")
 """The fields of `DrawnThing` with names; each is the name of a kind."""
 
 
 class DrawnThing(Model):
-    """An item or a switch of a drawing."""
+    """An item, a switch or a target of a drawing."""
 
     item: Slug | None = None
     """The name of an item; drawn in several cells, it lies in one of them."""
     switch: Slug | None = None
     """The name of a switch."""
+    target: Slug | None = None
+    """The name of a target."""
     shape: Shape | None = None
     """The item's picture; by default its name if that is a shape, else `star`."""
     once: Flag = False
@@ -172,10 +209,10 @@ class DrawnThing(Model):
 
 
 class LegendEntry(Traits, DrawnThing):
-    """The meaning of a character of the drawing: an area of one cell, an item, or a switch."""
+    """The meaning of a character: an area of one cell, an item, a switch or a target."""
 
     color: Color | None = None
-    """The colour of the ground, the item or the switch."""
+    """The colour of the ground, the item, the switch or the target."""
     reward: Number | None = None
     """The reward for entering the cell, or of the step that takes the item."""
     label: Text | None = None

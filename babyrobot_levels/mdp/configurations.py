@@ -1,6 +1,7 @@
 """Configurations: the value of every thing of a level, and what they come to. Needs no NumPy.
 
-Things count in this order: the drawn exit, items, switches, movers, each as listed. A `Thing` says
+Things count in this order: the drawn exit, items, switches, boxes by their cells, targets, movers;
+where nothing is said, as listed. A `Thing` says
 all that compilers, words and pictures need to know of one; a kind of things with a state is a
 function that makes them of its entries, and its line in `_MAKERS`. At the end: how many states and
 outcomes there may be.
@@ -106,6 +107,30 @@ def _switches(level: LevelFields) -> Iterator[Thing]:
         )
 
 
+def _boxes(level: LevelFields) -> Iterator[Thing]:
+    """Yield the boxes: alike, so the first stands in the first cell, row by row."""
+    width, height = level.size
+    cells = tuple((x, y) for y in range(height) for x in range(width)) if level.boxes else ()
+    numbers = sorted(y * width + x for x, y in (box.at for box in level.boxes))
+    for number, (box, cell) in enumerate(zip(level.boxes, numbers, strict=True), 1):
+        yield Thing("box", box, "", cells, cells, (cell,), usual_name=f"box-{number}")
+
+
+def _targets(level: LevelFields) -> Iterator[Thing]:
+    boxes = {box.at for box in level.boxes}
+    for number, target in enumerate(level.targets, 1):
+        yield Thing(
+            "target",
+            target,
+            target.name or "",
+            cells=(target.at, target.at),
+            states=("not covered", "covered"),
+            begins=(int(target.at in boxes),),
+            is_met=1,
+            usual_name=f"target-{number}",
+        )
+
+
 def _movers(level: LevelFields) -> Iterator[Thing]:
     for number, mover in enumerate(level.movers, 1):
         cells = mover.phases
@@ -123,9 +148,19 @@ _MAKERS: tuple[Callable[[LevelFields], Iterator[Thing]], ...] = (
     _drawn_exit,
     _items,
     _switches,
+    _boxes,
+    _targets,
     _movers,
 )
 """Things in the order in which they count. Those that move by themselves come last."""
+
+
+def _inert(thing: Thing) -> Thing:
+    """Return a thing at which arrivals change nothing, and which nothing covers."""
+    cells: tuple[Cell | None, ...] = (
+        (None,) * thing.values if thing.kind == "target" else thing.cells
+    )
+    return replace(thing, after=(), at_start=False, cells=cells)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,9 +171,11 @@ class Configuration(Telling, public=True):
         values: the value of each thing, in the order of `Things.names`.
         exits: the cells `(x, y)` that are exits in this episode.
         exit_is_open: whether an exit ends the episode: what it needs is held, or on.
+        is_solved: whether all targets are covered, which ends the episode.
         items: for each item, the cell in which it lies, None while it is held.
         held: the names of the items that are held.
-        on: for each thing of `Things.fixed`, whether it is on.
+        on: for each thing of `Things.fixed`, whether it is on, or covered.
+        boxes: the cells in which boxes stand, row by row.
         movers: for each mover, the cell in which it stands.
         doors: for each door, whether it is closed.
     """
@@ -146,9 +183,11 @@ class Configuration(Telling, public=True):
     values: Values
     exits: tuple[Cell, ...]
     exit_is_open: bool
+    is_solved: bool
     items: tuple[Cell | None, ...]
     held: tuple[str, ...]
     on: tuple[bool, ...]
+    boxes: tuple[Cell, ...]
     movers: tuple[Cell, ...]
     doors: tuple[bool, ...]
 
@@ -158,20 +197,21 @@ class Things(Telling, public=True):
 
     Args:
         level: the level.
-        inert: the names of items and switches at which arrivals change nothing.
+        inert: the names of items and switches at which arrivals change nothing, and of targets that
+            no box covers.
 
     Attributes:
         names: the name of each thing, each another: `exit` for a drawn exit; movers without a name
             are `mover-1`, `mover-2`, …. Where a thing has this name, they begin with `the-`.
         kinds: the kind of each thing, as in a drawing's legend: `"exit"`, `"item"`, `"mover"`, ….
         radices: how many values each thing has.
-        fixed: the numbers of the things that stay in their cells, off or on.
+        fixed: the numbers of the things that stay in their cells: off or on, covered or not.
     """
 
     def __init__(self, level: LevelFields, inert: Collection[str] = ()):
         self.level = level
         self._each = tuple(
-            replace(thing, after=(), at_start=False) if thing.name in inert else thing
+            _inert(thing) if thing.name in inert else thing
             for make in _MAKERS
             for thing in make(level)
         )
@@ -183,7 +223,9 @@ class Things(Telling, public=True):
         self.names = tuple(thing.name or free(thing.usual_name) for thing in self._each)
         self.kinds = tuple(thing.kind for thing in self._each)
         self.radices = tuple(thing.values for thing in self._each)
-        self.fixed = tuple(n for n, thing in enumerate(self._each) if thing.met == "on")
+        self.fixed = tuple(
+            n for n, thing in enumerate(self._each) if thing.met in ("on", "covered")
+        )
         self.static = sum(not thing.moves for thing in self._each)
         self.needed = {
             name: (column, thing.is_met)
@@ -237,6 +279,10 @@ class Things(Telling, public=True):
         """
         return self.met(values).issuperset(self.level.exit_keys)
 
+    def is_solved(self, values: Sequence[int]) -> bool:
+        """Return whether all targets are covered, which ends the episode."""
+        return self.level.ends_covered and all(values[self.of_kind("target")])
+
     def at(self, values: Sequence[int]) -> Configuration:
         """Return what is where while the things have these values, `[things]`."""
         values = tuple(int(value) for value in values)
@@ -245,8 +291,10 @@ class Things(Telling, public=True):
             values=values,
             exits=self.exits(values),
             exit_is_open=self.exit_is_open(values),
+            is_solved=self.is_solved(values),
             items=self._cells("item", values),
             held=tuple(name for name in self.names[self.items] if name in met),
+            boxes=tuple(cell for cell in self._cells("box", values) if cell is not None),
             on=tuple(values[column] == self._each[column].is_met for column in self.fixed),
             movers=tuple(cell for cell in self._cells("mover", values) if cell is not None),
             doors=self.closed(met),
@@ -311,6 +359,9 @@ def largest_radices(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, 
 MAX_STATES = 2_000_000
 """The most states of a level with things; without, its size has a limit."""
 
+MAX_BOXED_STATES = 5_000_000
+"""The most states of a level with boxes."""
+
 MAX_OUTCOMES = 64
 """The most outcomes of one state and action of a level with things."""
 
@@ -332,9 +383,14 @@ def surely_fits(level: LevelFields) -> bool:
     states, outcomes = level.size[0] * level.size[1], most_outcomes(level)
     if level.has_things:
         states *= prod(Things(level).radices)
-        if states > MAX_STATES or outcomes > MAX_OUTCOMES:
+        if states > most_states(level) or outcomes > MAX_OUTCOMES:
             return False
     return states * outcomes <= MAX_WIDE_STATES
+
+
+def most_states(level: LevelFields) -> int:
+    """Return how many states a level with things may have."""
+    return MAX_BOXED_STATES if level.boxes else MAX_STATES
 
 
 def most_outcomes(level: LevelFields) -> int:

@@ -20,10 +20,15 @@ def drawing_of(level: LevelSpec, grid: Grid) -> d.Drawing:
         for character in level.legend:
             for x, y in level.drawing.find(character):
                 cells[y][x] = character
-    for kind in MARKED:
-        for entry in kind.of(level):
+    for kind in reversed(MARKED):
+        # Beside a drawing, entries may stand in the field as well: the drawing has only its own.
+        entries = kind.of(level)
+        for entry in (
+            entries if level.drawing is None else entries[: level._drawn.get(kind.field, 0)]
+        ):
             x, y = entry.at
-            cells[y][x] = kind.mark_of(entry)
+            mark = kind.mark_of(entry)
+            cells[y][x] = d.together(cells[y][x], mark) or mark
     exits = level.exits if level.exit_one_of is None else ()
     for character, ends in ((d.START, level.starts), (d.EXIT, exits)):
         for x, y in ends:

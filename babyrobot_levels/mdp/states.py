@@ -189,7 +189,7 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
 
 
 def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
-    """Return in which states the robot stands on an exit that is open, `[states]`.
+    """Return in which states the robot stands on an open exit, or all is covered, `[states]`.
 
     Args:
         level: the level.
@@ -200,11 +200,14 @@ def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
         is_exit[[y * mdp.width + x for x, y in level.exits]] = True
         return np.tile(is_exit, mdp.headings) if mdp.headings > 1 else is_exit
     things = level.things()
-    # Movers change nothing about exits.
+    # Movers change nothing about exits and targets.
     static, which = np.unique(mdp.configurations[:, : things.static], axis=0, return_inverse=True)
     cells = np.zeros((len(static), mdp.cells), bool)
+    free = ~level.grid().blocked.ravel()
     for row, values in zip(cells, static.tolist(), strict=True):
-        if things.exit_is_open(values):
+        if things.is_solved(values):
+            row[:] = free
+        elif things.exit_is_open(values):
             row[[y * mdp.width + x for x, y in things.exits(values)]] = True
     return np.repeat(cells[which.ravel()], mdp.headings, axis=0).ravel()
 
@@ -247,7 +250,8 @@ def situation(level: GridWorld, number: int) -> dict[str, Any]:
     """Return what each thing of a level is in a configuration, by name.
 
     Items are `"held"`, `"lies"` in their only place, or the cell of those in which they may lie;
-    movers and a drawn exit are the cells in which they are; others are `"on"` or `"off"`.
+    boxes, movers and a drawn exit are the cells in which they are; others are `"on"` or `"off"`,
+    `"covered"` or `"not covered"`.
     """
     things, values = level.things(), level.compile().configurations[number].tolist()
     states = [thing.states[value] for thing, value in zip(things, values, strict=True)]

@@ -213,6 +213,7 @@ def things_data(
       edges and the side of the square around it.
     - `sides` of doors: pairs of a cell and of the move that the closed door refuses there.
     - `exits` and `needs` of the exit: the cells at which the episode ends, and what opens them.
+    - `cells` of boxes: the one of each value.
     - `label` of movers: the look of the label in the cell whose corner is (0, 0), -1 for none.
 
     Args:
@@ -279,8 +280,8 @@ class _Things:
         return [number, length(left), length(top), length(right - left)]
 
     def data(self) -> tuple[list[Thing], list[list[Group]]]:
-        things = [*self.exit(), *self.fixed(), *self.items(), *self.doors(), *self.movers()]
-        return things, self.looks
+        standing = [*self.exit(), *self.fixed(), *self.items(), *self.boxes(), *self.doors()]
+        return [*standing, *self.movers()], self.looks
 
     def exit(self) -> Iterator[Thing]:
         level = self.level
@@ -310,7 +311,7 @@ class _Things:
             thing = self.things[column]
             yield {
                 "kind": thing.kind,
-                "name": thing.name,
+                "name": self.things.names[column],
                 "values": self.column(column),
                 "looks": [self.find((thing.kind, number, is_on)) for is_on in (False, True)],
                 "cells": [[self.number_of(thing.entry.at)]] * 2,
@@ -327,6 +328,22 @@ class _Things:
                 "looks": [*looks, []],
                 "cells": [*([self.number_of(cell)] for cell in item.places), []],
                 "icon": self.icon(("held", number, True)),
+            }
+
+    def boxes(self) -> Iterator[Thing]:
+        """Yield the boxes; what one looks like depends on its cell alone."""
+        boxes = self.things.of_kind("box")
+        for column in range(boxes.start, boxes.stop):
+            values = self.column(column)
+            cells = [*self.layout.cells()]
+            places = sorted({*values})
+            number = {value: place for place, value in enumerate(places)}
+            yield {
+                "kind": "box",
+                "name": self.things.names[column],
+                "values": [number[value] for value in values],
+                "looks": [self.find(("box", cells[value])) for value in places],
+                "cells": [[value] for value in places],
             }
 
     def doors(self) -> Iterator[Thing]:

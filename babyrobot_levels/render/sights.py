@@ -17,7 +17,7 @@ from babyrobot_levels.mdp.grid import BIT, door_sides
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.situation import look_of
 from babyrobot_levels.render.text import PLAIN_ROBOT, TextPainter
-from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER
+from babyrobot_levels.render.text_plan import BOX, ITEMS, LOCKED, MOVER, ON_TARGET, TARGET
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.describe import around, goal_of, way_to_exit
 from babyrobot_levels.render.words.rules import Rule, mover_names, rules_of, spoken, ways_of
@@ -116,6 +116,11 @@ class Narrator:
             yield "the robot takes what lies in a cell by coming there"
         if level.switches:
             yield "the robot flips a switch by coming to its cell"
+        if level.boxes:
+            yield (
+                "the robot pushes a box by moving to its cell, if the cell behind it is free; "
+                "else the box is a wall"
+            )
         if level.movers:
             yield (
                 "movers move in each step, after the robot, which meets those that are in its "
@@ -132,6 +137,7 @@ class Narrator:
             "meeting a mover": level.movers,
             "a warp": any(warp.reward is not None for warp in level.warps),
             "the exit": level.exits,
+            "covering the last target": level.ends_covered,
             "an item": any(item.reward is not None for item in level.items),
             "waiting": rewards.stay is not None,
             "a refused move": rewards.bump is not None,
@@ -165,6 +171,10 @@ class Narrator:
         signs |= {sign: f"the {spoken(names)}" for sign, names in items.items()}
         if level.switches:
             signs |= {"0": "a switch that is off", "1": "a switch that is on"}
+        if level.boxes:
+            signs[BOX[1]] = "a box"
+        if level.targets:
+            signs |= {TARGET[1]: "a target", ON_TARGET[1]: "a box on a target"}
         if level.movers:
             pictures = dict.fromkeys(_a(mover.picture) for mover in level.movers)
             signs[MOVER[1]] = listed([*pictures], "or")
@@ -264,14 +274,17 @@ class Narrator:
             yield f"{name} is at {show_cell(at)}{ahead}"
 
     def _things(self, cell: Cell, now: Configuration) -> Iterator[str]:
-        """Yield the items and switches in a cell."""
+        """Yield the items, switches, boxes and targets in a cell."""
         things = self._level.things()
+        if cell in now.boxes:
+            yield "a box"
         for item, at in zip(self._level.items, now.items, strict=True):
             if at == cell:
                 yield f"the {spoken([item.name])}"
         for column, is_on in zip(things.fixed, now.on, strict=True):
-            if things[column].entry.at == cell:
-                yield f"the {spoken([things.names[column]])} ({'on' if is_on else 'off'})"
+            thing = things[column]
+            if thing.entry.at == cell:
+                yield f"the {spoken([things.names[column]])} ({thing.states[is_on]})"
 
     def _contents(self, cell: Cell, now: Configuration) -> list[str]:
         """Return what is in a cell, the robot and movers left out; nothing for a plain one."""
@@ -327,7 +340,7 @@ class Narrator:
         things = self._level.things()
         lying = [at for at in now.items if at is not None]
         switches = [things[column].entry.at for column in things.fixed]
-        return dict.fromkeys([*lying, *switches, *now.movers])
+        return dict.fromkeys([*lying, *switches, *now.boxes, *now.movers])
 
 
 def _told(where: str, contents: Mapping[Cell, Iterable[str]]) -> Iterator[str]:

@@ -185,7 +185,9 @@ def place_of(level: GridWorld, state: int) -> RobotPlace:
 
 
 class GoodEnds:
-    """Tells which steps end an episode well: at an open exit or a good end, and without a hit.
+    """Tells which steps end an episode well, and without a hit.
+
+    Those do that lead to an open exit or a good end, or cover the last target.
 
     Args:
         level: the level; a maze needs a seed.
@@ -201,7 +203,8 @@ class GoodEnds:
         if not level.has_things:
             return after.cell in self._cells or after.cell in level.exits
         now = level.configuration(after.configuration)
-        if after.cell not in self._cells and not (now.exit_is_open and after.cell in now.exits):
+        is_end = after.cell in self._cells or (now.exit_is_open and after.cell in now.exits)
+        if not (is_end or now.is_solved):
             return False
         before = place_of(level, state)
         movers = zip(level.configuration(before.configuration).movers, now.movers, strict=True)
@@ -217,7 +220,8 @@ class Situation:
         exits: the cells that are exits, or of which one is.
         is_locked: whether the exits need something that is not held, or not on.
         items: for each item, the cells in which it lies, or in one of which; none while held.
-        on: for each thing of `Things.fixed`, whether it is on.
+        on: for each thing of `Things.fixed`, whether it is on, or covered.
+        boxes: the cells in which boxes stand.
         movers: for each mover, the cell in which it stands.
         looks: for each mover, the way to the next cell of its path, `(dx, dy)`; `(0, 0)` for one
             that stays, or walks at random.
@@ -229,6 +233,7 @@ class Situation:
     is_locked: bool
     items: tuple[tuple[Cell, ...], ...]
     on: tuple[bool, ...]
+    boxes: tuple[Cell, ...]
     movers: tuple[Cell, ...]
     looks: tuple[Cell, ...]
     doors: tuple[bool, ...]
@@ -237,12 +242,13 @@ class Situation:
     @property
     def standing(self) -> tuple[object, ...]:
         """Everything but movers: situations in which it is the same have the same pieces."""
-        return self.exits, self.is_locked, self.items, self.on, self.doors, self.is_overview
+        situation = self.exits, self.is_locked, self.items, self.on, self.boxes, self.doors
+        return *situation, self.is_overview
 
     @property
     def lying(self) -> frozenset[Cell]:
-        """The cells in which items lie, or may lie."""
-        return frozenset(cell for cells in self.items for cell in cells)
+        """The cells in which items lie, or may lie, and boxes stand."""
+        return frozenset(cell for cells in self.items for cell in cells).union(self.boxes)
 
 
 def situation_of(level: GridWorld, configuration: int | None) -> Situation:
@@ -256,7 +262,7 @@ def situation_of(level: GridWorld, configuration: int | None) -> Situation:
     if not level.has_things:
         if configuration:
             raise ValueError("the level has no things, and so a single configuration")
-        return Situation(level.exits, False, (), (), (), (), ())
+        return Situation(level.exits, False, (), (), (), (), (), ())
     if configuration is None:
         return _overview(level)
     count = level.compile().num_configurations
@@ -272,6 +278,7 @@ def situation_at(level: GridWorld, found: Configuration) -> Situation:
         is_locked=not found.exit_is_open,
         items=tuple(() if cell is None else (cell,) for cell in found.items),
         on=found.on,
+        boxes=found.boxes,
         movers=found.movers,
         looks=_looks(level, found.values[level.things().static :]),
         doors=found.doors,
@@ -289,6 +296,7 @@ def _overview(level: GridWorld) -> Situation:
         is_locked=not met.issuperset(level.exit_keys),
         items=tuple(item.places for item in level.items),
         on=on,
+        boxes=tuple(box.at for box in level.boxes),
         movers=tuple(_first_cell(mover) for mover in level.movers),
         looks=_looks(level, [0] * len(level.movers)),
         doors=things.closed(met),

@@ -16,6 +16,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.situation import Situation
 from babyrobot_levels.render.text_plan import (
     BLOCK,
+    BOX,
     CLOSED,
     GLASSY,
     ITEMS,
@@ -23,7 +24,9 @@ from babyrobot_levels.render.text_plan import (
     MOVER,
     OFF,
     ON,
+    ON_TARGET,
     OPEN,
+    TARGET,
     WINDS,
     Palette,
     Position,
@@ -177,7 +180,7 @@ class _Reader:
         cells = [divmod(cell, self._level.size[0])[::-1] for cell in rule.cells]
         shown = [self._shown[y][x] for x, y in cells]
         count = Counter(shown)
-        others = {d.PLAIN, d.START, d.EXIT, *self._things}
+        others = {d.PLAIN, d.START, d.EXIT, *self._things} - {TARGET[self._plain]}
         if rule.sample in _ENDS:
             others = {*count}.difference(_ENDS[rule.sample])
         first = {mark: cells[shown.index(mark)] for mark in count if mark not in others}
@@ -199,6 +202,8 @@ class _Reader:
         """Return the marks that the drawing has for a rule that is about more than cells."""
         kind, _, name = rule.sample.partition(":")
         column, glass = int(self._plain), self._level.grid().glass
+        if kind == "box":
+            return self._of_things(BOX[column], ON_TARGET[column])
         if kind in ("item", "switch"):
             return self._of_things(self._marks_of_things[name])
         if kind == "mover":
@@ -221,7 +226,8 @@ class _Reader:
         level, things = self._level, self._level.things()
         marks = {item.name: ITEMS[item.picture][self._plain] for item in level.items}
         for column, is_on in zip(things.fixed, self._situation.on, strict=True):
-            marks[things.names[column]] = ON if is_on else OFF
+            if things.kinds[column] == "switch":
+                marks[things.names[column]] = ON if is_on else OFF
         return marks
 
     def _others(self, entries: Sequence[Entry]) -> Iterator[Entry]:

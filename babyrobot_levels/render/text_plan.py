@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import shifts, sides_of
+from babyrobot_levels.language.kinds import MARKED
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.mdp.drawn import drawing_of
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import Rgb, contrast, over
-from babyrobot_levels.render.scene.icons import thing_color
+from babyrobot_levels.render.scene.icons import default_color, thing_color
 from babyrobot_levels.render.scene.things import door_color
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.situation import Situation
@@ -23,6 +24,9 @@ ITEMS = {"key": "♀k", "coin": "¢c", "gem": "♦g", "star": "★*", "box": "�
 """The character of each shape: in Unicode, and in ASCII."""
 
 OFF, ON = "0", "1"
+BOX, ON_TARGET, TARGET = "▣$", "▩*", "◌."
+"""A box, one on a target, and a target: in Unicode, and in ASCII."""
+
 LOCKED = "X"
 MOVER = "Ω&"
 
@@ -112,13 +116,20 @@ def _in_cells(
     colors = level.resolved_theme.colors
     for mover, (x, y) in zip(level.movers, situation.movers, strict=True):
         yield x, y, TextMark(MOVER[kind], thing_color(mover, colors))
+    targets = {target.at for target in level.targets}
+    for x, y in situation.boxes:
+        mark = ON_TARGET if (x, y) in targets else BOX
+        yield x, y, TextMark(mark[kind], default_color("box", colors))
     for item, cells in zip(level.items, situation.items, strict=True):
         for x, y in cells:
             yield x, y, TextMark(ITEMS[item.picture][kind], thing_color(item, colors))
     things = level.things()
     for column, is_on in zip(things.fixed, situation.on, strict=True):
         entry = things[column].entry
-        yield *entry.at, TextMark(ON if is_on else OFF, thing_color(entry, colors))
+        mark = ON if is_on else OFF
+        if entry.at in targets:
+            mark = (ON_TARGET if is_on else TARGET)[kind]
+        yield *entry.at, TextMark(mark, thing_color(entry, colors))
     if situation.is_locked or level.exit_one_of is not None:
         for x, y in situation.exits:
             yield x, y, TextMark(LOCKED if situation.is_locked else d.EXIT)
@@ -161,7 +172,10 @@ def drawing_without_things(level: GridWorld) -> d.Drawing:
     drawing = drawing_of(level, level.grid())
     if not level.has_things:
         return drawing
-    named = {ord(letter): d.PLAIN for letter, entry in level.legend.items() if entry.kind != "area"}
+    marks = {mark for kind in MARKED if kind.state for mark in kind.marks}
+    things = [*marks.difference(level.legend)]
+    things += [letter for letter, entry in level.legend.items() if entry.kind != "area"]
+    named = {ord(mark): d.PLAIN for mark in things}
     doors = {ord(d.DOOR): d.OPEN}
     return d.Drawing(
         tuple(row.translate(named) for row in drawing.cells),

@@ -41,6 +41,7 @@ class Bounds:
         num_starts: the most starts.
         has_movers: whether a level can have movers.
         has_wind: whether a level can have wind.
+        has_boxes: whether a level can have boxes or targets.
     """
 
     size: tuple[int, int] = (0, 0)
@@ -50,6 +51,7 @@ class Bounds:
     num_starts: int = 1
     has_movers: bool = False
     has_wind: bool = False
+    has_boxes: bool = False
 
     @classmethod
     def of(cls, level: Level) -> Self:
@@ -66,6 +68,7 @@ class Bounds:
             int(np.count_nonzero(mdp.start)),
             bool(level.movers),
             has_wind,
+            bool(level.boxes or level.targets),
         )
 
     @classmethod
@@ -81,6 +84,7 @@ class Bounds:
                 max(joined.num_starts, part.num_starts),
                 joined.has_movers or part.has_movers,
                 joined.has_wind or part.has_wind,
+                joined.has_boxes or part.has_boxes,
             )
         return joined
 

@@ -111,7 +111,7 @@ def test_what_does_not_fit_is_refused() -> None:
         level.to_html(next_page="javascript:alert(1)")
     with pytest.raises(ValueError, match="there is no agent 'bset'"):
         level.to_html(policy="bset")
-    with pytest.raises(ValueError, match="no item or switch 'kye'; did you mean `key`"):
+    with pytest.raises(ValueError, match="no item, switch or target 'kye'; did you mean `key`"):
         level.to_svg(held=["kye"])
     with pytest.raises(ValueError, match="scale must be above 0 and at most 100, not 0"):
         level.to_svg(scale=0)

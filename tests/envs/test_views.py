@@ -28,9 +28,8 @@ ARROWS = {(0, -1): "N", (1, 0): "E", (0, 1): "S", (-1, 0): "W"}
 
 
 def observer_of(level: Level, headings: int = 1, **options: Any) -> Observer:
-    return make_observer(
-        level, Observation("view", **options), Extent(level.size, headings=headings)
-    )
+    extent = Extent(level.size, headings=headings, has_boxes=bool(level.boxes or level.targets))
+    return make_observer(level, Observation("view", **options), extent)
 
 
 def view_of(

@@ -52,10 +52,11 @@ def test_a_kind_has_an_article_and_a_plural(kind: Kind) -> None:
 
 
 def test_marks_are_those_of_drawings_and_belong_to_one_kind_each() -> None:
-    marks = [mark for kind in KINDS for mark in kind.marks]
+    # A target with a box shows both.
+    marks = [mark for kind in KINDS for mark in kind.marks if mark != d.COVERED]
     assert len(marks) == len({*marks})
     # Corners and horizontal walls are other characters of the same marks.
-    assert {*marks} | {d.PLAIN, "+", "-"} == d.RESERVED | {d.DOOR}
+    assert {*marks} | {d.PLAIN, "+", "-"} == d.RESERVED | {d.DOOR, d.BOX, d.TARGET}
 
 
 def test_drawn_fields_are_those_of_kinds_with_marks() -> None:
@@ -84,6 +85,9 @@ def test_labels_of_entries() -> None:
         ("door", {"at": [0, 0], "side": "E", "needs": ["a", "b"]}, "door, needs a, b"),
         ("door", {"at": [0, 0], "side": "E", "unless": "a"}, "door, unless a"),
         ("switch", {"name": "lever", "at": [0, 0]}, "lever"),
+        ("box", {"at": [0, 0]}, "box"),
+        ("target", {"at": [0, 0]}, "target"),
+        ("target", {"at": [0, 0], "name": "pad"}, "pad"),
         ("mover", {"name": "bat", "path": [[0, 0]]}, "bat"),
         ("mover", {"path": [[0, 0]]}, "guard"),
         ("mover", {"within": {"at": [0, 0]}}, "wanderer"),

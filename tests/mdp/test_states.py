@@ -71,8 +71,8 @@ def test_movers_stand_elsewhere_where_they_cannot_stand_as_at_reset() -> None:
 @pytest.mark.parametrize(
     ("names", "told"),
     [
-        (["kye"], "the level has no item or switch 'kye'; did you mean `key`?"),
-        (["guard"], "no item or switch 'guard'; it has key, gem and lever"),
+        (["kye"], "the level has no item, switch or target 'kye'; did you mean `key`?"),
+        (["guard"], "no item, switch or target 'guard'; it has key, gem and lever"),
         (["gem"], r"exactly gem is held or on; possible are: nothing; lever; key; key,lever; "),
     ],
 )
@@ -84,7 +84,7 @@ def test_names_that_no_configuration_has(names: list[str], told: str) -> None:
 def test_levels_without_items_and_switches() -> None:
     level = brl.load("final-maze")
     assert configuration_with(level, []) == initial_configuration(level) == 0
-    with pytest.raises(ValueError, match="no 'key': it has no items and no switches"):
+    with pytest.raises(ValueError, match="no 'key': it has no items, no switches and no targets"):
         configuration_with(level, ["key"])
 
 

@@ -9,6 +9,7 @@ back to where they began are tried a few times.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import comb
 from random import Random
 from typing import Any
 
@@ -25,7 +26,7 @@ from babyrobot_levels.language.cells import (
     Warp,
 )
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
-from babyrobot_levels.language.things import Door, Hit, Item, Mover, Switch
+from babyrobot_levels.language.things import Door, Hit, Item, Mover, Switch, Target
 
 Cell = tuple[int, int]
 Side = frozenset[Cell]
@@ -34,6 +35,7 @@ Fields = dict[str, Any]
 STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
 ITEM_NAMES = ("key", "coin", "gem", "red-key", "box")
 SWITCH_NAMES = ("lever", "plate", "lamp")
+TARGET_NAMES = ("pad", "spot")
 MOVER_NAMES = ("guard", "bat", "ghost")
 MOST_OUTCOMES = 64
 """Levels with more outcomes of one state and action are errors."""
@@ -78,6 +80,7 @@ class _Maker:
         self.weather()
         if things:
             self.items_and_switches()
+            self.boxes_and_targets()
             self.doors_on_free_sides()
             self.moving()
             self.needs_of_exits()
@@ -316,8 +319,45 @@ class _Maker:
             self.fields["switches"] = switches
         self.names = [each["name"] for each in (*items, *switches)]
 
+    def boxes_and_targets(self) -> None:
+        """Place boxes and targets; without an exit, not all targets are covered at first."""
+        if not self.chance(0.35):
+            return
+        sent = {
+            cell
+            for warp in self.fields.get("warps", [])
+            for cell in (self.starts if warp["to"] == "start" else [tuple(warp["to"])])
+        }
+        places = self.cells - self.blocked
+        taken = {
+            tuple(cell)
+            for each in (*self.fields.get("items", []), *self.fields.get("switches", []))
+            for cell in each.get("one_of", [each.get("at")])
+        }
+        boxes = self.sample(places - sent - set(self.starts), self.random.choice((1, 1, 2, 3)))
+        while boxes and not self.spend(comb(len(places), len(boxes))):
+            boxes.pop()
+        free = places - taken - set(self.exits) - set(self.enter)
+        targets = self.sample(free, self.random.choice((0, 1, 1, 2)))
+        if targets and not self.exits and set(targets) <= set(boxes):
+            targets = []
+        if boxes:
+            self.fields["boxes"] = [{"at": at(cell)} for cell in boxes]
+        if not targets:
+            return
+        entries: list[Fields] = [
+            {"at": at(cell)} | self.some(Target, 0.3, "name") for cell in targets
+        ]
+        for entry, name in zip(entries, TARGET_NAMES, strict=False):
+            if self.chance(0.5):
+                entry["name"] = name
+                self.names.append(name)
+        self.fields["targets"] = entries
+        if self.exits and "exit" not in self.fields and "exit_one_of" not in self.fields:
+            self.fields["exit"] = at(self.exits[0])
+
     def some_names(self, most: int) -> Any:
-        """Draw names of items and switches, as they are written."""
+        """Draw names of items, switches and targets, as they are written."""
         count = self.random.randint(1, min(most, len(self.names)))
         return one_or_list(self.random, self.random.sample(self.names, count))
 

@@ -5,7 +5,8 @@ package. Everything is a dictionary, a list or a loop: it is meant to be checked
 to be compared with the compiled tables. It takes valid levels without `map`, `legend` and `maze`,
 and checks nothing.
 
-The words are those of the document: a *thing* is the drawn exit, an item, a switch or a mover; a
+The words are those of the document: a *thing* is the drawn exit, an item, a switch, a box, a
+target or a mover; a
 *configuration* is the value of every thing; a *pair* is a configuration and a cell.
 """
 
@@ -59,6 +60,7 @@ class Landing(NamedTuple):
     warp_reward: float | None = None
     bumped: bool = False
     bounced: bool = False
+    boxes: tuple[Cell, ...] = ()
 
 
 class Result(NamedTuple):
@@ -169,7 +171,11 @@ class Reference:
         self.exits = (
             []
             if self.exit_places
-            else cells_of(fields.get("exit", (self.width - 1, self.height - 1)))
+            else cells_of(
+                fields.get(
+                    "exit", "none" if fields.get("targets") else (self.width - 1, self.height - 1)
+                )
+            )
         )
         self.exit_needs = names_of(fields.get("exit_needs"))
         self.blocked = {cell for entry in fields.get("blocked", []) for cell in rectangle(entry)}
@@ -191,6 +197,10 @@ class Reference:
         self.bump_reward: float | None = rewards.get("bump")
         self.closer_reward: float | None = rewards.get("closer")
         self.farther_reward: float | None = rewards.get("farther")
+        # Those that are added; none is nothing.
+        self.push_reward: float = rewards.get("push") or 0
+        self.covered_reward: float = rewards.get("covered") or 0
+        self.uncovered_reward: float = rewards.get("uncovered") or 0
 
         self.cell_reward: dict[Cell, float] = dict.fromkeys(self.cells, self.step_reward)
         level_skid = fields.get("skid")
@@ -231,6 +241,8 @@ class Reference:
     def _read_things(self, fields: Mapping[str, Any]) -> None:
         self.items: list[Mapping[str, Any]] = fields.get("items", [])
         self.switches: list[Mapping[str, Any]] = fields.get("switches", [])
+        self.boxes = [cell_of(box["at"]) for box in fields.get("boxes", [])]
+        self.targets: list[Mapping[str, Any]] = fields.get("targets", [])
         self.movers: list[Mapping[str, Any]] = fields.get("movers", [])
         self.item_places = [
             cells_of(item["one_of"]) if "one_of" in item else [cell_of(item["at"])]
@@ -256,18 +268,26 @@ class Reference:
             *["exit"] * drawn,
             *(item["name"] for item in self.items),
             *(switch["name"] for switch in self.switches),
+            *("" for _ in self.boxes),
+            *(target.get("name", "") for target in self.targets),
             *(mover.get("name", "") for mover in self.movers),
         ]
         self.radices = [
             *[len(self.exit_places)] * drawn,
             *(len(places) + 1 for places in self.item_places),
             *(2 for _ in self.switches),
+            *(self.num_cells for _ in self.boxes),
+            *(2 for _ in self.targets),
             *(len(cells) for cells in self.mover_cells),
         ]
         # Where the values of each kind begin in a configuration.
         self.first_item = drawn
         self.first_switch = self.first_item + len(self.items)
-        self.first_mover = self.first_switch + len(self.switches)
+        self.first_box = self.first_switch + len(self.switches)
+        self.first_target = self.first_box + len(self.boxes)
+        self.first_mover = self.first_target + len(self.targets)
+        # No box may stand where a warp leads to.
+        self.no_boxes = {target for warp in self.warps.values() for target in warp.targets}
 
     # What a configuration means.
 
@@ -280,6 +300,9 @@ class Reference:
         for index, switch in enumerate(self.switches):
             if switch["name"] == name:
                 return configuration[self.first_switch + index] == 1
+        for target in self.targets:
+            if target.get("name") == name:
+                return cell_of(target["at"]) in self.boxes_in(configuration)
         raise KeyError(name)
 
     def exits_of(self, configuration: Configuration) -> list[Cell]:
@@ -296,7 +319,33 @@ class Reference:
 
     def over(self, configuration: Configuration, cell: Cell) -> bool:
         """Return whether an episode is over for where the robot stands."""
-        return cell in self.blocked or cell in self.ending or self.exit_open(configuration, cell)
+        return (
+            cell in self.blocked
+            or cell in self.ending
+            or self.exit_open(configuration, cell)
+            or self.solved(configuration)
+        )
+
+    def boxes_in(self, configuration: Configuration) -> tuple[Cell, ...]:
+        """Return where the boxes stand, row by row."""
+        values = configuration[self.first_box : self.first_target]
+        return tuple((value % self.width, value // self.width) for value in values)
+
+    def with_boxes(self, configuration: Configuration, boxes: tuple[Cell, ...]) -> Configuration:
+        """Return the configuration with the boxes elsewhere: they are alike, so in order."""
+        numbers = sorted(y * self.width + x for x, y in boxes)
+        covered = [int(cell_of(target["at"]) in boxes) for target in self.targets]
+        rest = configuration[self.first_mover :]
+        return (*configuration[: self.first_box], *numbers, *covered, *rest)
+
+    def covered(self, configuration: Configuration) -> int:
+        """Return how many targets are covered."""
+        return sum(configuration[self.first_target : self.first_mover])
+
+    def solved(self, configuration: Configuration) -> bool:
+        """Return whether the episode is over as all targets are covered: there is no exit."""
+        ends = self.targets and not self.exits and not self.exit_places
+        return bool(ends) and self.covered(configuration) == len(self.targets)
 
     def mover_cell(self, mover: int, configuration: Configuration) -> Cell:
         """Return where a mover stands."""
@@ -309,7 +358,24 @@ class Reference:
         )
 
     def closed(self, configuration: Configuration, cell: Cell, direction: int) -> bool:
-        """Return whether a side of a cell is closed: by a wall, glass, a door, a blocked cell."""
+        """Return whether a side is closed to the robot: also by a box that cannot be pushed."""
+        other = neighbour(cell, direction)
+        return self.shut(configuration, cell, direction) or (
+            other in self.boxes_in(configuration)
+            and not self.slides(configuration, other, direction)
+        )
+
+    def slides(self, configuration: Configuration, box: Cell, direction: int) -> bool:
+        """Return whether a box can be pushed: nothing is in its way, and it may stand there."""
+        behind = neighbour(box, direction)
+        return (
+            not self.shut(configuration, box, direction)
+            and behind not in self.boxes_in(configuration)
+            and behind not in self.no_boxes
+        )
+
+    def shut(self, configuration: Configuration, cell: Cell, direction: int) -> bool:
+        """Return whether a side of a cell is shut: by a wall, glass, a door, a blocked cell."""
         other = neighbour(cell, direction)
         side = frozenset((cell, other))
         return (
@@ -319,10 +385,16 @@ class Reference:
             or any(not self.door_open(door, configuration) for door in self.doors.get(side, []))
         )
 
-    def glass(self, cell: Cell, direction: int) -> float:
-        """Return the probability of getting through the glass at a side; 0 without glass."""
+    def glass(self, configuration: Configuration, cell: Cell, direction: int) -> float:
+        """Return the probability of getting through the glass at a side; 0 without glass.
+
+        There is none where a box behind it cannot be pushed.
+        """
         other = neighbour(cell, direction)
         if other not in self.cells or other in self.blocked:
+            return 0
+        boxes = self.boxes_in(configuration)
+        if other in boxes and not self.slides(configuration, other, direction):
             return 0
         return self.walls.get(frozenset((cell, other)), 0)
 
@@ -330,29 +402,35 @@ class Reference:
 
     def landings(self, configuration: Configuration, cell: Cell, action: int) -> Iterator[Landing]:
         """Give where an action takes the robot, with the sides that are closed before it."""
+        boxes = self.boxes_in(configuration)
         if action == STAY:
-            yield Landing(1.0, cell)
+            yield Landing(1.0, cell, boxes=boxes)
             return
         if cell in self.warps and self.warps[cell].when == "leave":
-            yield from self.warped(Landing(1.0, cell), self.warps[cell])
+            yield from self.warped(Landing(1.0, cell, boxes=boxes), self.warps[cell])
             return
-        chance = self.glass(cell, action)
+        chance = self.glass(configuration, cell, action)
         if chance > 0 and self.pushes(cell, action):
             through = chance * (1 - self.skid[cell][0])
-            target = self.blown(configuration, cell, action, through_glass=True)
-            yield from self.settled(Landing(through, target))
+            target, after = self.blown(configuration, cell, action, through_glass=True)
+            yield from self.settled(Landing(through, target, boxes=after))
             back = OPPOSITE[action]
             shut = self.closed(configuration, cell, back)
             target = cell if shut else neighbour(cell, back)
-            yield from self.settled(Landing(1 - through, target, bounced=True))
+            after = boxes if shut else self.slid(boxes, target, back)
+            yield from self.settled(Landing(1 - through, target, bounced=True, boxes=after))
             return
         for probability, direction in self.skids(configuration, cell, action):
             if direction == STAY:
-                yield from self.settled(Landing(probability, cell))
+                yield from self.settled(Landing(probability, cell, boxes=boxes))
             else:
-                target = self.blown(configuration, cell, direction)
+                target, after = self.blown(configuration, cell, direction)
                 bumped = self.refused(configuration, cell, direction)
-                yield from self.settled(Landing(probability, target, bumped=bumped))
+                yield from self.settled(Landing(probability, target, bumped=bumped, boxes=after))
+
+    def slid(self, boxes: tuple[Cell, ...], cell: Cell, direction: int) -> tuple[Cell, ...]:
+        """Return the boxes after the robot came to a cell: one that stood there went on."""
+        return tuple(neighbour(box, direction) if box == cell else box for box in boxes)
 
     def pushed(self, cell: Cell, direction: int) -> Cell:
         """Return the sum of a move and the wind."""
@@ -393,23 +471,28 @@ class Reference:
 
     def blown(
         self, configuration: Configuration, cell: Cell, direction: int, through_glass: bool = False
-    ) -> Cell:
+    ) -> tuple[Cell, tuple[Cell, ...]]:
         """Travel the sum of a move and the wind: along the axis of the move, then along the other.
 
-        A move that gets through glass is not stopped by the glass of its first step.
+        A move that gets through glass is not stopped by the glass of its first step. This step, if
+        it is the robot's own, pushes a box; all others end at one. Return where boxes are, too.
         """
         dx, dy = self.pushed(cell, direction)
         level = [EAST if dx > 0 else WEST] * abs(dx)
         upright = [SOUTH if dy > 0 else NORTH] * abs(dy)
         legs = [level, upright] if direction in (EAST, WEST) else [upright, level]
-        here = cell
-        for leg in legs:
-            for each in leg:
-                passes = through_glass and here == cell and each == direction
-                if self.closed(configuration, here, each) and not passes:
+        here, boxes = cell, self.boxes_in(configuration)
+        for number, leg in enumerate(legs):
+            for step, each in enumerate(leg):
+                own = number == 0 and step == 0 and each == direction
+                if own and self.closed(configuration, here, each) and not through_glass:
                     break
-                here = neighbour(here, each)
-        return here
+                ahead = neighbour(here, each)
+                if not own and (self.shut(configuration, here, each) or ahead in boxes):
+                    break
+                boxes = self.slid(boxes, ahead, each) if own else boxes
+                here = ahead
+        return here, boxes
 
     def settled(self, landing: Landing) -> Iterator[Landing]:
         """Follow the `enter` warps from where the robot would end up."""
@@ -461,7 +544,7 @@ class Reference:
         options = [value]
         for direction in MOVES:
             there = neighbour(here, direction)
-            if there in cells and not self.closed(configuration, here, direction):
+            if there in cells and not self.shut(configuration, here, direction):
                 options.append(cells.index(there))
         return options
 
@@ -480,7 +563,13 @@ class Reference:
     ) -> float:
         """Return the reward of a step: the first that applies, and that of a bounce."""
         reward = self._reward(action, pair, next_pair, landing, taken)
-        return float(reward + self.bounce_reward if landing.bounced else reward)
+        added = self.bounce_reward if landing.bounced else 0.0
+        if {*landing.boxes} != {*self.boxes_in(pair[0])}:
+            added += self.push_reward
+        before, after = self.covered(pair[0]), self.covered(next_pair[0])
+        if before != after:
+            added += self.covered_reward if after > before else self.uncovered_reward
+        return float(reward + added)
 
     def _reward(
         self, action: int, pair: Pair, next_pair: Pair, landing: Landing, taken: list[int]
@@ -492,6 +581,8 @@ class Reference:
         if landing.warp_reward is not None:
             return landing.warp_reward
         if self.exit_open(configuration, there):
+            return self.exit_reward
+        if self.solved(configuration):
             return self.exit_reward
         for index in taken:
             worth: float | None = self.items[index].get("reward")
@@ -519,10 +610,10 @@ class Reference:
         for landing in self.landings(configuration, cell, action):
             if landing.probability <= 0:
                 continue
-            after = configuration
+            after = self.with_boxes(configuration, landing.boxes)
             taken: list[int] = []
             if landing.sent or landing.cell != cell:
-                after, taken = self.arrived(configuration, landing.cell)
+                after, taken = self.arrived(after, landing.cell)
             options = [
                 self.mover_options(mover, configuration) for mover in range(len(self.movers))
             ]
@@ -545,6 +636,8 @@ class Reference:
             draws.append(range(len(self.exit_places)))
         draws += [range(len(places)) for places in self.item_places]
         draws += [[int(switch.get("on", False))] for switch in self.switches]
+        draws += [[number] for number in sorted(y * self.width + x for x, y in self.boxes)]
+        draws += [[int(cell_of(target["at"]) in self.boxes)] for target in self.targets]
         for mover, cells in zip(self.movers, self.mover_cells, strict=True):
             if "path" in mover:
                 draws.append([0])
@@ -623,7 +716,8 @@ class Reference:
         return {STAY} | {
             move
             for move in MOVES
-            if self.glass(cell, move) > 0 or not self.refused(configuration, cell, move)
+            if self.glass(configuration, cell, move) > 0
+            or not self.refused(configuration, cell, move)
         }
 
 

@@ -36,7 +36,7 @@ NEEDED = {"items.at", "items.one_of", "movers.path", "movers.within"}
 
 ELSEWHERE = {
     "heading": "it only matters to a robot that turns",
-    "movers.name": "names change no tables",
+    **dict.fromkeys(("movers.name", "targets.name"), "names change no tables"),
     **dict.fromkeys(("areas.size", "doors.length", "movers.within.size"), "a place"),
     **dict.fromkeys(("movers.back", "movers.start"), "a way: pictures show it"),
 }

@@ -22,6 +22,7 @@ KEY = {"name": "key", "at": [1, 1]}
 DOOR = {"at": [2, 0], "side": "E", "needs": "key"}
 LEVER = {"name": "lever", "at": [1, 1]}
 GATE = {"at": [2, 0], "side": "E", "needs": "lever"}
+PAD = {"name": "pad", "at": [1, 1]}
 GUARD = {"path": [[1, 2], [2, 2]]}
 BAT = {"within": {"at": [1, 0], "size": [2, 2]}, "start": [1, 0]}
 GLASS = {"at": [1, 1], "side": "E", "pass": 0.2}
@@ -54,6 +55,10 @@ DIFFERENT: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "switches.at": pair("switches", LEVER, {"at": [2, 1]}),
     "switches.once": pair("switches", LEVER, {"once": True}, doors=[GATE]),
     "switches.on": pair("switches", LEVER, {"on": True}, doors=[GATE]),
+    "boxes.at": pair("boxes", {"at": [1, 1]}, {"at": [2, 1]}),
+    "targets.at": pair("targets", {"at": [1, 1]}, {"at": [2, 1]}, boxes=[{"at": [1, 0]}]),
+    "targets.name": (entries("targets", PAD, exit_needs="pad"),
+                     entries("targets", {**PAD, "name": "spot"}, exit_needs="spot")),
     "movers.name": pair("movers", GUARD, {"name": "watchman"}),
     "movers.path": pair("movers", GUARD, {"path": [[1, 2], [1, 1]]}),
     "movers.back": pair("movers", {"path": [[1, 1], [2, 1], [2, 2], [1, 2]]}, {"back": True}),

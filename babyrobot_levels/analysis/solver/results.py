@@ -264,18 +264,18 @@ class Evaluation(StateResult, public=True):
 
     def _html(self) -> str:
         from babyrobot_levels.render.notebook.html import beside, facts
-        from babyrobot_levels.render.words.phrases import with_limit
+        from babyrobot_levels.render.words.phrases import reaching, with_limit
 
         limit = None if self.level is None else self.level.max_steps
         rows = [
             ("Expected return", with_limit(number(self.expected_return), self.within, limit)),
             ("Expected steps", number(self.expected_steps)),
-            ("Reaches an exit", share(self.exit_probability)),
+            (reaching(self.level).capitalize(), share(self.exit_probability)),
             ("Discount", number(self.discount)),
             ("Actions", self.actions),
             *self._how_found(),
         ]
-        if self.level is not None and not self.level.exits:
+        if self.level is not None and not self.level.has_goal:
             del rows[2]
         text = f"<p>{escape(self.explanation)}</p>" if self.explanation else ""
         return beside(image(state_picture(self)), facts(rows) + text)
@@ -368,12 +368,13 @@ class ExactSolution(StateResult, public=True):
 
     def _html(self) -> str:
         from babyrobot_levels.render.notebook.html import facts
+        from babyrobot_levels.render.words.phrases import reaching
 
         return facts(
             [
                 ("Expected return", str(self.expected_return)),
                 ("Expected steps", str(self.expected_steps)),
-                ("Reaches an exit", str(self.exit_probability)),
+                (reaching(self.level).capitalize(), str(self.exit_probability)),
                 ("Discount", str(self.discount)),
                 ("Actions", self.actions),
                 ("Method", "policy iteration over the rationals: no action is better"),

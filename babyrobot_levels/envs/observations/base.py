@@ -64,6 +64,7 @@ class Extent:
         has_items: whether a level has items: pictures then have a row below the cells for what is
             held.
         has_wind: whether a level has wind.
+        has_boxes: whether a level has boxes or targets.
     """
 
     size: Size
@@ -72,6 +73,7 @@ class Extent:
     headings: int = 1
     has_items: bool = False
     has_wind: bool = False
+    has_boxes: bool = False
 
     @classmethod
     def of(cls, levels: Iterable[Level], *, turns: bool = False) -> Self:
@@ -84,17 +86,19 @@ class Extent:
             levels: the levels.
             turns: whether the robot turns.
         """
-        size, configurations, has_items, has_wind = (0, 0), 1, False, False
+        size, configurations = (0, 0), 1
+        has_items, has_wind, has_boxes = False, False, False
         radices: tuple[int, ...] = ()
         for level in levels:
             size = max(size[0], level.size[0]), max(size[1], level.size[1])
             has_items = has_items or bool(level.items)
             has_wind = has_wind or level.wind is not None
+            has_boxes = has_boxes or bool(level.boxes or level.targets)
             if level.has_things:
                 radices = largest_radices(radices, level.things().radices)
                 configurations = max(configurations, _configurations(level))
         headings = HEADINGS if turns else 1
-        return cls(size, radices, configurations, headings, has_items, has_wind)
+        return cls(size, radices, configurations, headings, has_items, has_wind, has_boxes)
 
     @property
     def picture(self) -> Size:

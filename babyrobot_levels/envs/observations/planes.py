@@ -64,6 +64,7 @@ def plane_names(extent: Extent) -> tuple[str, ...]:
     - `door-north`, …: a closed door on that side.
     - `mover`: a mover stands there.
     - `held-key`, …: 1 everywhere while the robot holds an item with this picture.
+    - `pushable`, `target`: a box to push, and a target; only of levels with boxes or targets.
     """
     names = ["robot"]
     if extent.headings > 1:
@@ -75,7 +76,13 @@ def plane_names(extent: Extent) -> tuple[str, ...]:
     if extent.has_things:
         names += ["exit-locked", *SHAPES, *FIXED_STATES, *_sided("door"), "mover"]
         names += [f"held-{shape}" for shape in SHAPES]
+    if extent.has_boxes:
+        names += BOXED
     return tuple(names)
+
+
+BOXED = ("pushable", "target")
+"""The planes that only levels with boxes or targets have."""
 
 
 def _sided(name: str) -> list[str]:
@@ -319,7 +326,7 @@ def closed_doors(level: Level, closed: Sequence[bool]) -> Flags:
 
 
 def placed(level: Level, now: Configuration) -> Iterator[tuple[str, Cell]]:
-    """Yield the names and cells of exits, things that stay or lie in cells, and movers.
+    """Yield the names and cells of exits, things that stay or lie in cells, boxes and movers.
 
     Exits are `exit`, or `exit-locked` while their needs are not met; items are named by their
     pictures; others by their kinds, with `-off` or `-on`.
@@ -329,6 +336,8 @@ def placed(level: Level, now: Configuration) -> Iterator[tuple[str, Cell]]:
     for item, place in zip(level.items, now.items, strict=True):
         if place is not None:
             yield item.picture, place
+    yield from (("pushable", cell) for cell in now.boxes)
+    yield from (("target", target.at) for target in level.targets)
     for thing, value in zip(level.things(), now.values, strict=True):
         cell = thing.cells[value]
         if thing.met == "on" and cell is not None:

@@ -10,7 +10,13 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
-from babyrobot_levels.envs.observations.planes import closed_doors, ground_of, held_pictures, placed
+from babyrobot_levels.envs.observations.planes import (
+    BOXED,
+    closed_doors,
+    ground_of,
+    held_pictures,
+    placed,
+)
 from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
@@ -62,9 +68,17 @@ VIEW_PLANES = (
 - `door-up`, …: a closed door on that side.
 - `mover`: a mover stands there.
 - `held-key`, …: 1 everywhere while the robot holds an item with this picture.
+
+Levels with boxes or targets have two more: `pushable`, a box to push, and `target`.
 """
 
-_PLANE = {name: number for number, name in enumerate(VIEW_PLANES)}
+
+def view_planes(extent: Extent) -> tuple[str, ...]:
+    """Return the names of the planes of a view."""
+    return (*VIEW_PLANES, *BOXED) if extent.has_boxes else VIEW_PLANES
+
+
+_PLANE = {name: number for number, name in enumerate((*VIEW_PLANES, *BOXED))}
 _OPEN = [_PLANE[f"open-{side}"] for side in _SIDES]
 _DOOR = [_PLANE[f"door-{side}"] for side in _SIDES]
 
@@ -88,7 +102,7 @@ class ViewObserver(Observer):
     def space_of(cls, extent: Extent, observation: Observation) -> spaces.Box:
         """Return the space of views."""
         side = 2 * observation.view_radius + 1
-        return spaces.Box(0, 1, (side, side, len(VIEW_PLANES)), np.uint8)
+        return spaces.Box(0, 1, (side, side, len(view_planes(extent))), np.uint8)
 
     def at(self, state: int) -> Callable[[], Any]:
         """Return a function that makes a new array."""
@@ -143,7 +157,8 @@ class ViewObserver(Observer):
         level, radius = self._level, self._radius
         (width, height), open_grid = level.size, level.grid()
         grid = grid_with_doors(level, open_grid, closed)
-        planes = np.zeros((height + 2 * radius, width + 2 * radius, len(VIEW_PLANES)), np.uint8)
+        count = len(view_planes(self._extent))
+        planes = np.zeros((height + 2 * radius, width + 2 * radius, count), np.uint8)
         planes[..., _PLANE["visible"]] = planes[..., _PLANE["blocked"]] = 1
         inner = planes[radius : radius + height, radius : radius + width]
         terrain = build_terrain(level, open_grid)

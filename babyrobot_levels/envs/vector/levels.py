@@ -180,6 +180,8 @@ def misfit(level: Level, extent: Extent, num_items: int, *, has_movers: bool) ->
         return f"it has {len(level.items)} items, and the spaces have {num_items}"
     if own.has_wind and not extent.has_wind:
         return "it has wind, and the spaces have none"
+    if own.has_boxes and not extent.has_boxes:
+        return "it has boxes or targets, and the spaces have none"
     if level.movers and not has_movers:
         return "it has movers, and the spaces have none"
     if largest_radices(own.radices, extent.radices) != extent.radices:

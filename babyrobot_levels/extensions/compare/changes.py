@@ -279,7 +279,11 @@ def _things(level: LevelFields) -> dict[Place, dict[str, Any]]:
     found: dict[Place, dict[str, Any]] = {}
     for kind in NEEDED:
         for thing in kind.of(level):
-            found[f"{kind.field}.{thing.name}", None] = _thing(kind, thing)
+            # What has no name is told apart by its cell.
+            cell = None if thing.name else thing.at
+            found[f"{kind.field}.{thing.name or ''}", cell] = _thing(kind, thing)
+    for box in level.boxes:
+        found["boxes.", box.at] = {"at": box.at}
     names = Things(level).names
     for name, mover in zip(names[len(names) - len(level.movers) :], level.movers, strict=True):
         way: dict[str, Any] = {"path": mover.path, "back": mover.back}

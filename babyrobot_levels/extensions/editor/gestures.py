@@ -22,7 +22,7 @@ Route = Annotated[list[str | int], Field(min_length=1, max_length=8)]
 GROUND = ("small", "large", "blocked", "area", "erase")
 """The brushes that paint the ground: puddles of two sizes, or nothing, among them."""
 
-BRUSHES = (*GROUND, "start", "exit", *(kind.name for kind in NEEDED))
+BRUSHES = (*GROUND, "start", "exit", "box", *(kind.name for kind in NEEDED))
 
 
 class _Model(BaseModel):

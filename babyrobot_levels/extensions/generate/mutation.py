@@ -192,7 +192,7 @@ class Descendants(Maker):
         names: str = "",
         first: int = 0,
     ) -> None:
-        is_won = solvable and bool(level.exits)
+        is_won = solvable and level.has_goal
         limit = level.max_steps if is_won else None
         fields = {"size": level.size, "max_steps": limit}
         super().__init__(suite.model_copy(update=fields), names, first=first)

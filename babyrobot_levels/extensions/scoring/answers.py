@@ -190,7 +190,7 @@ def grade_agent(
     except (TypeError, ValueError) as error:
         return _wrong(str(error), points)
     way = 1.0 if math.isnan(found.share) and found.regret <= 1e-9 else found.share
-    passed, has_exits = bool(way >= at_least), bool(world_of(level).exits)
+    passed, has_exits = bool(way >= at_least), world_of(level).has_goal
     told = f"the agent covers {_percent(way)} of the way from the random policy to the optimum"
     if not passed:
         told += f", where {_percent(at_least)} are needed"

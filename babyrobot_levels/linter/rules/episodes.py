@@ -85,7 +85,7 @@ def insufficient_max_steps(context: LintContext) -> Iterator[Finding]:
     ```
     """
     level, mdp, reach = context.level, context.mdp, context.reach
-    if level.max_steps is None or not level.exits:
+    if level.max_steps is None or not level.has_goal:
         return
     if any(not 0 <= reach.to_exit[state] <= level.max_steps for state in context.starts):
         return
@@ -206,7 +206,7 @@ def non_terminating(context: LintContext) -> Iterator[Finding]:
     """
     level = context.level
     # Exits that cannot be reached are reported by another rule.
-    if level.exits or level.max_steps is not None:
+    if level.has_goal or level.max_steps is not None:
         return
     if all(context.reach.to_end[state] < 0 for state in context.starts):
         yield Finding(

@@ -52,15 +52,19 @@ def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
     """
     reach, level = context.reach, context.level
     shut = [state for state in context.starts if reach.to_exit[state] < 0]
-    if not level.exits or not shut:
+    if not level.has_goal or not shut:
         return
     if "exit-never-opens" in context.active and level.exit_keys and not context.things.exits_open:
         return
     number, starts = context.starts_text(shut)
-    message = f"no exit can be reached from {starts}"
+    covers = level.ends_covered
+    what = "the targets cannot all be covered" if covers else "no exit can be reached"
+    message = f"{what} from {starts}"
     if level.max_steps is None and any(reach.to_end[state] < 0 for state in shut):
         message += ", and such episodes never end"
     help_text = "open a path, or move the start or the exit; use `exit: none` for no exit"
+    if covers:
+        help_text = "open a path, or move boxes or targets"
     if level.movers and level.hit.ends and _is_open_without_hits(level):
         help_text = "movers end every such episode first: leave the robot room to get past them"
     # Where no start is written, the exit is what is out of reach.
@@ -130,6 +134,9 @@ def unreachable_cells(context: LintContext) -> Iterator[Finding]:
     is_missed &= ~context.grid.blocked.ravel()
     entered = (warp.at for warp in level.warps if warp.when == "enter")
     is_missed[[context.state(cell) for cell in (*entered, *level.exits)]] = False
+    # Where boxes come to stand, the robot need not.
+    boxes = level.things().of_kind("box")
+    is_missed[context.mdp.configurations[:, boxes].ravel()] = False
     missed = np.flatnonzero(is_missed)
     if missed.size and level.wind is not None:
         missed = _still_missed(context, missed, wind=None)
@@ -242,6 +249,9 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
     reach = context.reach
     # Starts without an exit are reported by another rule.
     good = [state for state in context.starts if reach.to_exit[state] >= 0]
+    if context.level.boxes:
+        # A push may well lose such a level.
+        return
     if not good or all(steps >= 0 for state, steps in enumerate(reach.to_exit) if reach.on[state]):
         return
     steps = reach.from_some(good)

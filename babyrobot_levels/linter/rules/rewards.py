@@ -69,10 +69,12 @@ def reward_without_effect(context: LintContext) -> Iterator[Finding]:
 def _is_given(context: LintContext, name: str) -> bool:
     """Return whether some outcome includes a reward; compile a variant only if necessary."""
     level, mdp = context.level, context.mdp
-    if not context.grid.glass:
-        # Without glass, no reward is added to another.
+    if name == "bounce" and not context.grid.glass:
+        return False
+    if not (context.grid.glass or level.boxes):
+        # Without glass and boxes, no reward is added to another.
         value = getattr(level.rewards, name)
-        if name == "bounce" or not (mdp.reward == value).any():
+        if not (mdp.reward == value).any():
             return False
         if value not in _other_rewards(context, name):
             return True
@@ -175,7 +177,7 @@ def exit_given_up(context: LintContext) -> Iterator[Finding]:
     ```
     """
     reach = context.reach
-    if not context.level.exits or reach.to_end == reach.to_exit or context.solution is None:
+    if not context.level.has_goal or reach.to_end == reach.to_exit or context.solution is None:
         return
     from babyrobot_levels.analysis.endings import ending_of, exit_chances
     from babyrobot_levels.analysis.solver.results import EpisodeTooLongError

@@ -134,20 +134,22 @@ def unused_thing(context: LintContext) -> Iterator[Finding]:
         pays = "reward" in kind.properties
         drawn = count_drawn(level, kind.field)
         for number, thing in enumerate(kind.of(level)):
-            if thing.name in named or (pays and thing.reward is not None):
+            if thing.name in named or (kind.name == "target" and level.ends_covered):
+                continue
+            if pays and thing.reward is not None:
                 continue
             what = "is neither needed nor rewarded" if pays else "is not needed"
             help_text = "name it in `needs` of a door or in `exit_needs`, or remove it"
             if pays:
                 help_text = "give it a `reward`, " + help_text
-            route = (kind.field, number - drawn)
+            route, called = (kind.field, number - drawn), thing.name or kind.noun
             yield Finding(
                 context.place_of_entry(kind.field, number),
-                f"`{thing.name}` {what}",
+                f"`{called}` {what}",
                 help_text,
                 fix=None
                 if number < drawn
-                else removal(context.document, f"remove `{thing.name}`", route, safe=False),
+                else removal(context.document, f"remove `{called}`", route, safe=False),
             )
 
 
@@ -213,7 +215,7 @@ def _unavoidable(context: LintContext, hits: Flags) -> list[int]:
     from babyrobot_levels.linter.things import unavoidable_starts
     from babyrobot_levels.mdp.states import exit_states
 
-    exits = exit_states(context.level, context.mdp) if context.level.exits else None
+    exits = exit_states(context.level, context.mdp) if context.level.has_goal else None
     found = unavoidable_starts(context.mdp, hits, exits) or []
     # Starts from which no exit can be reached at all are reported by another rule.
     return [state for state in found if exits is None or context.reach.to_exit[state] >= 0]

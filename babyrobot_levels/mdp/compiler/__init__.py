@@ -82,7 +82,7 @@ class _Cells:
         self.terrain = build_terrain(level, grid)
         self.moves = build_moves(level, grid)
         self.warps = build_warps(level, grid)
-        self.arrivals = Arrivals(level.rewards, self.terrain, self.warps)
+        self.arrivals = Arrivals(level.rewards, self.terrain, self.warps, self.moves.here)
         self.starts = np.array([y * grid.width + x for x, y in level.starts])
 
     def branches(self) -> Iterator[tuple[Branches, Ints, Branches, Ints]]:

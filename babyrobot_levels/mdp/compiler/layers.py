@@ -488,7 +488,7 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
         painted.distance,
     )
     moves, warps = build_moves(level, grid), build_warps(level, grid)
-    arrivals = Arrivals(level.rewards, terrain, warps)
+    arrivals = Arrivals(level.rewards, terrain, warps, moves.here)
     starts = np.array([y * width + x for x, y in level.starts])
     kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, bool)
     columns = [bytearray() for _ in kinds]

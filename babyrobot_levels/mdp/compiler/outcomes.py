@@ -19,8 +19,11 @@ from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 RANKS = {name: np.int8(rank) for rank, name in enumerate(PRECEDENCE)}
 """The rewards by their precedence: of those that apply, the one with the least rank is paid."""
 
-NOTHING, BUMPED, BOUNCED = np.int8(0), np.int8(1), np.int8(2)
-"""What may happen to the robot in a branch: a wall refuses the move, or glass bounces it back."""
+NOTHING, BUMPED, BOUNCED, PUSHED = np.int8(0), np.int8(1), np.int8(2), np.int8(4)
+"""What may happen to the robot in a branch: a wall refuses the move, glass bounces it back, or it
+pushes a box: then `WAY` times the direction is added."""
+
+WAY = np.int8(8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +57,10 @@ class Arrivals:
     rewards: Rewards
     terrain: Terrain
     warps: Warps
+    here: Ints
 
     def next_states(self, branches: Branches) -> Ints:
-        """Return the next states; the number of states stands for "one of the starts"."""
+        """Return the next cells; the number of cells stands for "one of the starts"."""
         state, action = np.divmod(branches.row, NUM_ACTIONS)
         stays = (action == Action.STAY) | self.terrain.over[state]
         arrived = np.where(stays, branches.landing, self.warps.arrive[branches.landing])
@@ -80,8 +84,8 @@ class Arrivals:
             "exit": lambda: self.terrain.exit[next_state],
             "stay": lambda: action == Action.STAY,
             "bump": lambda: (branches.happened & BUMPED) != 0,
-            "closer": lambda: self._is_nearer(next_state, state),
-            "farther": lambda: self._is_nearer(state, next_state),
+            "closer": lambda: self._is_nearer(next_state, self.here[state]),
+            "farther": lambda: self._is_nearer(self.here[state], next_state),
         }
         applies: dict[str, tuple[Flags, Floats | float]] = {
             name: (condition(), reward)
@@ -96,7 +100,7 @@ class Arrivals:
         return pay
 
     def _is_nearer(self, one: Ints, other: Ints) -> Flags:
-        """Return where states are nearer to an exit than others."""
+        """Return where cells are nearer to an exit than others."""
         distance = self.terrain.distance
         if distance is None:
             return np.zeros(one.size, bool)
@@ -125,8 +129,8 @@ class Branches:
     Attributes:
         row: state and action, `state * actions + action`.
         probability: how likely the branch is.
-        landing: the state on which the robot comes to stand.
-        happened: what happens to the robot, as a bit set: `BUMPED`, `BOUNCED`.
+        landing: the cell on which the robot comes to stand.
+        happened: what happens to the robot, as a bit set: `BUMPED`, `BOUNCED`, `PUSHED`.
     """
 
     row: Ints
@@ -149,13 +153,14 @@ class Branches:
 
 def plain_branches(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -> Branches:
     """Return one branch for each state of a part and each action, in order: without chance."""
-    states, over = np.arange(part.start, part.stop), terrain.over[part]
-    landing = np.empty((states.size, NUM_ACTIONS), np.int64)
-    landing[:, Action.STAY] = states
+    here, over = moves.here[part], terrain.over[part]
+    landing = np.empty((here.size, NUM_ACTIONS), np.int64)
+    landing[:, Action.STAY] = here
     landing[:, 1:] = moves.landing[:, part].T
-    landing[over] = states[over, None]
-    happened = np.zeros((states.size, NUM_ACTIONS), np.int8)
-    happened[:, 1:] = BUMPED * (moves.refused[:, part].T & ~warps.leaves[part, None])
+    landing[over] = here[over, None]
+    happened = np.zeros((here.size, NUM_ACTIONS), np.int8)
+    happens = BUMPED * moves.refused[:, part].T | moves.pushed[:, part].T
+    happened[:, 1:] = happens * ~warps.leaves[part, None]
     rows = np.arange(part.start * NUM_ACTIONS, part.stop * NUM_ACTIONS)
     return Branches(rows, np.ones(rows.size), landing.ravel(), happened.ravel())
 
@@ -198,8 +203,16 @@ def _glass_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) ->
     """Return the branches of moves against glass: through it, or bounced off."""
     chance = moves.glass[ways, states] * (1.0 - terrain.skid[states])
     return [
-        _branches(states, ways, chance, moves.through[ways, states], NOTHING),
-        _branches(states, ways, 1.0 - chance, moves.bounce[ways, states], BOUNCED),
+        _branches(
+            states, ways, chance, moves.through[ways, states], moves.through_pushed[ways, states]
+        ),
+        _branches(
+            states,
+            ways,
+            1.0 - chance,
+            moves.bounce[ways, states],
+            BOUNCED | moves.bounce_pushed[ways, states],
+        ),
     ]
 
 
@@ -209,13 +222,14 @@ def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> 
     others = moves.open[:, states].sum(axis=0) - moves.open[ways, states]
 
     def branches(ways_taken: Ints, chance: Floats) -> Branches:
-        landing, refused = moves.landing[ways_taken, states], moves.refused[ways_taken, states]
-        return _branches(states, ways, chance, landing, BUMPED * refused)
+        which = ways_taken, states
+        happened = BUMPED * moves.refused[which] | moves.pushed[which]
+        return _branches(states, ways, chance, moves.landing[which], happened)
 
     stuck = (rule == OPEN_RULE) & (others == 0)
     parts = [
         branches(ways, 1.0 - skid),
-        _branches(states[stuck], ways[stuck], skid[stuck], states[stuck], NOTHING),
+        _branches(states[stuck], ways[stuck], skid[stuck], moves.here[states[stuck]], NOTHING),
     ]
     for turn in (1, 2, 3):
         other = (ways + turn) % NUM_MOVES
@@ -232,7 +246,7 @@ def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> 
 def ended(branches: Branches, arrivals: Arrivals, starts: Ints) -> tuple[Branches, Ints]:
     """Return branches and their next states, with those to one of the starts led to each start."""
     next_state = arrivals.next_states(branches)
-    lost = next_state == arrivals.terrain.over.size
+    lost = next_state == arrivals.warps.arrive.size - 1
     if lost.any():
         # Each start takes an even share.
         copies = np.repeat(np.flatnonzero(lost), starts.size)

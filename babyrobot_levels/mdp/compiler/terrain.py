@@ -129,21 +129,31 @@ SIGN = (-1, 1, 1, -1)
 class Moves:
     """Arrays `[4, states]`, one row a direction: north, east, south, west.
 
+    Where there are boxes, a state is a pair of configuration and cell.
+
     Attributes:
+        here: `[states]`: the cell of each state.
         open: whether nothing closes that side of the cell. Walls of glass do.
         landing: where a robot comes to stand that tries the direction; glass is a wall to it.
         refused: whether a wall refused the move: it pushed against the side and did not go.
         glass: the probability of getting through the wall of glass that the move tries, else 0.
         through: where the robot comes to stand if it gets through; without glass of no meaning.
         bounce: where it comes to stand if it bounces off.
+        pushed: which box comes along to the landing, as `happened` of `Branches` tells it.
+        through_pushed: the same for a robot that gets through glass.
+        bounce_pushed: and for one that bounces off.
     """
 
+    here: States
     open: Flags
     landing: States
     refused: Flags
     glass: NDArray[np.float64]
     through: States
     bounce: States
+    pushed: NDArray[np.int8]
+    through_pushed: NDArray[np.int8]
+    bounce_pushed: NDArray[np.int8]
 
 
 def build_moves(level: LevelFields, grid: Grid) -> Moves:
@@ -158,9 +168,10 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
     for (cell, side), probability in grid.glass.items():
         glass[SIDES.index(side), cell] = probability
     bounce = step[list(BACK)] if grid.glass else step
+    unpushed = np.broadcast_to(np.int8(0), step.shape)
     if level.wind is None:
         through = np.where(glass > 0, states + delta, states) if grid.glass else step
-        return Moves(open_, step, ~open_, glass, through, bounce)
+        return Moves(states, open_, step, ~open_, glass, through, bounce, *[unpushed] * 3)
 
     budget.spend(WIND * count)
     south, east = shifts(level.wind, grid.width, grid.height)
@@ -195,7 +206,7 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
         rest = np.where(glass[way] > 0, along - sign, 0)
         drift = np.where(glass[way] > 0, across, 0)
         through[way] = walk(walk(behind, rest, vertical), drift, not vertical)
-    return Moves(open_, landing, refused, glass, through, bounce)
+    return Moves(states, open_, landing, refused, glass, through, bounce, *[unpushed] * 3)
 
 
 def _free_runs(open_: Flags, grid: Grid) -> States:
@@ -277,10 +288,10 @@ def obstructions(
     moves: Moves, terrain: Terrain, warps: Warps
 ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
     """Return what hinders each action, and where it leads without chance."""
-    states = np.arange(terrain.over.size, dtype=np.int32)
-    obstruction = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
-    target = np.empty((states.size, NUM_ACTIONS), np.int32)
-    target[:, Action.STAY] = states
+    count = terrain.over.size
+    obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
+    target = np.empty((count, NUM_ACTIONS), np.int32)
+    target[:, Action.STAY] = moves.here
     moves_on = ~warps.leaves & ~terrain.over
     # One way after the other: copies of all of them would need much room.
     for way in range(NUM_MOVES):
@@ -289,5 +300,5 @@ def obstructions(
         obstruction[moves_on & glass, action] = GLASS
         goals = warps.arrive[np.where(glass, moves.through[way], moves.landing[way])]
         target[:, action] = np.where(warps.leaves, warps.leave_to, goals)
-    target[terrain.over] = states[terrain.over, None]
+    target[terrain.over] = moves.here[terrain.over, None]
     return obstruction, target

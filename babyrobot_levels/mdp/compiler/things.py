@@ -16,19 +16,20 @@ import numpy as np
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.compiler.boxes import Boxes
 from babyrobot_levels.mdp.compiler.layers import ON, Ground, Layer, Layers, TooManyStates, Ways
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
 from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, merged
 from babyrobot_levels.mdp.compiler.terrain import obstructions
 from babyrobot_levels.mdp.configurations import (
     MAX_OUTCOMES,
-    MAX_STATES,
     MAX_WIDE_STATES,
     Things,
     check_room,
     field_of,
     most_columns,
     most_outcomes,
+    most_states,
 )
 from babyrobot_levels.mdp.graph import expanded
 from babyrobot_levels.mdp.grid import Grid, check_placement
@@ -51,11 +52,11 @@ def compile_things(level: LevelFields, grid: Grid, inert: Collection[str] = ()) 
     """Compile a level with things; arriving at those of some names changes nothing.
 
     Raises:
-        UnplayableError: doors or paths are cut by walls; there are more than `MAX_STATES` states,
+        UnplayableError: doors or paths are cut by walls; there are more states than allowed,
             or a row has more than `MAX_OUTCOMES` outcomes.
         OverBudgetError: it takes more than the budget at hand.
     """
-    return _Compiler(level, _layers(level, Things(level, inert), grid)).tables()
+    return _compiler(level, Things(level, inert), grid).tables()
 
 
 def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
@@ -63,19 +64,21 @@ def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
 
     Where there are many states it is enough to count them, unless rows may be too long.
     """
-    compiler = _Compiler(level, _layers(level, Things(level), grid))
-    states, outcomes = len(compiler.configurations) * compiler.size, most_outcomes(level)
+    compiler = _compiler(level, Things(level), grid)
+    states, outcomes = compiler.num_states, most_outcomes(level)
     if states > SMALL and outcomes <= MAX_OUTCOMES and states * outcomes <= MAX_WIDE_STATES:
         return None
     return compiler.tables()
 
 
-def _layers(level: LevelFields, things: Things, grid: Grid) -> Layers:
+def _compiler(level: LevelFields, things: Things, grid: Grid) -> _Compiler | Boxes:
     check_placement(level, grid)
     try:
-        return Layers(level, grid, things)
+        if level.boxes:
+            return Boxes(level, grid, things)
+        return _Compiler(level, Layers(level, grid, things))
     except TooManyStates:
-        if (most := budget.entries()) < MAX_STATES:
+        if (most := budget.entries()) < most_states(level):
             budget.refuse(f"has more than {most:,} states, which are too many here")
         raise _too_many_states(level, things) from None
     except TooManyWays as error:
@@ -96,7 +99,7 @@ def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
     costs = sorted((cost for cost in costs if cost[0] > 1), key=lambda cost: -cost[0])
     told = ", ".join(f"{what} ({_up_to(factor)})" for factor, what, _ in costs[:3])
     message = (
-        f"the level has more than {MAX_STATES:,} states: "
+        f"the level has more than {most_states(level):,} states: "
         f"{level.size[0] * level.size[1]:,} cells, times the combinations of {told}"
     )
     help_text = "use fewer of them, fewer cells for them, or a smaller level"
@@ -143,6 +146,11 @@ class _Compiler:
         self.number = np.full(occurs.shape, -1, np.int64)
         self.number[layer[order], joint[order]] = np.arange(order.size)
         self.is_open = np.array([layer.is_open for layer in layers.layers])
+
+    @property
+    def num_states(self) -> int:
+        """How many states the tables have."""
+        return len(self.configurations) * self.size
 
     def tables(self) -> Mdp:
         """Return the tables."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.language.things import Item, Mover, Switch
+from babyrobot_levels.language.things import Item, Mover, Switch, Target
 from babyrobot_levels.render.colors import BLACK, WHITE, gray, is_gray, mixed
 from babyrobot_levels.render.scene.shapes import (
     Command,
@@ -101,6 +101,7 @@ _COLORS = {
     "box": "#d69552",
     "door": "#b9773a",
     "switch": "#3ee08a",
+    "target": "#ff9ad1",
     "guard": "#ff5d73",
     "wanderer": "#b794ff",
 }
@@ -114,7 +115,7 @@ def default_color(kind: str, colors: Colors) -> str:
     return gray(_COLORS[kind]) if is_gray(colors) else _COLORS[kind]
 
 
-def thing_color(thing: Item | Switch | Mover, colors: Colors) -> str:
+def thing_color(thing: Item | Switch | Target | Mover, colors: Colors) -> str:
     """Return the colour of a thing: its own, or that of its kind in a theme."""
     return thing.color or default_color(thing.picture, colors)
 
@@ -188,6 +189,25 @@ _PICTURES: dict[str, Callable[[str, Spot], Iterator[Shape]]] = {
     "star": _star,
     "box": _box,
 }
+
+
+def crate_shapes(color: str, spot: Spot, covers: str | None = None) -> Iterator[Shape]:
+    """Yield a box to push: planks, and on a target a frame in the target's colour.
+
+    Args:
+        color: a CSS colour.
+        spot: where.
+        covers: the colour of the target that it covers, None for none.
+    """
+    side = rounded(-22, -22, 44, 44, 4)
+    yield from spot.body(side, color)
+    for x in (-7.5, 7.5):
+        yield spot.line(polyline([(x, -16), (x, 16)]), BLACK, 2.0, 0.35)
+    yield spot.line(polyline([(-15, 15), (15, -15)]), BLACK, 6.5, 0.3)
+    frame = rounded(-18.5, -18.5, 37, 37, 2.5)
+    yield spot.line(frame, INK if covers else BLACK, 8.0 if covers else 6.0, 1.0 if covers else 0.3)
+    if covers:
+        yield spot.line(frame, covers, 4.6)
 
 
 def padlock_shapes(color: str, spot: Spot) -> Iterator[Shape]:

@@ -11,7 +11,13 @@ from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import ink_on, mixed, plate_for
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
-from babyrobot_levels.render.scene.icons import Spot, item_shapes, thing_color
+from babyrobot_levels.render.scene.icons import (
+    Spot,
+    crate_shapes,
+    default_color,
+    item_shapes,
+    thing_color,
+)
 from babyrobot_levels.render.scene.layout import (
     CELL,
     COMPASS,
@@ -229,8 +235,10 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
         item = next(item for item in level.items if item.name == what)
         color = thing_color(item, level.resolved_theme.colors)
         yield from item_shapes(item.picture, color, _SPOT)
-    elif kind in KIND and KIND[kind].need.met == "on":
-        entry = next(entry for entry in KIND[kind].of(level) if entry.name == what)
+    elif kind == "box":
+        yield from crate_shapes(default_color("box", level.resolved_theme.colors), _SPOT)
+    elif kind in KIND and KIND[kind].need.met in ("on", "covered"):
+        entry = next(entry for entry in KIND[kind].of(level) if what in ("", entry.name))
         alone = entry.model_copy(update={"at": _HERE, "label": None})
         fields: dict[str, Any] = {KIND[kind].field: (alone,)}
         small = _small(level, **fields)

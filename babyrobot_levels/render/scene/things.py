@@ -7,13 +7,14 @@ from typing import Any
 
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.things import Door, Switch
+from babyrobot_levels.language.things import Door, Switch, Target
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import GRAPHICS, WHITE, ink_on, mixed, plate_for, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes
 from babyrobot_levels.render.scene.icons import (
     INK,
     Spot,
+    crate_shapes,
     default_color,
     figure_shapes,
     item_shapes,
@@ -85,13 +86,18 @@ def pieces(
     things = level.things()
     for number, (column, is_on) in enumerate(zip(things.fixed, situation.on, strict=True)):
         thing = things[column]
-        draw = partial(_fixed, level, layout, thing.entry, is_on)
+        paint = _target if thing.kind == "target" else _fixed
+        draw = partial(paint, level, layout, thing.entry, is_on)
         yield Piece((thing.kind, number, is_on), _cell_box(layout, thing.entry.at), draw)
     for number, cells in enumerate(situation.items):
         for cell in cells:
             faint = len(cells) > 1
             draw = partial(_item, level, layout, number, cell, faint, slots)
             yield Piece(("item", number, cell, faint), _cell_box(layout, cell), draw)
+    targets = {target.at: target for target in level.targets}
+    for cell in situation.boxes:
+        draw = partial(_crate, level, layout, cell, targets.get(cell), slots)
+        yield Piece(("box", cell), _cell_box(layout, cell), draw)
     for number, closed in enumerate(situation.doors):
         door = level.doors[number]
         for x, y in sides_of(door):
@@ -182,6 +188,35 @@ def _fixed(level: GridWorld, layout: Layout, entry: Switch, is_on: bool) -> Iter
         for ink, width in ((INK, 5.6), (color, 3.0)):
             yield spot.line(circle(0, 0, 7.5), ink, width)
     yield from thing_label(level, layout, entry.at, entry.label)
+
+
+# -- boxes ---------------------------------------------------------------------------------------
+
+
+def _target(level: GridWorld, layout: Layout, entry: Target, is_on: bool) -> Iterator[Shape]:
+    """Yield the mark of a target on the floor; while it is covered, the box shows it."""
+    spot = Spot(*_centre(layout, entry.at))
+    color = thing_color(entry, level.resolved_theme.colors)
+    for side in (1, -1):
+        for end in (1, -1):
+            corner = polyline([(20 * side, 11 * end), (20 * side, 20 * end), (11 * side, 20 * end)])
+            yield spot.line(corner, INK, 6.6)
+            yield spot.line(corner, color, 4.0)
+    yield from spot.body(circle(0, 0, 6), color)
+    yield from thing_label(level, layout, entry.at, entry.label)
+
+
+def _crate(
+    level: GridWorld, layout: Layout, cell: Cell, target: Target | None, slots: Slots | None
+) -> Iterator[Shape]:
+    """Yield a box, with a frame in the colour of the target that it covers."""
+    colors = level.resolved_theme.colors
+    covers = None if target is None else thing_color(target, colors)
+    spot = Spot(*_centre(layout, cell))
+    if slots is not None and slots.is_crowded:
+        box = slots.icon(cell)
+        spot = Spot(*box.centre, box.width / ICON * 0.8)
+    yield from crate_shapes(default_color("box", colors), spot, covers)
 
 
 # -- doors ---------------------------------------------------------------------------------------

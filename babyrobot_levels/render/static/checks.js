@@ -128,6 +128,8 @@ function checkThings({ things = [], picture }, cells) {
       list(thing.needs, MOST_THINGS).forEach(text);
     } else if (kind === "door") {
       list(thing.sides, 4 * cells).forEach((number) => whole(number, 0, cells));
+    } else if (kind === "box") {
+      checkCells(thing.cells, 1, 1);
     } else if (kind === "mover") {
       checkCells(thing.cells, 1, 1);
       for (const found of looks) list(found, 1, 1);

@@ -253,7 +253,10 @@ export class Game {
 
   /** @param {number} state */
   isExit(state) {
-    return this.things.exitsOf(this.configurationOf(state)).includes(state % this.cells);
+    const configuration = this.configurationOf(state);
+    return (
+      this.things.exitsOf(configuration).includes(state % this.cells) || this.things.isSolved(configuration)
+    );
   }
 
   /**
@@ -315,7 +318,8 @@ export class Game {
 
   /** What ended the episode. */
   get cause() {
-    const ways = { exit: "Exit reached", hit: `Hit by the ${this.hitter?.name}`, time: "Time limit reached" };
+    const exit = this.things.isSolved(this.configurationOf(this.state)) ? "All targets covered" : "Exit reached";
+    const ways = { exit, hit: `Hit by the ${this.hitter?.name}`, time: "Time limit reached" };
     const cell = this.state % this.cells;
     const isThere = ([, text, runs]) =>
       text.includes("ends the episode") &&

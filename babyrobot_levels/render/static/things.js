@@ -1,4 +1,4 @@
-// Things: items, doors, switches, movers and exits, whose values make up a configuration.
+// Things: items, doors, switches, boxes, movers and exits, whose values make up a configuration.
 
 import { list } from "./checks.js";
 import { COMMON } from "./common.js";
@@ -83,6 +83,17 @@ export class Things {
   }
 
   /**
+   * Return whether all targets are covered, which ends episodes of levels without an exit.
+   *
+   * @param {number} configuration
+   */
+  isSolved(configuration) {
+    const targets = this.of("target");
+    const hasExits = this.exits.length > 0 || this.of("exit").length > 0;
+    return !hasExits && targets.length > 0 && targets.every((target) => isLast(target, configuration));
+  }
+
+  /**
    * Return the cells in which things lie that can be held, or on.
    *
    * @param {number} configuration
@@ -140,13 +151,16 @@ export class Things {
     const words = {
       held: ({ name }) => `Took the ${name}`,
       on: (thing) => `The ${thing.name} is ${isLast(thing, after) ? "on" : "off"}`,
+      covered: (thing) => `The ${thing.name} is ${isLast(thing, after) ? "covered" : "not covered"}`,
       door: (thing) => `The ${thing.name} ${isLast(thing, after) ? "closes" : "opens"}`,
       exit: () => `The exit is ${this.exitsOf(after).length > 0 ? "open" : "closed"}`,
     };
     const changed = this.all.filter(({ values }) => values[before] !== values[after]);
-    return Object.entries(words).flatMap(([what, told]) =>
+    const pushed = changed.some(({ kind }) => kind === "box") ? ["A box is pushed"] : [];
+    const others = Object.entries(words).flatMap(([what, told]) =>
       changed.filter(({ kind }) => (COMMON.needed[kind] ?? kind) === what).map(told),
     );
+    return [...pushed, ...others];
   }
 }
 

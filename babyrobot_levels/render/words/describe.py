@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.language.kinds import NEEDED
-from babyrobot_levels.language.things import Item
+from babyrobot_levels.language.things import Item, Target
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
 from babyrobot_levels.mdp.gridworld import GridWorld
@@ -93,7 +93,12 @@ def _closed(level: GridWorld, now: Configuration | None) -> Sequence[bool]:
     if now is not None or not level.doors:
         return now.doors if now is not None else ()
     things = [thing for kind in NEEDED for thing in kind.of(level)]
-    met = frozenset(thing.name for thing in things if getattr(thing, "on", False))
+    boxes = {box.at for box in level.boxes}
+    met = frozenset(
+        thing.name
+        for thing in things
+        if getattr(thing, "on", False) or (isinstance(thing, Target) and thing.at in boxes)
+    )
     return level.things().closed(met)
 
 
@@ -101,7 +106,7 @@ def way_to_exit(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
     """Return where the nearest exit is from a cell, as a sentence."""
     exits = level.exits if now is None else now.exits
     if not exits:
-        return "There is no exit."
+        return _covered(level, now) if level.ends_covered else "There is no exit."
     x, y = min(exits, key=lambda other: abs(other[0] - cell[0]) + abs(other[1] - cell[1]))
     steps = [
         f"{phrases.counted(abs(distance), unit)} {sides[distance > 0]}"
@@ -119,6 +124,14 @@ def way_to_exit(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
     name = f"{'locked ' if is_locked else ''}exit"
     subject = f"The {name}" if len(exits) == 1 else f"The nearest of {len(exits)} {name}s"
     return f"{subject} is {listed(steps)}."
+
+
+def _covered(level: GridWorld, now: Configuration | None) -> str:
+    """Return how many targets are covered, as a sentence."""
+    boxes = {box.at for box in level.boxes} if now is None else {*now.boxes}
+    covered = sum(target.at in boxes for target in level.targets)
+    of = phrases.counted(len(level.targets), "target")
+    return f"{covered} of {of} {'is' if covered == 1 else 'are'} covered."
 
 
 def _ends(level: GridWorld) -> str:
@@ -148,6 +161,8 @@ def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
     for count, doors in ((closed, "closed door"), (len(level.doors) - closed, "open door")):
         if count:
             yield phrases.counted(count, doors)
+    if level.boxes:
+        yield phrases.counted(len(level.boxes), "box", "boxes")
     for kind in NEEDED:
         # Items are told by their shapes.
         if kind.model is not Item and (count := len(kind.of(level))):
@@ -201,8 +216,10 @@ def goal_of(level: GridWorld) -> str:
     """
     good = [ground for ground in grounds_of(level) if ground.end is not None and ground.end.is_good]
     best = max((ground.reward for ground in good), default=level.rewards.exit)
-    if good and (best > level.rewards.exit or not level.exits):
+    if good and (best > level.rewards.exit or not level.has_goal):
         return _reach({ground.name for ground in good if ground.reward == best}, best)
+    if level.ends_covered:
+        return f"Push a box onto {'each' if level.targets[1:] else 'the'} target."
     if not level.exits:
         limit = level.max_steps
         within = "" if limit is None else f" in {phrases.counted(limit, 'step')}"

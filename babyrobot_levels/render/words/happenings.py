@@ -57,9 +57,12 @@ def changes(level: GridWorld, then: Configuration, now: Configuration) -> Iterat
     """Yield what has changed since a configuration, a sentence each; not where movers are."""
     yield from (f"Took the {spoken([name])}." for name in now.held if name not in then.held)
     things = level.things()
+    if then.boxes != now.boxes:
+        yield "A box is pushed."
     for column, before, after in zip(things.fixed, then.on, now.on, strict=True):
         if before != after:
-            yield f"The {spoken([things.names[column]])} is {'on' if after else 'off'}."
+            state = things[column].states[after]
+            yield f"The {spoken([things.names[column]])} is {state}."
     for door, before, after in zip(level.doors, then.doors, now.doors, strict=True):
         if before != after:
             yield f"The {door_name(door)} {'closes' if after else 'opens'}."

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from babyrobot_levels.language.cells import Skid
 from babyrobot_levels.language.drawing import consecutive
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.render.colors import gray, is_gray, rgba
@@ -30,6 +31,12 @@ _HUES = (
     (360, "red"),
 )
 """The names of colours, each with the hue in degrees at which it ends."""
+
+
+def reaching(level: LevelFields | None) -> str:
+    """Return what it means to reach the goal of a level."""
+    covers = level is not None and level.ends_covered
+    return "covers all targets" if covers else "reaches an exit"
 
 
 def name_of(text: str | None, longest: int = LONGEST_NAME) -> str:

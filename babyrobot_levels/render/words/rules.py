@@ -178,6 +178,7 @@ def _told(level: GridWorld, drawn: bool) -> Rules:
         (ground for ground in grounds if ground.end is None), key=lambda ground: -abs(ground.reward)
     )
     yield from _exits(level)
+    yield from _targets(level)
     yield from _grounds(level, ends, drawn)
     yield Rule("ground", f"each step: {phrases.reward(level.rewards.step)}")
     yield from (Rule(sample, text) for sample, text in thing_rules(level, drawn))
@@ -214,6 +215,17 @@ def _exits(level: GridWorld) -> Rules:
     pays = phrases.reward(level.rewards.exit)
     text = f"exit: {where}ends the episode, {pays}"
     yield Rule("exit", text, _numbers(level, level.exits))
+
+
+def _targets(level: GridWorld) -> Rules:
+    if level.targets:
+        text = "target: a box belongs there"
+        if level.ends_covered:
+            every = "when a box stands there" if len(level.targets) == 1 else "when all have a box"
+            text = f"target: the episode ends {every}, {phrases.reward(level.rewards.exit)}"
+        yield Rule("target", text, _numbers(level, (target.at for target in level.targets)))
+    if level.boxes:
+        yield Rule("box", "box: the robot pushes it, if nothing stands behind it")
 
 
 def _puddles(level: GridWorld) -> Rules:
@@ -364,7 +376,7 @@ def thing_rules(level: GridWorld, drawn: bool) -> Iterator[tuple[str, str]]:
             each = phrases.rewards(pays[name] for name in lone)
             yield f"item:{lone[0]}", f"{item_count(len(lone), shape)}: each {each}"
             told -= {(name,) for name in lone}
-    known = {thing.name: (kind, thing) for kind in NEEDED for thing in kind.of(level)}
+    known = {thing.name: (kind, thing) for kind in NEEDED for thing in kind.of(level) if thing.name}
     order = [*known]
     for names in sorted(told, key=lambda names: [order.index(name) for name in names]):
         kind, thing = known[names[0]]
@@ -372,7 +384,9 @@ def thing_rules(level: GridWorld, drawn: bool) -> Iterator[tuple[str, str]]:
         if len(names) == 1 and names[0] in pays:
             parts.append(phrases.reward(pays[names[0]]))
         when = ""
-        if "on" in kind.properties and len(names) == 1:
+        if kind.name == "target":
+            when = "while covered: "
+        elif "on" in kind.properties and len(names) == 1:
             when = f"{'flips once, ' * thing.once}{'on at first, ' * thing.on}while on: "
         yield f"{kind.name}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
     yield from _movers(level)

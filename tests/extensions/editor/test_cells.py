@@ -427,7 +427,7 @@ def test_cells_that_have_a_thing_are_left_out() -> None:
     text = add(session, "switch", [1, 1], [2, 1])
     assert "switches:\n  - {name: switch, at: [2, 1]}\n" in text
     message = refused(session, "paint", brush="switch", cells=[[1, 1]])
-    assert message == "[1, 1] has an item or a switch already: a cell holds one"
+    assert message == "[1, 1] has an item, a switch or a target already: a cell holds one"
 
 
 def test_thing_is_refused_where_it_cannot_lie() -> None:
@@ -485,3 +485,40 @@ def test_path_through_a_wall_is_refused() -> None:
 def test_rectangle_is_that_of_a_wanderer() -> None:
     line = walk(Session(PLAIN), [3, 1], [1, 2], rectangle=True)
     assert line == "  - {within: {at: [1, 1], size: [3, 2]}}"
+
+
+BOXES = """\
+version: 1
+map: |
+  +---+---+---+---+
+  | S   $   .     |
+  +   +   +   +   +
+  | o           . |
+  +---+---+---+---+
+"""
+
+
+def test_boxes_and_targets_are_drawn_where_there_is_room() -> None:
+    session = Session(BOXES)
+    assert "| S   $   *     |" in paint(session, "box", (2, 0))
+    assert "| S   *   *     |" in paint(session, "target", (1, 0))
+    assert "| S   *   *   $ |" in paint(session, "box", (3, 0))
+    assert "boxes:\n  - {at: [0, 1]}" in paint(session, "box", (0, 1))
+    message = refused(session, "paint", brush="box", cells=[[1, 0]])
+    assert message == "[1, 0] has a box already: a cell holds one"
+
+
+def test_boxes_and_targets_without_a_drawing_are_entries() -> None:
+    session = Session(EMPTY)
+    assert added(paint(session, "box", (1, 1))) == "boxes:\n  - {at: [1, 1]}\n"
+    text = paint(session, "target", (2, 1), fields={"name": "pad"})
+    assert text.endswith("targets:\n  - {at: [2, 1], name: pad}\n")
+
+
+def test_boxes_on_targets_move_and_go_alone() -> None:
+    session = Session(BOXES)
+    places = {"route": ["map", 1, 0], "from_": [1, 0], "to": [2, 0]}
+    assert "| S       *     |" in done(session, "move", **places)
+    text = done(session, "move", route=["map", 2, 0], from_=[2, 0], to=[3, 1])
+    assert "| S       .     |" in text
+    assert "| o           * |" in text

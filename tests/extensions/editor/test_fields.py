@@ -132,7 +132,7 @@ def test_wrong_value_is_refused_with_the_message_of_the_level() -> None:
     session = Session(LOCKED)
     assert "at least 1" in refused(session, "set", route=["size"], value=[0, 3])
     assert "`colour`" in refused(session, "set", route=["items", 0, "colour"], value="red")
-    assert "no item or switch `bell`" in refused(
+    assert "no item, switch or target `bell`" in refused(
         session, "set", route=["doors", 0, "needs"], value="bell"
     )
     assert "off the grid" in refused(session, "set", route=["items", 0, "at"], value=[9, 9])

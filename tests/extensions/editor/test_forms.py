@@ -33,6 +33,10 @@ items:
   - {name: key, at: [0, 1]}
 switches:
   - {name: lever, at: [1, 1]}
+boxes:
+  - {at: [5, 1]}
+targets:
+  - {at: [4, 5]}
 movers:
   - {path: [[0, 0], [1, 0]], back: true}
   - {within: {at: [4, 2], size: [2, 2]}}
@@ -63,6 +67,8 @@ SAMPLES: dict[str, Any] = {
 PLACED = {
     "item.at": [3, 1],
     "switch.at": [3, 1],
+    "box.at": [3, 2],
+    "target.at": [4, 4],
     "mover.within.at": [4, 3],
     "mover.start": [5, 3],
     "warp.at": [5, 1],

@@ -79,7 +79,7 @@ def test_door_needs_what_opens_nothing_yet() -> None:
 
 def test_door_without_anything_to_open_it_is_refused() -> None:
     error = refused(Session(EMPTY), "walls", at=[1, 0], side="E", to="door")
-    assert error == "a door needs an item or a switch that opens it: add one first"
+    assert error == "a door needs an item, a switch or a target that opens it: add one first"
 
 
 def test_glass_lets_through_with_the_probability_asked_for() -> None:

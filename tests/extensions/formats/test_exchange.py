@@ -65,6 +65,11 @@ CHANGES: dict[str, tuple[World, World]] = {
     "heading": ({}, {"heading": "S"}),
     "exit": ({}, {"exit": [[3, 2], [3, 1]]}),
     "exit_one_of": ({"exit": [[3, 2], [3, 1]]}, {"exit": None, "exit_one_of": [[3, 2], [3, 1]]}),
+    "boxes": ({}, {"boxes": [{"at": [1, 1]}]}),
+    "targets": (
+        {"boxes": [{"at": [1, 1]}], "rewards": {"covered": 2}},
+        {"targets": [{"at": [2, 1]}]},
+    ),
     "exit_needs": (KEY, {"exit_needs": "key"}),
     "maze": ({}, {"maze": {"seed": 1}}),
     "walls": ({}, SLOPE),
@@ -91,7 +96,7 @@ OTHERS: tuple[World, ...] = ({"wind": {"east": [0, 1, 0]}}, {"rewards": {"bump":
 
 NEEDED = {
     **{"exit_one_of": "exit", "exit_needs": "items", "doors": "items"},
-    **{"hit": "movers", "puddle_types": "puddles"},
+    **{"hit": "movers", "puddle_types": "puddles", "targets": "boxes"},
 }
 """Fields that mean nothing where another one is lost."""
 

@@ -38,6 +38,7 @@ from babyrobot_levels.cli.inputs import load_two
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.kinds import KINDS
 from babyrobot_levels.render.words.phrases import cells
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import flow
@@ -403,13 +404,17 @@ def thing_lines(change: Change) -> list[str]:
         return [f"they count in another order: {' -> '.join(orders)}"]
     # A name that is taken begins with "the-" already.
     subject = name if name.startswith("the-") else f"the {name}"
-    if kind == "doors" and change.cell is not None:
+    if change.cell is not None and kind in ("boxes", "targets"):
+        noun = next(each.noun for each in KINDS if each.field == kind)
+        subject = f"the {noun} at {show_cell(change.cell)}"
+    elif kind == "doors" and change.cell is not None:
         subject = f"the door {_SIDES[name]} of {show_cell(change.cell)}"
     before, after = (dict(_said(each)) for each in (change.before, change.after))
     if not before or not after:
         state, said = ("removed", before) if before else ("new", after)
         told = [f"{verb} {text}" for verb, text in said.items() if _USUAL.get(verb) != text]
-        return [one_line(f"{state}: {subject}, which {' and '.join(told)}")]
+        which = f", which {' and '.join(told)}" if name else ""
+        return [one_line(f"{state}: {subject}{which}")]
     stays = "lies" in after and after["lies"] == before["lies"]
     where = f" {after['lies']}" if stays else ""
     return [
@@ -440,6 +445,8 @@ def _said(fields: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
         yield "lies", f"at {show_cell(fields['at'])}"
         yield "flips", "only the first time" if fields["once"] else "every time"
         yield "begins", "on" if fields["on"] else "off"
+    elif "at" in fields:
+        yield "stands", f"at {show_cell(fields['at'])}"
     elif "needs" not in fields:
         yield "walks", _way(fields)
     else:

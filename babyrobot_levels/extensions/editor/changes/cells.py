@@ -329,6 +329,24 @@ def add_things(draft: Draft, gesture: Paint) -> None:
         draft.entries(brush.field).append(ordered(brush.field, entry))
 
 
+def add_boxes(draft: Draft, gesture: Paint) -> None:
+    """Add a box, or a target, in each cell of a gesture that has none yet."""
+    kind = KIND[gesture.brush]
+    taken = {entry.at for entry in kind.of(draft.level)}
+    cells = [cell for cell in dict.fromkeys(gesture.cells) if cell not in taken]
+    if not cells:
+        where = show_cell(gesture.cells[0])
+        raise RefusedError(f"{where} has {kind.one} already: a cell holds one")
+    fields = plain_value(gesture.fields)
+    mark = next(iter(kind.marks))
+    for cell in cells:
+        both = d.together(draft.canvas.at(cell), mark) if draft.canvas and not fields else None
+        if draft.canvas is not None and both is not None and both not in draft.level.legend:
+            draft.canvas.put(cell, both)
+        else:
+            draft.entries(kind.field).append(ordered(kind.field, {**fields, "at": [*cell]}))
+
+
 def add_warp(draft: Draft, gesture: Warp) -> None:
     """Add a warp, or lead the warp that the cell has to another one."""
     for warp in draft.data.get("warps", []):

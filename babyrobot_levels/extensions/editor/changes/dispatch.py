@@ -34,6 +34,8 @@ def change(draft: Draft, gesture: Gesture) -> None:
     match gesture:
         case Walls():
             walls.build(draft, gesture)
+        case Paint(brush="box" | "target"):
+            cells.add_boxes(draft, gesture)
         case Paint(brush=brush) if brush in _THINGS:
             cells.add_things(draft, gesture)
         case Paint():

@@ -204,7 +204,7 @@ def _remove_drawn(draft: Draft, route: Route) -> None:
         canvas.mark(Run.of_entry(place["fields"]), d.OPEN)
     else:
         (cell,) = place["cells"]
-        canvas.put(cell, d.PLAIN)
+        canvas.put(cell, _taken_from(draft, canvas.at(cell))[1])
         forget_missing(draft)
 
 
@@ -228,12 +228,20 @@ def _move_drawn(draft: Draft, route: Route, shift: tuple[int, int]) -> None:
     width, height = draft.level.size
     if not (0 <= to[0] < width and 0 <= to[1] < height):
         raise RefusedError(f"{show_cell(to)} is off the grid")
-    character = canvas.at((x, y))
-    canvas.put((x, y), d.PLAIN)
-    if canvas.at(to) != d.PLAIN:
+    character, rest = _taken_from(draft, canvas.at((x, y)))
+    canvas.put((x, y), rest)
+    both = d.together(canvas.at(to), character)
+    if both is None or both in {d.COVERED}.intersection(draft.level.legend):
         where = show_cell(to)
         raise RefusedError(f"{where} shows something already: a cell of a drawing shows one thing")
-    canvas.put(to, character)
+    canvas.put(to, both)
+
+
+def _taken_from(draft: Draft, mark: str) -> tuple[str, str]:
+    """Return what of a cell's mark is moved or removed, and what stays: a box leaves its target."""
+    if mark == d.COVERED and mark not in draft.level.legend:
+        return d.BOX, d.TARGET
+    return mark, d.PLAIN
 
 
 @contextmanager
