@@ -9,7 +9,7 @@ import numpy as np
 from babyrobot_levels.analysis.solver.model import Model, closed_classes, surely_ending
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
-from babyrobot_levels.analysis.solver.sweeps import swept
+from babyrobot_levels.analysis.solver.sweeps import raised, settled
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 from babyrobot_levels.text import budget
@@ -264,6 +264,9 @@ TIE = 1e-13
 MAX_SWEEPS = 30
 """Sweeps between two exact evaluations. They only save time."""
 
+SWEEPS = "sweeps in order of distance, and policy iteration"
+"""How large levels are solved."""
+
 IMPATIENCE = 1e-5
 """The chance to give up at each step, in the search for a policy that ends soon."""
 
@@ -278,7 +281,7 @@ class Iterated:
     method: str = "policy iteration"
 
 
-def iterate_policies(model: Model, policy: Ints, discount: float) -> Iterated:
+def iterate_policies(model: Model, policy: Ints, discount: float, slack: float = SLACK) -> Iterated:
     """Return optimal values and a policy.
 
     Without a discount, `policy` must lead to the end with probability one, however late, and so
@@ -289,22 +292,25 @@ def iterate_policies(model: Model, policy: Ints, discount: float) -> Iterated:
     that a change spreads over the whole level and not by one cell. The last round raises no value
     by more than rounding; values cannot rise for ever, so there is one.
 
-    Large levels in which policies lead to the end are solved by compiled sweeps instead.
+    Large levels are solved by machine code instead.
     """
-    found = swept(model, policy, discount)
+    found = settled(model, policy, discount)
     if found is not None:
-        return Iterated(*found, "value iteration in order of distance")
+        return Iterated(*found, SWEEPS)
     if discount == 1:
         policy = in_good_time(model, policy)
+    found = raised(model, policy, discount, slack)
+    if found is not None:
+        return Iterated(*found, SWEEPS)
     values = expected_sums(model.under(policy), _rewards(model, policy), discount)
     rounds = 1
     while True:
-        improved = _sweep(model, values, policy, discount)
+        improved = _sweep(model, values, policy, discount, slack)
         if (improved == policy).all():
             return Iterated(values, policy, rounds)
         risen = expected_sums(model.under(improved), _rewards(model, improved), discount)
         rounds += 1
-        if not (risen > values + SLACK / 2 * scale_of(model, values)).any():
+        if not (risen > values + slack / 2 * scale_of(model, values)).any():
             return Iterated(values, policy, rounds)
         values, policy = risen, improved
 
@@ -319,10 +325,10 @@ def scale_of(model: Model, values: Floats) -> float:
     return float(max(np.abs(values).max(initial=0), rewards.max(initial=0)))
 
 
-def _sweep(model: Model, values: Floats, policy: Ints, discount: float) -> Ints:
+def _sweep(model: Model, values: Floats, policy: Ints, discount: float, slack: float) -> Ints:
     """Return the policy after sweeps of value iteration, as long as they change it."""
     rows = np.arange(model.size)
-    slack = SLACK * scale_of(model, values)
+    slack *= scale_of(model, values)
     for _ in range(MAX_SWEEPS):
         ahead = model.action_values(values, discount)
         own, best = ahead[rows, policy], ahead.argmax(axis=1)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.analysis.solver.compiled import kernel_for
+from babyrobot_levels.analysis.solver.compiled import is_compiled
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
 
@@ -197,10 +197,10 @@ def kernel_arrays(model: Model) -> tuple[NDArray[np.int32], Floats]:
 
 def distances(model: Model, goals: Flags, rows: Flags) -> Ints:
     """Return how many steps a goal is away at least, `[n + 1]`; -1 where none can be reached."""
-    kernel = kernel_for(model.size)
-    if kernel is not None:
-        edges = kernel.before(*kernel_arrays(model), rows, model.size)
-        compiled: Ints = kernel.distances(*edges, goals)[0]
+    if is_compiled(model.size):
+        from babyrobot_levels.analysis.solver.compiled import rows as kernel
+
+        compiled: Ints = kernel.distances(*kernel_arrays(model), rows, goals)[0]
         return compiled
     happens = (model.probability > 0) & rows[:, :, None]
     source = np.repeat(np.arange(model.size, dtype=np.int32), happens.sum(axis=(1, 2)))
@@ -239,9 +239,10 @@ def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Ints, Flags]:
         and the actions that lead to none but these states, `[n, actions]`.
     """
     while True:
-        reached, action = attractor(model, model.end, rows)
-        risky = rows & model.leads_to(np.append(~reached, False))
+        lost = distances(model, model.end, rows) < 0
+        risky = rows & model.leads_to(lost) if lost.any() else lost
         if not risky.any():
+            reached, action = attractor(model, model.end, rows)
             return reached, action, rows & reached[:, None]
         rows = rows & ~risky
 

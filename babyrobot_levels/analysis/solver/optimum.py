@@ -16,6 +16,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.solver.evaluation import action_values, diverging_states, episode
 from babyrobot_levels.analysis.solver.linear import (
+    SLACK,
     ZERO,
     Iterated,
     class_averages,
@@ -49,6 +50,9 @@ from babyrobot_levels.text.words import unexpected
 
 TOLERANCE = 1e-9
 """Actions whose values differ by no more than this share of the optimal one are all greedy."""
+
+NEARLY = 1e-10
+"""Chances to reach an exit that differ by no more are the same, to what is made of them."""
 
 MAX_ROUNDS = 1000
 """A bound that rounding cannot exceed: a policy that is no better repeats after a few rounds."""
@@ -162,7 +166,7 @@ def solve(
     rows = np.where(endless[:, None], greedy[model.states], fastest[model.states])
     if discount < 1:
         fastest[model.states] = rows
-    chosen, success = _to_exits(model, rows, found.policy, success, space)
+    chosen, success = _to_exits(model, rows, found.policy, steps, success, space)
     policy[model.states] = chosen
     diverging = diverging_states(model.under(chosen), expected, space)
     solution = Solution(
@@ -209,12 +213,13 @@ def _discounted(model: Model, discount: float) -> Optimum:
     return Optimum(replace(found, policy=policy), core, steps)
 
 
-def undiscounted(model: Model, space: StateSpace) -> Optimum:
+def undiscounted(model: Model, space: StateSpace, slack: float = SLACK) -> Optimum:
     """Return the optimum of a model without a discount.
 
     Args:
         model: the model, whose `states` are states of the level.
         space: the states of the level, which errors name.
+        slack: improvements by no more than this share of the largest value do not count.
 
     Raises:
         UndefinedReturnError: it may be optimal to stay in a loop in which rewards cancel out.
@@ -231,7 +236,7 @@ def undiscounted(model: Model, space: StateSpace) -> Optimum:
     sure, action, rows = surely_ending(rest, rest.allowed)
     core = rest.restrict(sure, rows)
     inside = others[sure]
-    found = iterate_policies(core, action[sure], 1.0)
+    found = iterate_policies(core, action[sure], 1.0, slack)
     stop = model.reward.shape[1]
     # Where stopping is optimal, it means to stay in the loop, unless ending is just as good.
     is_stop = np.arange(core.reward.shape[1]) == stop
@@ -287,7 +292,7 @@ def _fastest(model: Model, greedy: Flags, policy: Ints, steps: Floats) -> Flags:
 
 
 def _to_exits(
-    model: Model, rows: Flags, policy: Ints, success: Floats, space: StateSpace
+    model: Model, rows: Flags, policy: Ints, steps: Floats, success: Floats, space: StateSpace
 ) -> tuple[Ints, Floats]:
     """Return a policy that reaches an exit as likely as any that takes some of the actions.
 
@@ -295,6 +300,7 @@ def _to_exits(
         model: the states and actions.
         rows: the actions that may be taken, `[n, actions]`.
         policy: a policy of such actions; it is kept where none is likelier to reach an exit.
+        steps: its expected steps to the end, `[n]`.
         success: its chances to reach an exit, `[n]`.
         space: the states.
 
@@ -306,7 +312,10 @@ def _to_exits(
     chances = model.with_rewards(np.where(rows, model.success, -np.inf))
     if (chances.action_values(success, 1.0).max(axis=1) > success + TOLERANCE).any():
         with suppress(EpisodeTooLongError):
-            found = undiscounted(chances, space).found
+            if np.isfinite(steps).all():
+                found = iterate_policies(chances, policy, 1.0, NEARLY)
+            else:
+                found = undiscounted(chances, space, NEARLY).found
             better = found.values > success + TOLERANCE
             return np.where(better, found.policy, policy), np.where(better, found.values, success)
     return policy, success

@@ -1,24 +1,22 @@
-"""Solving large levels with compiled sweeps, where Numba is installed."""
+"""Solving large levels with machine code, where Numba is installed."""
+
+from __future__ import annotations
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.compiled import kernel_for
+from babyrobot_levels.analysis.solver.compiled import is_compiled
 from babyrobot_levels.analysis.solver.model import Model, kernel_arrays
 from babyrobot_levels.mdp.tables import Floats, Ints
-from babyrobot_levels.text import budget
-
-FEW_NEIGHBOURS = 2.5
-"""Where states lead to fewer others than this on average, as in mazes, elimination is faster."""
-
-MOST_SWEEPS = 200
-"""After so many sweeps over all states, elimination does it."""
 
 ROUNDING = 1e-14
 """Actions whose values differ by no more than this share of the largest one are equal."""
 
+Found = tuple[Floats, Ints, int]
+"""Optimal values, `[n]`, a policy that attains them, `[n]`, and the number of sweeps it took."""
 
-def swept(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, int] | None:
-    """Return optimal values, `[n]`, a policy that attains them, `[n]`, and the rounds it took.
+
+def settled(model: Model, policy: Ints, discount: float) -> Found | None:
+    """Return the optimum of a large model by values that may begin anywhere.
 
     Args:
         model: the states and actions.
@@ -26,38 +24,51 @@ def swept(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, in
         discount: the discount.
 
     Returns:
-        None where there is no Numba, or another way is faster, or sweeps do not find them: where
-        loops cost nothing, other values solve the equations too.
+        None where there is no Numba, or values do not settle, or where the Bellman equation has
+        other solutions, too: without a discount, where steps cost nothing.
     """
-    kernel = kernel_for(model.size)
-    if kernel is None:
+    inner = model.allowed & ~model.leads_to(model.end)
+    cheapest = np.where(inner, -model.reward, np.inf).min(initial=np.inf)
+    if not is_compiled(model.size) or (discount == 1 and cheapest <= 0):
         return None
-    rows = model.allowed
-    inner = rows & ~model.leads_to(model.end)
-    cheapest = np.where(inner, -model.reward, np.inf).min()
-    if discount == 1 and cheapest <= 0:
-        return None
-    following, probability = kernel_arrays(model)
-    begin, states = kernel.before(following, probability, rows, model.size)
-    if states.size < FEW_NEIGHBOURS * model.size:
-        return None
-    distance, order = kernel.distances(begin, states, model.end)
-    order = order[1:]
-    if order.size < model.size:
-        return None
-    first = np.searchsorted(distance[order], np.arange(1, distance.max() + 2))
+    from babyrobot_levels.analysis.solver.compiled import iteration, rows
+
+    order, borders = rows.ordered(*kernel_arrays(model), model.allowed)
     reward = np.ascontiguousarray(model.reward)
-    cost = 2 * probability.size
-    most = min(MOST_SWEEPS, budget.left() / cost)
-    values, rounds, left = kernel.solve(
-        order, first, following, probability, reward, discount, most
-    )
-    budget.spend(cost * (most - left))
-    values = values[:-1]
-    margin = ROUNDING * np.abs(values).max()
-    if not rounds or (discount == 1 and cheapest <= margin):
+    search = iteration.Search(rows.rows_of(order, *kernel_arrays(model), reward, discount))
+    if not search.begin(borders) or not search.run():
         return None
+    values, margin = np.empty(model.size), ROUNDING * search.scale
+    if discount == 1 and cheapest <= margin:
+        return None
+    values[order] = search.values
     ahead = model.action_values(values, discount)
     equal = ahead >= ahead.max(axis=1, keepdims=True) - margin
     kept = equal[np.arange(model.size), policy]
-    return values, np.where(kept, policy, equal.argmax(axis=1)), rounds
+    return values, np.where(kept, policy, equal.argmax(axis=1)), search.rounds
+
+
+def raised(model: Model, policy: Ints, discount: float, slack: float) -> Found | None:
+    """Return the optimum of a large model by values that rise from those of a policy.
+
+    Args:
+        model: the states and actions.
+        policy: the policy, `[n]`; without a discount, one that ends with probability one.
+        discount: the discount.
+        slack: what is better by no more than this share of the largest value does not count.
+
+    Returns:
+        None where there is no Numba, or the end is too far away for floating point.
+    """
+    if not is_compiled(model.size):
+        return None
+    from babyrobot_levels.analysis.solver.compiled import iteration, rows
+
+    order, _ = rows.ordered(*kernel_arrays(model), model.allowed)
+    reward = np.ascontiguousarray(model.reward)
+    search = iteration.Search(rows.rows_of(order, *kernel_arrays(model), reward, discount))
+    if not search.climb(search.rows.row_of(policy[order], reward.shape[1]), slack):
+        return None
+    values, chosen = np.empty(model.size), np.empty(model.size, np.int64)
+    values[order], chosen[order] = search.values, search.rows.action[search.chosen]
+    return values, chosen, search.rounds

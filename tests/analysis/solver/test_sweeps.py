@@ -1,4 +1,4 @@
-"""Compiled sweeps find what elimination finds, wherever they say that they have found it."""
+"""Large levels are solved by machine code as they are without it."""
 
 from __future__ import annotations
 
@@ -13,32 +13,31 @@ from hypothesis import strategies as st
 from oracles.random_things import random_level
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver import compiled, linear, model, sweeps
-from babyrobot_levels.analysis.solver.policies import space_of
+from babyrobot_levels.analysis.solver import compiled, model, sweeps
 
 OPEN: dict[str, Any] = {"version": 1, "size": [58, 58], "skid": 0.4}
 WALKER = {"within": {"at": [0, 0], "size": [5, 5]}}
 THINGS = {**OPEN, "size": [14, 14], "skid": 0.2, "movers": [WALKER]}
 
 
+MAZE: dict[str, Any] = {"version": 1, "size": [58, 58], "skid": 0.2, "maze": {"seed": 1}}
+FREE = {"version": 1, "size": [8, 8], "skid": 0.4, "rewards": {"step": 0, "exit": 1}}
+ENDLESS = {**OPEN, "exit": "none"}
+PAID = {**OPEN, "size": [9, 9], "areas": [{"at": [3, 3], "ends": True, "reward": 20}]}
+
+
 @pytest.fixture
 def everywhere() -> Iterator[None]:
-    """Have levels of all sizes and shapes solved by sweeps."""
+    """Have levels of all sizes solved by machine code."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compiled, "MANY_STATES", 1)
-        patch.setattr(sweeps, "FEW_NEIGHBOURS", 0)
         yield
-
-
-def swept(level: dict[str, Any], discount: float) -> object:
-    model = space_of(brl.load(level), "all").model()
-    return sweeps.swept(model, np.zeros(model.size, np.intp), discount)
 
 
 def solved_by_elimination(level: Any, discount: float) -> brl.Solution:
     with pytest.MonkeyPatch.context() as patch:
         for module in (model, sweeps):
-            patch.setattr(module, "kernel_for", lambda _: None)
+            patch.setattr(module, "is_compiled", lambda _: False)
         return brl.solve(level, discount)
 
 
@@ -54,10 +53,11 @@ def assert_same(found: brl.Solution, expected: brl.Solution) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("discount", [1.0, 0.99])
-@pytest.mark.parametrize("level", [OPEN, THINGS], ids=["open", "things"])
-def test_large_levels_are_solved_by_sweeps(level: dict[str, Any], discount: float) -> None:
-    assert swept(level, discount) is not None
-    assert_same(brl.solve(level, discount), solved_by_elimination(level, discount))
+@pytest.mark.parametrize("level", [OPEN, THINGS, MAZE], ids=["open", "things", "maze"])
+def test_large_levels_are_solved_alike(level: dict[str, Any], discount: float) -> None:
+    found = brl.solve(level, discount)
+    assert found.method.startswith("sweeps")
+    assert_same(found, solved_by_elimination(level, discount))
 
 
 @pytest.mark.sweep
@@ -79,18 +79,23 @@ def test_random_levels_are_solved_alike(seed: int, discount: float) -> None:
         return
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compiled, "MANY_STATES", 1)
-        patch.setattr(sweeps, "FEW_NEIGHBOURS", 0)
         found = brl.solve(level, discount)
     assert_same(found, expected)
 
 
 @pytest.mark.usefixtures("everywhere")
-def test_values_of_loops_that_cost_nothing_are_left_to_elimination() -> None:
+@pytest.mark.parametrize("discount", [1.0, 0.9])
+@pytest.mark.parametrize("level", [FREE, PAID], ids=["free", "paid"])
+def test_values_begin_with_those_of_a_policy_where_steps_cost_nothing(
+    level: dict[str, Any], discount: float
+) -> None:
     """There, any value above the right one solves the equations too."""
-    free = {"version": 1, "size": [8, 8], "skid": 0.4, "rewards": {"step": 0, "exit": 1}}
-    assert swept(free, 1.0) is None
-    assert swept(free, 0.9) is not None
-    assert brl.solve(free, 1.0).expected_return == 1.0
+    assert_same(brl.solve(level, discount), solved_by_elimination(level, discount))
+
+
+@pytest.mark.usefixtures("everywhere")
+def test_levels_without_an_end_are_solved_alike() -> None:
+    assert_same(brl.solve(ENDLESS, 0.99), solved_by_elimination(ENDLESS, 0.99))
 
 
 @pytest.mark.usefixtures("everywhere")
@@ -111,13 +116,11 @@ def test_where_holes_end_episodes_too_the_chances_of_an_exit_are_told() -> None:
     assert_same(found, expected)
 
 
-def test_sweeps_that_do_not_settle_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweeps, "MOST_SWEEPS", 3)
-    assert swept(OPEN, 1.0) is None
-    assert brl.solve(OPEN).residual < 1e-9 * 300
+def test_what_is_not_found_is_left_to_elimination(monkeypatch: pytest.MonkeyPatch) -> None:
+    from babyrobot_levels.analysis.solver.compiled import iteration
 
-
-def test_mazes_are_left_to_elimination() -> None:
-    maze = {**OPEN, "maze": {"seed": 1}}
-    assert swept(maze, 1.0) is None
-    assert linear.DENSE_STATES < 58 * 58
+    monkeypatch.setattr(iteration, "MOST_ROUNDS", 0)
+    monkeypatch.setattr(iteration, "FAST", 0)
+    found = brl.solve({**OPEN, "skid": {"probability": 0.8, "to": "open"}})
+    assert found.method == "policy iteration"
+    assert found.residual < 1e-9 * 300
