@@ -41,7 +41,7 @@ _FIRST_LOOK = 1024
 _MOST_PERIODS = 4
 """How many periods are tried at a time."""
 
-_EXACT = 1e-9
+EXACT = 1e-9
 """By which share values may be wrong after all repetitions."""
 
 _EPS = float(np.finfo(np.float64).eps)
@@ -201,7 +201,7 @@ def _repeats(step: Callable[[Floats], Floats], values: Floats, period: int, peri
         largest = np.abs(line[-1]).max(axis=0)
         for number, row, expected in zip(numbers, rows, line, strict=True):
             # Errors of the first periods add up in all that follow.
-            share = _EXACT / periods if number <= 3 else 64 * _EPS
+            share = EXACT / periods if number <= 3 else 64 * _EPS
             if (np.abs(row - expected) > share * largest).any():
                 return False
         rows = [step(row) for row in rows]

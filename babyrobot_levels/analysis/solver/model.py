@@ -179,9 +179,14 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
     )
 
 
+def largest_reward(mdp: Mdp) -> float:
+    """Return the largest reward of a step, or cost, of a level's tables."""
+    return float(max(mdp.reward.max(initial=0.0), -mdp.reward.min(initial=0.0)))
+
+
 def too_large_to_add_up(mdp: Mdp) -> str | None:
     """Return why the rewards of a level's tables cannot be added up, in words; None if they can."""
-    largest = max(mdp.reward.max(initial=0.0), -mdp.reward.min(initial=0.0))
+    largest = largest_reward(mdp)
     if largest <= MAX_REWARD:
         return None
     return f"rewards of up to {largest:g} are too large to add up; use at most {MAX_REWARD:g}"

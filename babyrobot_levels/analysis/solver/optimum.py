@@ -14,6 +14,7 @@ from typing import Any, Literal, overload
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.bounds import margins
 from babyrobot_levels.analysis.solver.evaluation import action_values, diverging_states, episode
 from babyrobot_levels.analysis.solver.linear import (
     SLACK,
@@ -31,6 +32,7 @@ from babyrobot_levels.analysis.solver.model import (
     attractor,
     closed_classes,
     end_components,
+    largest_reward,
     surely_ending,
 )
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
@@ -185,6 +187,7 @@ def solve(
         method=found.method,
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
+        margin=space.spread(model, margins(model, found.values, discount, largest_reward(mdp))),
         level=level,
     )
     if not exact:

@@ -27,7 +27,7 @@ TURNS = "turns"
 ACTION_SETS = {"all": Action.STAY, "moves": Action.NORTH, TURNS: Turn.LEFT}
 """The sets of actions, and the action that is number 0 of each."""
 
-OVER_STATES = ("values", "action_values", "greedy", "fastest", "policy")
+OVER_STATES = ("values", "action_values", "greedy", "fastest", "policy", "margin")
 """The arrays over states of all results."""
 
 MAX_LISTED = 5
@@ -312,6 +312,9 @@ class Solution(Evaluation, public=True):
         method: how it was found.
         iterations: how many policies were evaluated on the way, or rounds of sweeps were made.
         residual: the largest violation of Bellman's equation among finite values.
+        margin: by how much values may be wrong at most, float64 `[height, width]`, all rounding
+            included; 0 where they are infinite. It is inf where, without a discount, steps that
+            cost nothing leave room for other values: ask for fractions there, by `exact`.
         policies: within a limit of steps, an optimal action for each step and cell, int8
             `[within, height, width]`, where number 0 is the first step; `policy` is that of the
             first step. None without a limit, where the optimum does not depend on the time.
@@ -323,7 +326,13 @@ class Solution(Evaluation, public=True):
     method: str
     iterations: int
     residual: float
+    margin: Floats
     policies: Ints | None = field(default=None, kw_only=True)
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper bounds of the optimal values, `[height, width]` each."""
+        return self.values - self.margin, self.values + self.margin
 
     def _how_found(self) -> list[tuple[str, str]]:
         return [("Method", f"{self.method}, residual {self.residual:.1g}")]

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.horizon import after, induction
-from babyrobot_levels.analysis.solver.model import Model
+from babyrobot_levels.analysis.solver.bounds import ROUNDINGS, UNIT
+from babyrobot_levels.analysis.solver.horizon import EXACT, after, induction
+from babyrobot_levels.analysis.solver.model import Model, largest_reward
 from babyrobot_levels.analysis.solver.policies import StateSpace, read_policy
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
@@ -102,7 +103,25 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
         method="backward induction",
         iterations=rounds,
         residual=float(np.abs(now[:, 0] - values.max(axis=1)).max(initial=0.0)),
+        margin=space.spread(
+            model, _margins(model, now[:, 0], (steps, rounds), largest_reward(mdp))
+        ),
     )
+
+
+def _margins(model: Model, values: Floats, steps: tuple[int, int], largest: float) -> Floats:
+    """Return by how much values may be wrong at most, `[n]`.
+
+    Args:
+        model: the states and actions.
+        values: the values, `[n]`.
+        steps: how many there are, and how many were computed, not repeated.
+        largest: the largest reward of a step, or cost.
+    """
+    size = largest + float(np.abs(values).max(initial=0.0))
+    rounding = (model.probability.shape[2] + ROUNDINGS) * UNIT * steps[0]
+    repeating = EXACT if steps[1] < steps[0] else 0.0
+    return np.full(values.size, (rounding + repeating) * size)
 
 
 def _greedy(values: Floats, slack: float) -> Flags:
