@@ -41,6 +41,7 @@ def _run() -> None:
     from babyrobot_levels.cli.commands import app
     from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
     from babyrobot_levels.cli.meant import argument
+    from babyrobot_levels.text import budget
     from babyrobot_levels.text.errors import (
         BabyRobotError,
         LevelError,
@@ -48,6 +49,7 @@ def _run() -> None:
         RandomMazeError,
     )
 
+    budget.call_before_work(end_if_interrupted)
     try:
         app(prog_name="babyrobot")
     except RandomMazeError:
@@ -80,7 +82,8 @@ _arrived: list[int] = []
 def end_if_interrupted() -> None:
     """End the command if a signal has come, whose exception a library has dropped.
 
-    Some serializers of pydantic take every exception for a value that is not of their type.
+    Some serializers of pydantic take every exception for a value that is not of their type, and
+    Python itself drops those that are raised while it calls a finalizer, as those of Numba.
     """
     if _arrived:
         _end(_arrived[0])

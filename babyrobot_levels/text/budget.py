@@ -67,6 +67,16 @@ class _Budget:
         return f"{self.states:,} states, and {self.outcomes} or more outcomes of an action"
 
 
+_before_work: Callable[[], object] = int
+"""What is called before work is done; it does nothing unless `call_before_work` says otherwise."""
+
+
+def call_before_work(function: Callable[[], object]) -> None:
+    """Have a function called before work is done; it may raise what ends it."""
+    global _before_work
+    _before_work = function
+
+
 _budget: ContextVar[_Budget | None] = ContextVar("budget", default=None)
 
 
@@ -108,6 +118,7 @@ def spend(steps: float) -> None:
     Raises:
         OverBudgetError: they are more than are left.
     """
+    _before_work()
     if (budget := _budget.get()) is not None:
         budget.left -= int(steps)
         if budget.left < 0:

@@ -17,11 +17,13 @@ from typing import IO, Any, cast
 import pytest
 from support.sessions import environment
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli import app, parallel
 from babyrobot_levels.extensions.play import keyboard
 from babyrobot_levels.parallel import processes
 from babyrobot_levels.render import terminal
 from babyrobot_levels.render.terminal import Terminal
+from babyrobot_levels.text import budget
 
 TITLE = "Größe − ✓ │ 迷路 🤖"
 LEVEL = f"version: 1\nname: odd\ntitle: {TITLE}\nmaze: {{seed: 3}}\n"
@@ -236,6 +238,9 @@ def test_an_interrupt_that_a_library_drops_ends_the_work_all_the_same(
         handlers[signal.SIGINT](signal.SIGINT, None)
     with pytest.raises(KeyboardInterrupt):
         [*parallel.track("ab", 2, "counting")]
+    monkeypatch.setattr(budget, "_before_work", app.end_if_interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        brl.solve("frozen-lake")
 
 
 def test_no_more_processes_than_windows_can_wait_for(monkeypatch: pytest.MonkeyPatch) -> None:
