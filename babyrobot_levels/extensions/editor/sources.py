@@ -10,7 +10,8 @@ from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.extensions.editor.changes.draft import RefusedError
 from babyrobot_levels.extensions.editor.session import EditedFile, Session
 from babyrobot_levels.extensions.formats.conversion import ConversionError, file_text
-from babyrobot_levels.extensions.formats.formats import FORMATS, guess
+from babyrobot_levels.extensions.formats.formats import FORMATS
+from babyrobot_levels.extensions.formats.reading import guess
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.catalogue import find, levels, load, looks_like_path

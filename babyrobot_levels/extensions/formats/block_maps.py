@@ -13,16 +13,12 @@ from typing import Any
 
 from babyrobot_levels.extensions.formats.blocks import (
     ENDS,
-    SPATIAL,
     Rows,
-    as_blocks,
     block_map,
     drawn,
     from_lattice,
     is_lattice,
-    lost_areas,
-    marked,
-    only_first,
+    lattice_map,
     place_of,
     replaced,
     text_rows,
@@ -37,7 +33,6 @@ from babyrobot_levels.extensions.formats.conversion import (
     ConversionError,
     Lost,
     World,
-    fields_lost,
     letters_in,
     read_data,
     sequence,
@@ -323,22 +318,10 @@ def _with_corners(cells: Rows, lost: list[Lost]) -> tuple[Rows, bool]:
 
 def write_maze_dataset(level: Level) -> Conversion:
     """Return a level in ASCII, without the path of the solution."""
-    lost = list(fields_lost(level, SPATIAL | {"areas"}, _DATASET))
-    lost += lost_areas(level, "it has no cells that end the episode but its end")
-    grid = level.grid()
-    if any(grid.blocked_cells):
-        lost.append(Lost("blocked", "the cells are there, with walls around them"))
-    if grid.glass:
-        lost.append(Lost("walls.pass", "walls of glass become solid"))
-    rows = marked(level)
-    for name, cells in (("start", level.starts), ("exit", level.exits)):
-        if len(cells) > 1:
-            lost.append(only_first(name, cells, _DATASET))
-            rows = replaced(rows, cells[1:], d.PLAIN)
+    rows, lost = lattice_map(level, _DATASET)
     if not level.exits:
         lost.append(Lost("exit", "the level has none, and a maze there has one"))
-    rows = tuple(row.replace(ENDS, d.PLAIN).replace(d.BLOCKED, d.PLAIN) for row in rows)
-    return Conversion("\n".join(as_blocks(grid, rows, lattice=True)) + "\n", tuple(lost))
+    return Conversion("\n".join(rows) + "\n", tuple(lost))
 
 
 def _is_maze(source: SourceFile, letters: set[str]) -> bool:

@@ -97,6 +97,19 @@ def without_ring(rows: Rows) -> Rows:
     return tuple(row[1:-1] for row in rows[1:-1])
 
 
+def room(cells: Sequence[str], first: int, width: int) -> list[int]:
+    """Return the numbers of the cells that are connected to one, itself included."""
+    height, found, seen = len(cells) // width, [first], {first}
+    # The list grows while it is gone through.
+    for cell in found:
+        for side in SIDES:
+            near = neighbour(cell, side, width, height)
+            if near is not None and near not in seen and cells[near] != d.BLOCKED:
+                seen.add(near)
+                found.append(near)
+    return found
+
+
 def without_surroundings(rows: Rows) -> Rows:
     """Return rows with the free cells blocked that lie outside of the walls around the world.
 
@@ -104,22 +117,15 @@ def without_surroundings(rows: Rows) -> Rows:
     """
     width, height = len(rows[0]), len(rows)
     cells = list("".join(rows))
-    seen = bytearray(len(cells))
+    seen: set[int] = set()
     for edge in range(len(cells)):
         is_edge = edge % width in (0, width - 1) or edge // width in (0, height - 1)
-        if not is_edge or seen[edge] or cells[edge] == d.BLOCKED:
+        if not is_edge or edge in seen or cells[edge] == d.BLOCKED:
             continue
-        seen[edge] = True
-        room = [edge]
-        # The list grows while it is gone through.
-        for cell in room:
-            for side in SIDES:
-                near = neighbour(cell, side, width, height)
-                if near is not None and not seen[near] and cells[near] != d.BLOCKED:
-                    seen[near] = True
-                    room.append(near)
-        if all(cells[cell] == d.PLAIN for cell in room):
-            for cell in room:
+        found = room(cells, edge, width)
+        seen.update(found)
+        if all(cells[cell] == d.PLAIN for cell in found):
+            for cell in found:
                 cells[cell] = d.BLOCKED
     return tuple("".join(cells[y * width : (y + 1) * width]) for y in range(height))
 
@@ -286,6 +292,33 @@ def block_map(
     if ends is not None:
         cells = tuple(row.replace(ENDS, d.PLAIN) for row in cells)
     return as_blocks(grid, cells, lattice=lattice), lost
+
+
+def lattice_map(
+    level: Level, place: str, *, many: str = "", carried: frozenset[str] = frozenset()
+) -> tuple[Rows, list[Lost]]:
+    """Return a level in blocks that are walls between cells, and what such a map does not keep.
+
+    Args:
+        level: the level.
+        place: the format, for messages: "a maze of maze-dataset".
+        many: the marks that may occur more than once: `E`, or none.
+        carried: fields that the map can hold beside the usual ones.
+    """
+    lost = list(fields_lost(level, SPATIAL | {"areas"} | carried, place))
+    lost += lost_areas(level, f"{place} has no cells that end the episode but exits")
+    grid = level.grid()
+    if any(grid.blocked_cells):
+        lost.append(Lost("blocked", "the cells are there, with walls around them"))
+    if grid.glass:
+        lost.append(Lost("walls.pass", "walls of glass become solid"))
+    rows = marked(level)
+    for mark, name, cells in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
+        if len(cells) > 1 and mark not in many:
+            lost.append(only_first(name, cells, place))
+            rows = replaced(rows, cells[1:], d.PLAIN)
+    rows = tuple(row.replace(ENDS, d.PLAIN).replace(d.BLOCKED, d.PLAIN) for row in rows)
+    return as_blocks(grid, rows, lattice=True), lost
 
 
 def only_first(name: str, cells: Sequence[tuple[int, int]], place: str) -> Lost:

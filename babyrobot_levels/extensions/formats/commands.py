@@ -37,10 +37,8 @@ from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.extensions.formats import formats
-from babyrobot_levels.extensions.formats.formats import (
-    FORMATS,
-    MODELS,
-    PARTIAL,
+from babyrobot_levels.extensions.formats.formats import FORMATS, MODELS, PARTIAL
+from babyrobot_levels.extensions.formats.reading import (
     UnknownFormatError,
     format_of,
     is_environment,

@@ -143,12 +143,15 @@ class Codec:
         write: returns a level as a text; None if levels are not written.
         draws: whether a text, with these characters beside line ends, is a map that is drawn.
         holds: whether data in JSON, or in a Python literal, is a world.
+        decodes: returns the text that the bytes of a file stand for, which is then read; None if
+            they are no such file. Formats that are texts have none.
     """
 
     read: Callable[..., World]
     write: Callable[[Level], Conversion] | None = None
     draws: Callable[[SourceFile, set[str]], bool] = _never
     holds: Callable[[Any], bool] = _never
+    decodes: Callable[[bytes], str | None] | None = None
 
 
 def level_of(world: World, *, name: str | None = None) -> Level:

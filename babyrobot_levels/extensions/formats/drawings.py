@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 from babyrobot_levels.extensions.formats.conversion import Codec, ConversionError, Lost, World
+from babyrobot_levels.extensions.formats.micromouse import is_micromouse
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.parsing import parse
@@ -41,7 +42,8 @@ def read_drawing(source: SourceFile) -> World:
 
 
 def _is_drawing(source: SourceFile, _: set[str]) -> bool:
-    return _BORDER.fullmatch(next(filter(str.strip, source.lines), "")) is not None
+    first = next(filter(str.strip, source.lines), "")
+    return _BORDER.fullmatch(first) is not None and not is_micromouse(source)
 
 
 CODEC = Codec(read_drawing, draws=_is_drawing)

@@ -9,7 +9,8 @@ from support.conversions import level_of_world, lost_fields, sample, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.formats.conversion import ConversionError, level_of
-from babyrobot_levels.extensions.formats.formats import export, guess
+from babyrobot_levels.extensions.formats.formats import export
+from babyrobot_levels.extensions.formats.reading import guess
 from babyrobot_levels.text.source import SourceFile
 
 MAZE_MAPS = sample("gymnasium-robotics")

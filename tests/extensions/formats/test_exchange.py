@@ -17,7 +17,8 @@ from support.worlds import World, level_of, worlds
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.formats import conversion
 from babyrobot_levels.extensions.formats.conversion import Conversion, Lost, fields_lost, file_text
-from babyrobot_levels.extensions.formats.formats import FORMATS, Format, export, guess
+from babyrobot_levels.extensions.formats.formats import FORMATS, Format, export
+from babyrobot_levels.extensions.formats.reading import guess
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile

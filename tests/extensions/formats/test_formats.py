@@ -17,12 +17,8 @@ from support.conversions import level_of_world, sample, world_of
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.formats import commands
 from babyrobot_levels.extensions.formats.conversion import ConversionError, file_text
-from babyrobot_levels.extensions.formats.formats import (
-    FORMATS,
-    UnknownFormatError,
-    format_of,
-    guess,
-)
+from babyrobot_levels.extensions.formats.formats import FORMATS
+from babyrobot_levels.extensions.formats.reading import UnknownFormatError, format_of, guess
 from babyrobot_levels.text.source import SourceFile
 
 each_format = pytest.mark.parametrize("name", FORMATS)

@@ -12,8 +12,9 @@ from support.conversions import level_of_world, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.formats.conversion import ConversionError
-from babyrobot_levels.extensions.formats.formats import export, guess
+from babyrobot_levels.extensions.formats.formats import export
 from babyrobot_levels.extensions.formats.frozen_lake import read_frozen_lake
+from babyrobot_levels.extensions.formats.reading import guess
 from babyrobot_levels.text.source import SourceFile
 
 LAKES: dict[str, list[str]] = {

@@ -1,0 +1,170 @@
+"""Mazes of micromouse contests: drawn with posts and walls, or as 256 bytes.
+
+Where nothing is drawn, the rules of the contests say it: the mouse starts in the bottom-left cell,
+and its goal is the middle.
+"""
+
+import re
+from itertools import chain, product
+
+from babyrobot_levels.extensions.formats.blocks import (
+    Rows,
+    drawn,
+    from_lattice,
+    lattice_map,
+    replaced,
+    room,
+)
+from babyrobot_levels.extensions.formats.conversion import (
+    Codec,
+    Conversion,
+    ConversionError,
+    Lost,
+    World,
+)
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import Position, SourceFile
+
+_POSTS = re.compile(r"[o+]((---|   )[o+])+")
+_CELLS = re.compile(r"[| ]( [ SG] [| ])+")
+_MARKS = str.maketrans({**dict.fromkeys("o+-|", d.BLOCKED), "G": d.EXIT})
+_HELP = "rows of posts (`o` or `+`) with `---` between them, and rows of cells with `|`, S and G"
+_MAZE = "a micromouse maze"
+
+
+def read_micromouse(source: SourceFile) -> World:
+    """Return the world of a drawn maze; what is written around it is its description.
+
+    Raises:
+        ConversionError: there is no maze, or it has a faulty line.
+    """
+    first, last = _frame(source)
+    lines = [line.rstrip() for line in source.lines]
+    rows = []
+    for number in range(first, last + 1):
+        line = lines[number].ljust(len(lines[first]))
+        wanted = _CELLS if (number - first) % 2 else _POSTS
+        if not wanted.fullmatch(line) or len(line) > len(lines[first]):
+            good = wanted.match(line[: len(lines[first])])
+            place = Position(number + 1, good.end() + 1 if good else 1)
+            raise ConversionError.at(source, place, "this is no row of a micromouse maze", _HELP)
+        rows.append(line[::2].translate(_MARKS))
+    text = "\n".join([*lines[:first], *lines[last + 1 :]]).strip()
+    lost: list[Lost] = []
+    edge = (rows[0], rows[-1], *(row[0] + row[-1] for row in rows))
+    if gaps := sum(mark != d.BLOCKED for mark in chain(*edge)):
+        lost.append(Lost("the outer wall", f"{gaps} openings in it are closed"))
+    cells, east, south = from_lattice(tuple(rows))
+    cells = _with_ends(cells, tuple(rows), lost)
+    about = {"description": text} if text else {}
+    fields = {"version": 1, **about, **drawn(cells, east, south)}
+    return World(fields, "A maze of a micromouse contest.", {}, tuple(lost))
+
+
+def _frame(source: SourceFile) -> tuple[int, int]:
+    """Return the numbers of the first and the last line of the maze."""
+    posts = [number for number, line in enumerate(source.lines) if _POSTS.fullmatch(line.rstrip())]
+    if len(posts) < 2:
+        raise ConversionError("the text has no maze of posts and walls", _HELP)
+    # Two rows of posts with one missing in between have a row of cells too many or too few.
+    last = posts[-1] if (posts[-1] - posts[0]) % 2 == 0 else posts[-1] - 1
+    return posts[0], last
+
+
+def _with_ends(cells: Rows, lattice: Rows, lost: list[Lost]) -> Rows:
+    """Return the cells with a start and with goals, by the rules where none are drawn."""
+    width, height, text = len(cells[0]), len(cells), "".join(cells)
+    if d.START not in text:
+        cells = replaced(cells, [(0, height - 1)], d.START)
+        lost.append(Lost("S", "none is drawn, so it is the bottom-left cell, as in contests"))
+    if d.EXIT in text:
+        return cells
+    x, y = next((row.index(d.START), y) for y, row in enumerate(cells) if d.START in row)
+    columns = len(lattice[0])
+    reached = {*room("".join(lattice), (2 * y + 1) * columns + 2 * x + 1, columns)}
+    middle = product({(width - 1) // 2, width // 2}, {(height - 1) // 2, height // 2})
+    goals = [
+        (column, row)
+        for column, row in middle
+        if (column, row) != (x, y) and (2 * row + 1) * columns + 2 * column + 1 in reached
+    ]
+    told = "it is the middle, as in contests" if goals else "there is no exit: no way to the middle"
+    lost.append(Lost("G", f"none is drawn, so {told}"))
+    return replaced(cells, goals, d.EXIT)
+
+
+def write_micromouse(level: Level) -> Conversion:
+    """Return a level as a drawn maze."""
+    rows, lost = lattice_map(level, _MAZE, many="E")
+    return Conversion(_text_of(rows), tuple(lost))
+
+
+def _text_of(lattice: Rows) -> str:
+    """Return a lattice as it is drawn."""
+    thin = {0: {d.BLOCKED: "o"}, 1: {d.BLOCKED: "|", d.PLAIN: " "}}
+    wide = {0: {d.BLOCKED: "---", d.PLAIN: "   "}}
+    wide[1] = {d.PLAIN: "   ", d.START: " S ", d.EXIT: " G "}
+    return "".join(
+        "".join((wide if x % 2 else thin)[y % 2][mark] for x, mark in enumerate(row)) + "\n"
+        for y, row in enumerate(lattice)
+    )
+
+
+def is_micromouse(source: SourceFile, _: object = None) -> bool:
+    """Return whether a text is such a maze.
+
+    With posts `+` it must have nothing else, as it may be a drawing of the language, in which G
+    is a mark that is explained below.
+    """
+    lines = [line.rstrip() for line in source.lines if line.strip()]
+    posts = [line for line in lines if _POSTS.fullmatch(line)]
+    if len(posts) < 2 or "o" in posts[0]:
+        return len(posts) >= 2
+    cells = "".join(line for line in lines if _CELLS.fullmatch(line))
+    is_all = all(_POSTS.fullmatch(line) or _CELLS.fullmatch(line) for line in lines)
+    return is_all and ("G" in cells or "S" not in cells)
+
+
+# -- 256 bytes -------------------------------------------------------------------------------
+
+_SIDE = 16
+_BITS = {"N": 1, "E": 2, "S": 4, "W": 8}
+_STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
+
+
+def _places() -> list[tuple[int, int]]:
+    """Return the columns and rows of the cells in a lattice, in the order of the bytes."""
+    return [(2 * x + 1, 2 * y + 1) for x in range(_SIDE) for y in reversed(range(_SIDE))]
+
+
+def decode_maz(data: bytes) -> str | None:
+    """Return a maze of 256 bytes as it is drawn; None if these are no such maze.
+
+    A byte is a cell, from the bottom up and from the left to the right; its bits are the walls to
+    the north, east, south and west.
+
+    Raises:
+        ConversionError: two cells disagree about the wall between them.
+    """
+    if len(data) != _SIDE * _SIDE:
+        return None
+    walls: dict[tuple[int, int], bool] = {}
+    for (x, y), bits in zip(_places(), data, strict=True):
+        for side, (right, down) in _STEPS.items():
+            wall = bool(bits & _BITS[side])
+            if walls.setdefault((x + right, y + down), wall) == wall:
+                continue
+            if max(data) > sum(_BITS.values()):
+                return None
+            cell = f"the cells beside column {(x + right) / 2:g}, row {(y + down) / 2:g}"
+            raise ConversionError(f"{cell} disagree about the wall there: another order of bits?")
+    span = range(2 * _SIDE + 1)
+    cells = {*_places()}
+    is_open = {place for place, wall in walls.items() if not wall} | cells
+    return _text_of(
+        tuple("".join(d.PLAIN if (x, y) in is_open else d.BLOCKED for x in span) for y in span)
+    )
+
+
+CODEC = Codec(read_micromouse, write_micromouse, draws=is_micromouse, decodes=decode_maz)
