@@ -61,6 +61,7 @@ from .extensions.formats.conversion import ConversionError as ConversionError
 from .extensions.formats.conversion import ConversionWarning as ConversionWarning
 from .extensions.formats.formats import export as export
 from .extensions.formats.reading import import_ as import_
+from .extensions.formats.reading import read as read
 from .extensions.formats.setups import from_setup as from_setup
 from .extensions.formats.setups import register_babyrobot as register_babyrobot
 from .extensions.generate.batch import Generated as Generated

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import warnings
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -41,9 +42,10 @@ from babyrobot_levels.cli.reporting import (
     shown_name,
     write_report,
 )
+from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.files import write_text
+from babyrobot_levels.text.files import SUFFIXES, unreadable, write_text
 
 if TYPE_CHECKING:
     from babyrobot_levels.linter.linting import Options
@@ -82,8 +84,27 @@ def errors_of(path: Path) -> list[Diagnostic]:
     try:
         source = read_path(path)
     except LevelError as error:
+        if error.diagnostics[0].code == "BR102" and path != STANDARD_INPUT:
+            return _errors_of_foreign(path, [*error.diagnostics])
         return [*error.diagnostics]
-    return checking.errors_of(source, None if path == STANDARD_INPUT else path)
+    errors = checking.errors_of(source, None if path == STANDARD_INPUT else path)
+    if not errors or path == STANDARD_INPUT or path.suffix in SUFFIXES:
+        return errors
+    return _errors_of_foreign(path, errors)
+
+
+def _errors_of_foreign(path: Path, errors: list[Diagnostic]) -> list[Diagnostic]:
+    """Return the errors of a file of another program, of which these are those as a level file."""
+    try:
+        with warnings.catch_warnings():
+            # What a level cannot express is no error.
+            warnings.simplefilter("ignore")
+            return errors if own("foreign_level")(path) is None else []
+    except LevelError as error:
+        if error.diagnostics:
+            return [*error.diagnostics]
+        message = str(error).partition("\n")[0].rpartition(": error: ")[2]
+        return [unreadable("BR110", str(path), message, None).diagnostics[0]]
 
 
 class Outcome(NamedTuple):

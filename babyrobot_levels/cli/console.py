@@ -76,15 +76,13 @@ def _file(path: Path | None) -> Path | None:
     return None if path == STANDARD_OUTPUT else path
 
 
+def output_option(help_text: str) -> Any:
+    """Return the option -o for a file, in which `-` is standard output."""
+    return value_option("FILE", help_text, "--output", "-o", callback=_file)
+
+
 OutputOption = Annotated[
-    Path | None,
-    value_option(
-        "FILE",
-        "Write to this file.  [default: -, standard output]",
-        "--output",
-        "-o",
-        callback=_file,
-    ),
+    Path | None, output_option("Write to this file.  [default: -, standard output]")
 ]
 ForceOption = Annotated[bool, flag("--force", "Overwrite existing files.")]
 """The options of the commands that write a file."""

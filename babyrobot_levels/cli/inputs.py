@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,6 +17,7 @@ from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note, 
 from babyrobot_levels.cli.meant import NO_LEVEL
 from babyrobot_levels.cli.parallel import Workers, map_all
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, read_path, summary
+from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import RESERVED, make_folder
 
 LevelArgument = Annotated[
@@ -74,7 +76,13 @@ def load_level(text: str) -> brl.Level:
         return _read_level()
     if ("\n" in text and not is_code(text)) or NO_LEVEL.fullmatch(text):
         raise brl.LevelNotFoundError(text)
-    return brl.load(text)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        level = brl.load(text)
+    for each in told:
+        # What a file of another program says, and a level does not.
+        note(f"warning: {one_line(str(each.message))}")
+    return level
 
 
 def file_of(text: str) -> Path:

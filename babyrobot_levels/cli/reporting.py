@@ -181,11 +181,22 @@ def read_path(path: Path) -> SourceFile:
     Raises:
         LevelError: it cannot be read.
     """
-    from babyrobot_levels.text.files import read_source, source_of
+    from babyrobot_levels.text.files import source_of
+
+    return source_of(path_bytes(path), shown_name(path))
+
+
+def path_bytes(path: Path) -> bytes:
+    """Return what is in a file, or on standard input for `-`; of more than a level may have, less.
+
+    Raises:
+        LevelError: it cannot be read.
+    """
+    from babyrobot_levels.text.files import read_data
     from babyrobot_levels.text.source import MAX_BYTES
 
     if path != STANDARD_INPUT:
-        return read_source(path)
+        return read_data(path, str(path))
     if sys.stdin is None:
         fail("standard input is closed")
-    return source_of(sys.stdin.buffer.read(MAX_BYTES + 1), shown_name(path))
+    return sys.stdin.buffer.read(MAX_BYTES + 1)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from html import escape
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, cast, overload
 
 from babyrobot_levels.analysis.shown import Shown
 from babyrobot_levels.language.looks import BUILTIN_THEMES
@@ -18,6 +18,7 @@ from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.level import Level, load_code, load_file, load_source
 from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files
+from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.text.files import (
     SUFFIXES,
@@ -178,9 +179,9 @@ def load(level: LevelLike) -> Level:
     """Return a level.
 
     Args:
-        level: a name (`"final-maze"`), `"pack/name"`, `"gallery/name"`, the path of a file, a
-            share code (`"brl1.…"`), a mapping of the language's fields, or a level, which is
-            returned unchanged.
+        level: a name (`"final-maze"`), `"pack/name"`, `"gallery/name"`, the path of a file, also of
+            one of another program that `import_` recognises, a share code (`"brl1.…"`), a mapping
+            of the language's fields, or a level, which is returned unchanged.
 
     Raises:
         LevelNotFoundError: nothing has that name; the error names the nearest ones.
@@ -199,7 +200,15 @@ def load(level: LevelLike) -> Level:
         raise TypeError(f"a level is a name, a path, a mapping or a Level, not {kind}{told}")
     if isinstance(level, str) and is_code(level):
         return load_code(level)
-    return load_file(level_path(level))
+    path = level_path(level)
+    try:
+        return load_file(path)
+    except LevelError:
+        # It may be the file of another program.
+        found = None if path.suffix in SUFFIXES else own("foreign_level")(path)
+        if found is None:
+            raise
+        return cast(Level, found)
 
 
 def make(level: LevelLike, **kwargs: Any) -> Env:

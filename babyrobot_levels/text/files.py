@@ -59,8 +59,17 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
         LevelError: there is no such file, it is not a regular one, too large, or not UTF-8.
     """
     shown = name or str(path)
+    return source_of(read_data(path, shown), shown)
+
+
+def read_data(path: Path, shown: str) -> bytes:
+    """Return what is in a file that messages call by a name, as `read_bytes` within `MAX_BYTES`.
+
+    Raises:
+        LevelError: there is no such file, or it is not a regular one.
+    """
     try:
-        data = read_bytes(path, MAX_BYTES)
+        return read_bytes(path, MAX_BYTES)
     except IsADirectoryError:
         raise unreadable("BR101", shown, "this is a directory, not a file") from None
     except NotRegularError:
@@ -73,7 +82,6 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
-    return source_of(data, shown)
 
 
 def nearest_files(path: Path) -> list[str]:

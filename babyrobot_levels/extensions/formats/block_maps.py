@@ -1,14 +1,11 @@
-"""Formats whose walls fill whole cells: maze_map, Sokoban, MiniGrid, and maze-dataset's lattices.
+"""Formats whose walls fill whole cells: maze_map, MiniGrid, and maze-dataset's lattices.
 
 - `maze-map`: the `maze_map` of Gymnasium-Robotics, rows of 0, 1, "r", "g" and "c".
-- `sokoban`: maps of `#` and blanks, as Sokoban and many small programs have them.
 - `minigrid`: MiniGrid's text, two characters a cell, as `pprint_grid` prints it.
 - `maze-dataset`: mazes in ASCII, as `as_ascii` draws them. These blocks are walls between cells.
 """
 
 import json
-import re
-from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.extensions.formats.blocks import (
@@ -51,12 +48,9 @@ from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
-from babyrobot_levels.text.words import listed
 
 GOAL_REWARDS = Rewards(step=0, exit=1)
 """The rewards of Gymnasium-Robotics' sparse tasks, and of MiniGrid's goals."""
-
-_OTHER_TASK = "their cells are free, so the level is a different MDP"
 
 # -- maze-map --------------------------------------------------------------------------------
 
@@ -135,132 +129,14 @@ MAZE_MAP = Codec(
     holds=lambda data: set() < letters_in(data) <= set(map(str, _VALUES)),
 )
 
-# -- sokoban ---------------------------------------------------------------------------------
-
-_SOKOBAN = "a Sokoban map"
-_BOX, _BOX_ON_GOAL, _ON_GOAL, _DOT = "$*+."
-_SOKOBAN_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "-": d.PLAIN, "_": d.PLAIN, _BOX: d.PLAIN}
-_SOKOBAN_CELLS |= {"@": d.START, "S": d.START, _ON_GOAL: d.START}
-_SOKOBAN_CELLS |= {_DOT: d.EXIT, "E": d.EXIT, "X": d.EXIT, _BOX_ON_GOAL: d.EXIT}
-_STARTS = {mark for mark, cell in _SOKOBAN_CELLS.items() if cell == d.START}
-_PATHS = {_DOT: "EX", _BOX_ON_GOAL: "EX", _ON_GOAL: "@SEX"}
-"""What other programs draw ways with, and the marks of start and exit that show it is one."""
-
-_COMMENT = ";"
-_KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):\s*(.*?)\s*$")
-_SOKOBAN_HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit, $ and * boxes"
-
-
-def read_sokoban(source: SourceFile) -> World:
-    """Return the world of a map: its walls are blocked cells, and so is everything around them.
-
-    Comments, titles, and lines like `Author:`, as files of Sokoban levels have them, may surround
-    the map. Where `E` or `X` marks the exits, `.`, `*` and `+` are free cells.
-    """
-    texts: dict[str, Any] = {}
-    lost: list[Lost] = []
-    map_only = _map_of(source, texts, lost)
-    lines = text_rows(map_only, blanks=True)
-    text = "".join(lines)
-    meanings = _meanings(text, lost)
-    rows = translated(map_only, lines, meanings, _SOKOBAN_HELP, blanks=True)
-    world, _ = without_margin(without_surroundings(rows), rows)
-    fields = {"version": 1, **texts, **drawn(without_ring(world))}
-    boxes = text.count(_BOX) + text.count(_BOX_ON_GOAL) * (meanings[_BOX_ON_GOAL] == d.EXIT)
-    if boxes:
-        lost.append(Lost("boxes", f"{boxes} left out; {_OTHER_TASK}"))
-    if _ON_GOAL in text and meanings[_ON_GOAL] == d.START:
-        lost.append(Lost(_ON_GOAL, "a start cannot be an exit; it is only the start"))
-    if (starts := "".join(rows).count(d.START)) > 1:
-        lost.append(Lost("start", f"{starts} are drawn: each reset draws one of them"))
-    return World(fields, "A map of `#` and blanks.", {}, tuple(lost))
-
-
-def _meanings(text: str, lost: list[Lost]) -> dict[str, str]:
-    """Return what the marks of a map mean, by those that are there."""
-    meanings = dict(_SOKOBAN_CELLS)
-    for mark, ends in _PATHS.items():
-        others = [end for end in ends if end in text]
-        if others and mark in text:
-            meanings[mark] = d.PLAIN
-            names = {each: "the start" if each in _STARTS else "the exit" for each in others}
-            known = listed([f"`{each}` is {name}" for each, name in names.items()])
-            lost.append(Lost(f"`{mark}`", f"read as free, because {known}"))
-    return meanings
-
-
-def _map_of(source: SourceFile, texts: dict[str, Any], lost: list[Lost]) -> SourceFile:
-    """Return the text with blank lines in place of all that is no map.
-
-    Title and author are put into `texts`.
-
-    Raises:
-        ConversionError: there are several maps, with blank lines between them.
-    """
-    map_only = _without_texts(source, texts, lost)
-    maps = groupby(map_only.lines, lambda line: bool(line.strip()))
-    found = sum(is_map and any(set(line) & _STARTS for line in lines) for is_map, lines in maps)
-    if found > 1:
-        raise ConversionError(f"the text has {found} maps", "keep the one that is to be the level")
-    return map_only
-
-
-def _without_texts(source: SourceFile, texts: dict[str, Any], lost: list[Lost]) -> SourceFile:
-    """Return a text without comments, keywords and titles."""
-    lines, titles, left_out = [*source.lines], [], []
-    walls = [number for number, line in enumerate(lines) if "#" in line and _is_row(line)]
-    for number, line in enumerate(source.lines):
-        keyword = _KEYWORD.match(line)
-        if keyword is not None and keyword[1].lower() in ("title", "author") and keyword[2]:
-            texts[keyword[1].lower()] = keyword[2]
-        elif keyword is not None or line.startswith(_COMMENT):
-            left_out.append(_COMMENT if keyword is None else keyword[1].lower())
-        elif _is_row(line) or "#" in line or not walls or {number - 1, number + 1} <= {*walls}:
-            # What is between walls is a row with an unknown character.
-            continue
-        elif number < walls[0] and re.search("[A-Za-z]", line):
-            titles.append(line.strip())
-        else:
-            left_out.append("text")
-        lines[number] = ""
-    if titles and "title" not in texts:
-        texts["title"] = titles.pop()
-    left_out += ["text"] * len(titles)
-    lost += (Lost(name, "its text is left out") for name in dict.fromkeys(left_out))
-    return SourceFile(source.name, "\n".join(lines))
-
-
-def _is_row(line: str) -> bool:
-    return _SOKOBAN_CELLS.keys() >= set(line)
-
-
-def write_sokoban(level: Level) -> Conversion:
-    """Return a level as a map with a ring of walls, `@` for the start and `.` for exits."""
-    ends = f"{_SOKOBAN} has no cells that end the episode but exits"
-    rows, lost = block_map(level, _SOKOBAN, Rewards(), ends=ends, many="E")
-    marks = str.maketrans({d.BLOCKED: "#", d.START: "@", d.EXIT: _DOT})
-    return Conversion("\n".join(row.translate(marks) for row in rows) + "\n", tuple(lost))
-
-
-def _is_sokoban(source: SourceFile, letters: set[str]) -> bool:
-    map_only = _without_texts(source, {}, [])
-    found = {*"".join(map_only.lines)}
-    # A path from S to E is in mazes only, and letters of a start alone are a lake.
-    is_maze = found >= {"S", "E"} and found & _PATH and _is_maze(map_only, found)
-    is_map = letters - {"\n"} == found or bool(found & _STARTS)
-    return is_map and found <= _SOKOBAN_CELLS.keys() and found - {"S", " "} != set() and not is_maze
-
-
-SOKOBAN = Codec(read_sokoban, write_sokoban, draws=_is_sokoban)
-
 # -- maze-dataset ----------------------------------------------------------------------------
 
 _DATASET = "a maze of maze-dataset"
-_PATH = {"X", "+"}
+PATH = {"X", "+"}
 """How maze-dataset and mazelib draw the path of the solution."""
 
 _DATASET_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "S": d.START, "E": d.EXIT}
-_DATASET_CELLS |= dict.fromkeys(_PATH, d.PLAIN)
+_DATASET_CELLS |= dict.fromkeys(PATH, d.PLAIN)
 _DATASET_HELP = "`#` wall, a blank free, S start, E end, X or + the path of the solution"
 
 
@@ -275,7 +151,7 @@ def read_maze_dataset(source: SourceFile) -> World:
             "an odd number of rows and columns, a cell in every second one, and `#` between four; "
             "for walls that fill cells, use --from sokoban",
         )
-    paths = sorted(_PATH.intersection("".join(lines)))
+    paths = sorted(PATH.intersection("".join(lines)))
     message = "the path of the solution is left out; `babyrobot solve` finds it"
     lost += (Lost(mark, message) for mark in paths)
     cells, east, south = from_lattice(rows)
@@ -324,13 +200,14 @@ def write_maze_dataset(level: Level) -> Conversion:
     return Conversion("\n".join(rows) + "\n", tuple(lost))
 
 
-def _is_maze(source: SourceFile, letters: set[str]) -> bool:
+def is_maze(source: SourceFile, letters: set[str]) -> bool:
+    """Return whether a text with these characters is a maze of maze-dataset or mazelib."""
     if not letters <= _DATASET_CELLS.keys():
         return False
     return is_lattice(translated(source, text_rows(source), _DATASET_CELLS, _DATASET_HELP))
 
 
-MAZE_DATASET = Codec(read_maze_dataset, write_maze_dataset, draws=_is_maze)
+MAZE_DATASET = Codec(read_maze_dataset, write_maze_dataset, draws=is_maze)
 
 # -- minigrid --------------------------------------------------------------------------------
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +18,7 @@ from babyrobot_levels.cli.console import (
     fail,
     not_one_of,
     note,
+    output_option,
     put,
     save,
     value_option,
@@ -28,30 +30,36 @@ from babyrobot_levels.cli.inputs import (
     SightOption,
     ViewRadiusOption,
     check_name,
+    folder_for,
     json_mapping,
     load_level,
     sight_options,
     with_seed,
 )
-from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.parallel import JobsOption, Workers, map_all, working
 from babyrobot_levels.cli.pictures import picture
-from babyrobot_levels.cli.reporting import read_path, shown_name
+from babyrobot_levels.cli.reporting import path_bytes, shown_name
 from babyrobot_levels.extensions.formats import formats
-from babyrobot_levels.extensions.formats.formats import FORMATS, MODELS, PARTIAL
+from babyrobot_levels.extensions.formats.conversion import ConversionError, file_text
+from babyrobot_levels.extensions.formats.formats import FORMATS, MODELS, PARTIAL, Format
+from babyrobot_levels.extensions.formats.many import Outcome, free_places, losses, worker
 from babyrobot_levels.extensions.formats.reading import (
     UnknownFormatError,
     format_of,
     is_environment,
     world_of_id,
 )
+from babyrobot_levels.extensions.formats.sources import Found, decoded, found_in, is_archive, single
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.text.diagnostics import one_line
-from babyrobot_levels.text.errors import BabyRobotError
-from babyrobot_levels.text.files import schema_for
-from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.errors import BabyRobotError, LevelError
+from babyrobot_levels.text.files import is_folder, schema_for, write_text
+from babyrobot_levels.text.source import SourceFile, with_schema
 from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.extensions.formats.conversion import Lost, World
+    from babyrobot_levels.parallel.executor import Result
 
 MAX_REPORTED = 40
 """The largest number of losses that are reported."""
@@ -90,12 +98,12 @@ def report_losses(lost: Sequence[Lost], *, strict: bool) -> None:
 
 
 def import_level(
-    file: Annotated[
-        Path,
+    files: Annotated[
+        list[Path],
         typer.Argument(
             metavar="FILE",
             help="File to convert, `-` for standard input, or the id of an environment of "
-            "MiniGrid or of a FrozenLake.",
+            "MiniGrid or of a FrozenLake; or several files, folders and zip files.",
         ),
     ],
     world_format: Annotated[
@@ -107,7 +115,15 @@ def import_level(
             parser=_world_format,
         ),
     ] = None,
-    output: OutputOption = None,
+    output: Annotated[
+        Path | None,
+        output_option(
+            "Write to this file; several levels to this folder.  [default: -, standard output]"
+        ),
+    ] = None,
+    number: Annotated[
+        int | None, value_option("N", "Which world of a file with several.", min=1)
+    ] = None,
     name: Annotated[
         str | None,
         value_option(
@@ -129,12 +145,14 @@ def import_level(
         ),
     ] = None,
     strict: StrictOption = False,
+    jobs: JobsOption = None,
     force: ForceOption = False,
 ) -> None:
-    """Convert a file or an environment of another program to a level file.
+    """Convert files or an environment of other programs to level files.
 
     Reads FORMATS. With the package `minigrid` it also makes and resets an environment of MiniGrid
-    and reads its grid. What a level cannot express is reported on standard error.
+    and reads its grid. What a level cannot express is reported on standard error. Of folders, zip
+    files and files with several worlds, all levels are written to the folder of -o.
 
     Examples:
 
@@ -144,35 +162,112 @@ def import_level(
 
       babyrobot import maze.txt --from maze-dataset -o levels/maze.yaml
 
+      babyrobot import mazes.zip -o levels/mazes
+
+      babyrobot import collection.txt --number 7
+
       babyrobot export four-rooms --to minigrid | babyrobot import -
 
       babyrobot import --from minigrid MiniGrid-DoorKey-8x8-v0 --seed 3 -o door-key.yaml
 
       babyrobot import FrozenLake-v1 --kwargs '{"map_name": "8x8"}'
     """
-    from babyrobot_levels.extensions.formats.conversion import ConversionError, file_text
-    from babyrobot_levels.language.names import slug
-
     if name is not None:
         check_name(name)
+    file = files[0]
+    if _is_environment(file, world_format) and len(files) == 1:
+        world = _or_end(file, partial(_environment, str(file), seed or 0, kwargs, slippery))
+    elif seed is not None or kwargs is not None:
+        fail(
+            "--seed and --kwargs are for environments",
+            "for example `babyrobot import MiniGrid-DoorKey-8x8-v0 --seed 3`",
+        )
+    elif len(files) > 1 or is_folder(file) or is_archive(file):
+        if number is not None or name is not None:
+            fail("--number and --name are for a single level")
+        _import_all(files, output, worker(world_format, slippery, strict=strict), jobs, force=force)
+        return
+    else:
+        source = _source(file)
+        entry = _or_end(file, partial(_entry, source, world_format, slippery))
+        count = len(_or_end(file, partial(entry.parts, source)))
+        if number is None and count > 1 and output is not None:
+            work = worker(world_format, slippery, strict=strict)
+            _import_all(files, output, work, jobs, force=force)
+            return
+        if number is None and count > 1:
+            fail(
+                f"{one_line(shown_name(file))} has {count} worlds",
+                "choose one with --number N, or write all with -o FOLDER",
+            )
+        read = partial(entry.read, number=number, slippery=slippery, folder=file.parent)
+        world = _or_end(file, partial(read, source))
     path = output or Path(f"{name or 'level'}.yaml")
-    title = name or slug(file.stem) or "imported"
+    title = (name or slug(file.stem) or "imported").replace("-", " ").capitalize()
+    text = _or_end(file, partial(file_text, world, schema=schema_for(path), name=name, title=title))
+    report_losses(world.lost, strict=strict)
+    put(text, output, force=force)
+
+
+def _or_end(file: Path, function: Callable[[], Result]) -> Result:
+    """Return the result of a function; end the command if a world is refused."""
     try:
-        world = (
-            _environment(str(file), seed or 0, kwargs, slippery)
-            if _is_environment(file, world_format)
-            else _converted(file, world_format, slippery, seed, kwargs)
-        )
-        text = file_text(
-            world, schema=schema_for(path), name=name, title=title.replace("-", " ").capitalize()
-        )
+        return function()
+    except UnknownFormatError as error:
+        message, _, help_text = str(error).partition("\n  help: ")
+        if error.found:
+            help_text = "add " + " or ".join(f"--from {each}" for each in error.found)
+        fail(message, help_text.replace("give its format,", "add --from with"))
     except ConversionError as error:
         message, here = str(error), one_line(shown_name(str(file)))
         # Messages about a place in the text begin with it.
         note(message if message.startswith(f"{here}:") else f"{here}: error: {message}")
         raise typer.Exit(FINDINGS) from None
-    report_losses(world.lost, strict=strict)
-    put(text, output, force=force)
+
+
+def _import_all(
+    paths: Sequence[Path],
+    output: Path | None,
+    work: Callable[[Found], Outcome],
+    jobs: int | None,
+    *,
+    force: bool,
+) -> None:
+    """Write the levels of files, folders and zip files to a folder, and a summary."""
+    if output is None:
+        fail("several levels are written to a folder", "give one with -o FOLDER")
+    found: list[Found] = []
+    for path in paths:
+        many = is_folder(path) or is_archive(path)
+        found += _or_end(path, partial(list, found_in(path))) if many else [single(path)]
+    outcomes = map_all(work, found, Workers(jobs), "importing")
+    folder = folder_for(output)
+    schema = schema_for(folder / "level.yaml")
+    levels, kept = free_places(outcomes), 0
+    for place, text in levels.items():
+        path = folder / place.with_name(f"{place.name}.yaml")
+        if path.exists() and not force:
+            note(f"{path}: error: it already exists (--force overwrites it)")
+            continue
+        write_text(path, with_schema(text, schema_for(path) if schema else None), sync=False)
+        kept += 1
+    for outcome in outcomes:
+        for reason in outcome.refused:
+            note(reason if reason.startswith(outcome.name) else f"{outcome.name}: error: {reason}")
+    report_losses(losses(outcomes), strict=False)
+    unknown = [one_line(outcome.name) for outcome in outcomes if outcome.is_unknown]
+    if unknown:
+        more = f" and {len(unknown) - 3} more" if len(unknown) > 3 else ""
+        note(f"note: in no known format: {', '.join(unknown[:3])}{more}")
+    refused = sum(len(outcome.refused) for outcome in outcomes) + len(levels) - kept
+    parts = [
+        f"wrote {_counted(kept, 'level')} of {_counted(len(outcomes), 'file')} to {folder}",
+        f"{refused} refused",
+    ]
+    parts.append(f"{len(unknown)} in no known format")
+    note(", ".join(part for part in parts if not part.startswith("0 ")))
+    if refused or not kept:
+        raise typer.Exit(FINDINGS)
 
 
 *_FIRST, _LAST = (each.texts for each in FORMATS.own.values())
@@ -195,23 +290,15 @@ def _environment(env_id: str, seed: int, kwargs: str | None, slippery: bool | No
     return world_of_id(env_id, seed, None if kwargs is None else json_mapping(kwargs))
 
 
-def _converted(
-    file: Path,
-    world_format: str | None,
-    slippery: bool | None,
-    seed: int | None,
-    kwargs: str | None,
-) -> World:
-    """Return the world of a file."""
-    if seed is not None or kwargs is not None:
-        fail(
-            "--seed and --kwargs are for environments",
-            "for example `babyrobot import MiniGrid-DoorKey-8x8-v0 --seed 3`",
-        )
-    source = _source(file)
-    name = world_format or _guessed(source)
+def _entry(source: SourceFile, chosen: str | None, slippery: bool | None) -> Format:
+    """Return the format of a text."""
+    name = chosen or format_of(source)
     _check_slippery(slippery, FORMATS[name].keywords, name)
-    return FORMATS[name].read(source, slippery=slippery, folder=file.parent)
+    return FORMATS[name]
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def _check_slippery(slippery: bool | None, keywords: Sequence[str], name: str) -> None:
@@ -222,29 +309,18 @@ def _check_slippery(slippery: bool | None, keywords: Sequence[str], name: str) -
 
 
 def _source(file: Path) -> SourceFile:
-    from babyrobot_levels.text.errors import LevelError
-
     try:
-        return read_path(file)
+        data = path_bytes(file)
+        return _or_end(file, partial(decoded, data, shown_name(file)))
     except LevelError as error:
         diagnostic = error.diagnostics[0]
         if diagnostic.code == "BR101":
             fail(f"{file}: {diagnostic.message}")
         # It may be a picture, or a compressed file.
-        help_text = "see `babyrobot import --help` for the formats; all of them are UTF-8 text"
+        help_text = "see `babyrobot import --help` for the formats; most of them are UTF-8 text"
         if diagnostic.code == "BR102":
             diagnostic = replace(diagnostic, help=help_text)
         raise LevelError([diagnostic]) from None
-
-
-def _guessed(source: SourceFile) -> str:
-    try:
-        return format_of(source)
-    except UnknownFormatError as error:
-        message, _, help_text = str(error).partition("\n  help: ")
-        if error.found:
-            help_text = "add " + " or ".join(f"--from {each}" for each in error.found)
-        fail(message, help_text.replace("give its format,", "add --from with"))
 
 
 def export_level(

@@ -7,10 +7,10 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import LONGEST_COLOR, is_color
@@ -130,6 +130,18 @@ class Conversion(Telling):
         return self.text if self.data is None else self.data
 
 
+class Part(NamedTuple):
+    """One of several worlds in a text.
+
+    Attributes:
+        text: what a text of this format has that holds it alone.
+        line: where it begins in the text of all, counted from 1.
+    """
+
+    text: str
+    line: int = 1
+
+
 def _never(*_: Any) -> bool:
     return False
 
@@ -145,6 +157,8 @@ class Codec:
         holds: whether data in JSON, or in a Python literal, is a world.
         decodes: returns the text that the bytes of a file stand for, which is then read; None if
             they are no such file. Formats that are texts have none.
+        parts: returns the worlds of a text, each as a text of its own; None if texts of this format
+            have a single one.
     """
 
     read: Callable[..., World]
@@ -152,6 +166,7 @@ class Codec:
     draws: Callable[[SourceFile, set[str]], bool] = _never
     holds: Callable[[Any], bool] = _never
     decodes: Callable[[bytes], str | None] | None = None
+    parts: Callable[[SourceFile], Sequence[Part]] | None = None
 
 
 def level_of(world: World, *, name: str | None = None) -> Level:

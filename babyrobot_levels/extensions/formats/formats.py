@@ -1,7 +1,7 @@
 """The formats of other programs, one entry each; levels written in them, and what is lost."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,17 @@ from babyrobot_levels.extensions.formats import (
     frozen_lake,
     micromouse,
     setups,
+    sokoban,
     tiled,
 )
-from babyrobot_levels.extensions.formats.conversion import Codec, Conversion, Lost, World
+from babyrobot_levels.extensions.formats.conversion import (
+    Codec,
+    Conversion,
+    ConversionError,
+    Lost,
+    Part,
+    World,
+)
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
@@ -52,14 +60,45 @@ class Format:
         """Whether levels are written in it."""
         return self.codec.write is not None
 
-    def read(self, source: SourceFile, **given: Any) -> World:
-        """Return the world of a text; of what is given, those that are not its keywords are left.
+    def parts(self, source: SourceFile) -> Sequence[Part]:
+        """Return the worlds that a text holds, each as a text of its own.
 
         Raises:
             ConversionError: the text is not in this format.
         """
+        return (Part(source.text),) if self.codec.parts is None else self.codec.parts(source)
+
+    def read(self, source: SourceFile, *, number: int | None = None, **given: Any) -> World:
+        """Return the world of a text; of what is given, those that are not its keywords are left.
+
+        Args:
+            source: the text.
+            number: which of its worlds, counted from 1; None for the only one.
+            given: values of keywords.
+
+        Raises:
+            ConversionError: the text is not in this format, or has no such world, or several.
+        """
+        parts = self.parts(source)
+        if not 1 <= (number or 1) <= len(parts) or (number is None and len(parts) > 1):
+            count = f"{len(parts)} worlds" if len(parts) != 1 else "one world"
+            raise ConversionError(
+                f"the text has {count}",
+                "`babyrobot import` takes one with --number N, or all with -o FOLDER",
+            )
+        return self.read_part(source, parts[(number or 1) - 1], **given)
+
+    def read_part(self, source: SourceFile, part: Part, **given: Any) -> World:
+        """Return the world of a part of a text; see `read`."""
         keywords = {name: each for name, each in given.items() if name in self.keywords}
-        return self.codec.read(source, **keywords)
+        try:
+            return self.codec.read(SourceFile(source.name, part.text), **keywords)
+        except ConversionError:
+            if part.line == 1:
+                raise
+            # So that the place is that in the text of all.
+            whole = "\n" * (part.line - 1) + part.text
+            return self.codec.read(SourceFile(source.name, whole), **keywords)
 
     def write(self, level: Level) -> Conversion:
         """Return a level in this format, without a check of what is lost; see `export`."""
@@ -87,8 +126,8 @@ _OWN = {
     "sokoban": Format(
         "map of # and blanks",
         "Sokoban maps (# and blanks)",
-        block_maps.SOKOBAN,
-        suffixes=(".xsb", ".sok"),
+        sokoban.CODEC,
+        suffixes=(".xsb", ".sok", ".slc"),
     ),
     "tiled": Format(
         "Tiled map in JSON",

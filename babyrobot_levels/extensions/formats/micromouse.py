@@ -112,7 +112,7 @@ def _text_of(lattice: Rows) -> str:
 
 
 def is_micromouse(source: SourceFile, _: object = None) -> bool:
-    """Return whether a text is such a maze.
+    """Return whether a text is such a maze, and not one that has a maze as an example.
 
     With posts `+` it must have nothing else, as it may be a drawing of the language, in which G
     is a mark that is explained below.
@@ -120,7 +120,7 @@ def is_micromouse(source: SourceFile, _: object = None) -> bool:
     lines = [line.rstrip() for line in source.lines if line.strip()]
     posts = [line for line in lines if _POSTS.fullmatch(line)]
     if len(posts) < 2 or "o" in posts[0]:
-        return len(posts) >= 2
+        return len(posts) >= 2 and 4 * len(posts) > len(lines)
     cells = "".join(line for line in lines if _CELLS.fullmatch(line))
     is_all = all(_POSTS.fullmatch(line) or _CELLS.fullmatch(line) for line in lines)
     return is_all and ("G" in cells or "S" not in cells)

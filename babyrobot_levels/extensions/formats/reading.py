@@ -2,14 +2,16 @@
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path, PurePath
 from typing import Any
 
 from babyrobot_levels.extensions.formats import frozen_lake
 from babyrobot_levels.extensions.formats.conversion import (
     ConversionError,
+    ConversionWarning,
     World,
     file_text,
     level_of,
@@ -17,14 +19,15 @@ from babyrobot_levels.extensions.formats.conversion import (
     read_data,
 )
 from babyrobot_levels.extensions.formats.formats import FORMATS, Format
+from babyrobot_levels.extensions.formats.sources import Found, found_in, is_archive, opened, single
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import one_line
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.errors import LevelError, warn
 from babyrobot_levels.text.files import SUFFIXES as SUFFIXES_OF_LEVELS
-from babyrobot_levels.text.files import read_source, schema_for, write_new
-from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.files import is_folder, schema_for, write_new
+from babyrobot_levels.text.reader import read as read_yaml
 from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import no_format
 
@@ -87,7 +90,7 @@ def _why_unknown(source: SourceFile, found: tuple[str, ...]) -> tuple[str, str]:
         return f"{name} may be a {titles}", f"give its format: {' or '.join(found)}"
     if source.name.lower().endswith(SUFFIXES_OF_LEVELS):
         with suppress(LevelError):
-            data = read(source).data
+            data = read_yaml(source).data
             if isinstance(data, dict) and data.get("version") == 1:
                 return (
                     f"{name} is already a level file",
@@ -172,6 +175,7 @@ def import_(
     path: str | os.PathLike[str] | None = None,
     *,
     format: str | None = None,  # noqa: A002
+    number: int | None = None,
     name: str | None = None,
     seed: int = 0,
     kwargs: Mapping[str, Any] | None = None,
@@ -187,6 +191,7 @@ def import_(
             environment of MiniGrid or of a FrozenLake, or the environment itself.
         path: a level file to write.
         format: the format of the file, such as `"frozen-lake"`; by default it is detected.
+        number: which world of a file with several, counted from 1; `read` returns all.
         name: the name of the level; by default that of the file.
         seed: the seed of the reset of an environment.
         kwargs: the keyword arguments of an environment.
@@ -200,7 +205,7 @@ def import_(
         FileExistsError: there is a file, and `force` is not given.
     """
     is_data = not isinstance(source, str | os.PathLike)
-    world = _world(source, format, seed, kwargs, slippery)
+    world = _world(source, format, seed, kwargs, slippery, number)
     own = name or (None if is_data else slug(Path(source).stem))
     if path is not None:
         title = (own or "imported").replace("-", " ").capitalize()
@@ -209,13 +214,103 @@ def import_(
     return level_of(world, name=own)
 
 
+def read(
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,  # noqa: A002
+    slippery: bool | None = None,
+) -> list[Level]:
+    """Return all levels of a file, a folder or a zip file of other programs.
+
+    What a level cannot express is told in `ConversionWarning`s, and so is what is in no known
+    format, or is refused, in folders and zip files.
+
+    Args:
+        path: the file or folder.
+        format: the format of the files, such as `"sokoban"`; by default each one's is detected.
+        slippery: whether FrozenLake maps are slippery, if they do not say so; by default they are.
+
+    Raises:
+        ConversionError: a single file is not in the format, or not in a known one.
+        LevelError: it cannot be read, or holds no valid level.
+        ValueError: there is no such format.
+    """
+    _check_format(format)
+    path = Path(path)
+    is_many = is_folder(path) or is_archive(path)
+    files = found_in(path) if is_many else [single(path)]
+    levels: list[Level] = []
+    for file in files:
+        try:
+            for place, world in worlds_of(file, format, slippery):
+                try:
+                    levels.append(level_of(world(), name=place.name))
+                except LevelError as error:
+                    if not is_many:
+                        raise
+                    warn(str(error), ConversionWarning)
+        except LevelError as error:
+            if not is_many:
+                raise
+            warn(str(error), ConversionWarning)
+    return levels
+
+
+def worlds_of(
+    file: Found, chosen: str | None, slippery: bool | None = None
+) -> Iterator[tuple[Path, Callable[[], World]]]:
+    """Yield the worlds of a file, each with the path for its level, below that of all.
+
+    A world is read when its function is called, so that one that is refused is no loss of others.
+
+    Raises:
+        ConversionError: the format is unknown, or not that of the file.
+    """
+    source = opened(file)
+    entry = FORMATS[chosen or format_of(source)]
+    parts = entry.parts(source)
+    digits = len(str(len(parts)))
+    for number, part in enumerate(parts, 1):
+        numbered = f"{file.place.name}-{number:0{digits}}" if len(parts) > 1 else file.place.name
+        read_it = partial(entry.read_part, source, part, slippery=slippery, folder=file.folder)
+        yield file.place.with_name(numbered), read_it
+
+
+def foreign_level(path: Path) -> Level | None:
+    """Return the level of a file of another program; None if no format is that of the file.
+
+    Raises:
+        ConversionError: the file may be in several formats, or its world cannot be a level.
+    """
+    file = single(path)
+    try:
+        source = opened(file)
+        found = guess(source)
+    except LevelError:
+        return None
+    if not found:
+        return None
+    if len(found) > 1:
+        message = str(UnknownFormatError(source, found)).partition("\n")[0]
+        raise ConversionError(message, f"convert it: `babyrobot import FILE --from {found[0]}`")
+    world = FORMATS[found[0]].read(source, folder=path.parent)
+    return level_of(world, name=file.place.name)
+
+
+def _check_format(chosen: str | None) -> None:
+    if chosen is not None and chosen not in FORMATS:
+        raise ValueError(no_format(chosen, FORMATS))
+
+
 def _world(
     source: Any,
     chosen: str | None,
     seed: int,
     kwargs: Mapping[str, Any] | None,
     slippery: bool | None,
+    number: int | None,
 ) -> World:
+    _check_format(chosen)
     folder: Path | None = None
     if isinstance(source, str) and is_environment(source):
         from babyrobot_levels.analysis.environments import ComparisonError
@@ -225,11 +320,11 @@ def _world(
         except ComparisonError as error:
             raise ConversionError(str(error)) from error
     if isinstance(source, str | os.PathLike):
-        text, folder = read_source(Path(source)), Path(source).parent
+        file = single(Path(source))
+        text, folder = opened(file), file.folder
     elif hasattr(source, "unwrapped"):
         return _world_of_made(source, seed)
     else:
         text = _literal_of(source)
-    if chosen is not None and chosen not in FORMATS:
-        raise ValueError(no_format(chosen, FORMATS))
-    return FORMATS[chosen or format_of(text)].read(text, slippery=slippery, folder=folder)
+    entry = FORMATS[chosen or format_of(text)]
+    return entry.read(text, number=number, slippery=slippery, folder=folder)

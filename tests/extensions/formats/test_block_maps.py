@@ -279,11 +279,12 @@ Date: today
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_texts_around_a_sokoban_map_are_kept_or_reported(end: str) -> None:
+def test_texts_around_a_sokoban_map_are_kept(end: str) -> None:
     world = world_of(LEVEL_FILE.replace("\n", end), "sokoban")
     level = level_of_world(world)
     assert (level.title, level.author, level.size) == ("Go east", "Nobody", (3, 1))
-    assert lost_fields(world) == [";", "date"]
+    assert level.description == "the first one\nDate: today\ndone"
+    assert world.lost == ()
 
 
 TITLED = """Copyright (c) 2020 Somebody = me
@@ -301,7 +302,8 @@ def test_titles_and_numbers_around_a_map_are_no_rows_of_it() -> None:
     world = world_of(TITLED, "sokoban")
     level = level_of_world(world)
     assert (level.size, level.starts, level.title) == ((3, 1), ((0, 0),), "Simple Steps")
-    assert lost_fields(world) == ["text"]
+    assert level.description == "Copyright (c) 2020 Somebody = me"
+    assert world.lost == ()
 
 
 def test_a_row_between_walls_is_no_title() -> None:
@@ -323,7 +325,7 @@ def test_blank_cells_around_walls_are_no_cells() -> None:
 
 
 def test_several_sokoban_maps_are_refused() -> None:
-    with pytest.raises(ConversionError, match="2 maps"):
+    with pytest.raises(ConversionError, match="the text has 2 worlds"):
         world_of(f"{LEVEL_FILE}\n{LEVEL_FILE}", "sokoban")
 
 

@@ -93,7 +93,7 @@ UNKNOWN = {
     "docker.yaml": ('version: "3.8"\n', "docker.yaml is YAML, but no level", "formats"),
     "maze.yaml": ("version: 1\n", "maze.yaml is already a level file", "babyrobot export"),
     "map.tmx": ('<?xml version="1.0"?>\n<map width="2"/>', "map.tmx is XML", ".tmj"),
-    "levels.slc": ('<?xml version="1.0"?>\n<SokobanLevels/>', "levels.slc is XML", "a text"),
+    "levels.xml": ('<?xml version="1.0"?>\n<Levels/>', "levels.xml is XML", "a text"),
     "game.txt": ("title Box\n====\n0123\n", "the format of game.txt is unknown", "one of"),
     "two.txt": ("#####\n#S E#\n#####", "may be a maze-dataset ASCII or a map of #", "sokoban"),
 }

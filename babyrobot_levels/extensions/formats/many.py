@@ -1,0 +1,112 @@
+"""Many worlds of other programs as level files: those of folders, zip files and collections."""
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from babyrobot_levels.extensions.formats.conversion import ConversionError, Lost, file_text
+from babyrobot_levels.extensions.formats.reading import UnknownFormatError, worlds_of
+from babyrobot_levels.extensions.formats.sources import Found
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import LevelError
+
+
+class Outcome(NamedTuple):
+    """What became of a file.
+
+    Attributes:
+        name: what messages call it.
+        texts: the texts of its levels, each with the path of its file, without a suffix.
+        lost: what is not kept.
+        refused: why worlds are refused, a line for each.
+        is_unknown: whether it is in no known format.
+    """
+
+    name: str
+    texts: tuple[tuple[Path, str], ...] = ()
+    lost: tuple[Lost, ...] = ()
+    refused: tuple[str, ...] = ()
+    is_unknown: bool = False
+
+
+def _outcome_of(chosen: str | None, slippery: bool | None, strict: bool, file: Found) -> Outcome:
+    texts: list[tuple[Path, str]] = []
+    lost: list[Lost] = []
+    refused: list[str] = []
+    try:
+        for place, read in worlds_of(file, chosen, slippery):
+            try:
+                world = read()
+                if strict and world.lost:
+                    raise ConversionError(f"{place.name}: {world.lost[0]}")
+                title = place.name.replace("-", " ").capitalize()
+                texts.append((place, file_text(world, schema=None, name=None, title=title)))
+                lost += world.lost
+            except LevelError as error:
+                refused.append(_reason(error))
+    except UnknownFormatError as error:
+        if not error.found:
+            return Outcome(file.name, is_unknown=True)
+        refused.append(_reason(error))
+    except LevelError as error:
+        is_binary = any(each.code == "BR102" for each in error.diagnostics)
+        if is_binary and chosen is None:
+            return Outcome(file.name, is_unknown=True)
+        refused.append(_reason(error))
+    return Outcome(file.name, tuple(texts), tuple(lost), tuple(refused))
+
+
+def _reason(error: LevelError) -> str:
+    """Return the message of an error in one line, without the text that it shows."""
+    text = str(error.diagnostics[0].message) if error.diagnostics else str(error)
+    return one_line(text.partition("\n")[0] if "\n  help:" not in text else _helped(text))
+
+
+def _helped(text: str) -> str:
+    return f"{text.partition(chr(10))[0]} ({text.rpartition('  help: ')[2]})"
+
+
+def losses(outcomes: Iterable[Outcome]) -> list[Lost]:
+    """Return what is not kept of many files: each kind once, with the files that it is lost in."""
+    files: dict[tuple[str, str], list[str]] = {}
+    first: dict[tuple[str, str], str] = {}
+    for outcome in outcomes:
+        for each in outcome.lost:
+            # Numbers are of one level.
+            kind = each.field, re.sub(r"\d+", "#", each.message)
+            first.setdefault(kind, each.message)
+            named = files.setdefault(kind, [])
+            if outcome.name not in named[-1:]:
+                named.append(outcome.name)
+    return [
+        Lost(kind[0], f"{first[kind]} ({names[0]}{_others(len(names))})")
+        for kind, names in files.items()
+    ]
+
+
+def _others(count: int) -> str:
+    return f" and {count - 1} more" if count > 1 else ""
+
+
+def worker(
+    chosen: str | None, slippery: bool | None, *, strict: bool
+) -> Callable[[Found], Outcome]:
+    """Return the function that converts a file; other processes can call it."""
+    return partial(_outcome_of, chosen, slippery, strict)
+
+
+def free_places(outcomes: Sequence[Outcome]) -> dict[Path, str]:
+    """Return the texts of all levels by paths that differ, also where case does not count."""
+    found: dict[Path, str] = {}
+    taken: set[str] = set()
+    for outcome in outcomes:
+        for place, text in outcome.texts:
+            free, number = place, 1
+            while str(free).casefold() in taken:
+                number += 1
+                free = place.with_name(f"{place.name}-{number}")
+            taken.add(str(free).casefold())
+            found[free] = text
+    return found
