@@ -171,6 +171,36 @@ def is_lattice(rows: Rows) -> bool:
     return posts == {d.BLOCKED} and d.BLOCKED not in cells
 
 
+MAX_DRAWN = 100_000
+"""So many cells are drawn, at eight characters each; of more, blocked ones are rectangles."""
+
+
+def _listed(rows: Rows) -> dict[str, Any]:
+    """Return the fields with rows of cells, without a drawing."""
+    width, height = len(rows[0]), len(rows)
+    found = {
+        mark: [(x, y) for y, row in enumerate(rows) for x, each in enumerate(row) if each == mark]
+        for mark in (d.START, d.EXIT, d.BLOCKED)
+    }
+    fields: dict[str, Any] = {"size": [width, height], "start": one_or_all(found[d.START])}
+    fields["exit"] = one_or_all(found[d.EXIT]) if found[d.EXIT] else "none"
+    return fields | {"blocked": [*filled(found[d.BLOCKED], width, height)]}
+
+
+def one_or_all(cells: Sequence[tuple[int, int]]) -> list[Any]:
+    """Return cells as a field has them: one by itself, several in a list."""
+    return [*cells[0]] if len(cells) == 1 else [[*cell] for cell in cells]
+
+
+def filled(cells: Iterable[tuple[int, int]], width: int, height: int) -> Iterator[dict[str, Any]]:
+    """Yield rectangles that cover the cells, as entries of `blocked`."""
+    marks = bytearray(width * height)
+    for x, y in cells:
+        marks[y * width + x] = True
+    for x, y, columns, lines in d.rectangles(marks, width):
+        yield {"at": [x, y]} | ({} if columns == lines == 1 else {"size": [columns, lines]})
+
+
 def drawn(rows: Rows, east: Rows | None = None, south: Rows | None = None) -> dict[str, Any]:
     """Return the field `map` with rows of cells, without walls between them if none are given.
 
@@ -184,6 +214,8 @@ def drawn(rows: Rows, east: Rows | None = None, south: Rows | None = None) -> di
         )
     if not any(d.START in row for row in rows):
         raise ConversionError("the map has no start", "mark the cell where episodes start")
+    if width * height > MAX_DRAWN and east is None:
+        return _listed(rows)
     east = east or (d.OPEN * (width - 1),) * height
     south = south or (d.OPEN * width,) * (height - 1)
     return {"map": d.compose(d.Drawing(rows, east, south))}

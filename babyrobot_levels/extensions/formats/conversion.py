@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 from babyrobot_levels.language.kinds import THINGS
@@ -20,7 +21,7 @@ from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import emit_field
 from babyrobot_levels.text.errors import LevelError, warn
-from babyrobot_levels.text.files import source_of
+from babyrobot_levels.text.files import is_within, read_source, source_of
 from babyrobot_levels.text.source import START, Position, SourceFile, Span
 from babyrobot_levels.text.words import Telling
 
@@ -255,6 +256,21 @@ def shown(value: Any) -> str:
     except (RecursionError, ValueError):
         text = f"a {type(value).__name__}"
     return text if len(text) <= 60 else text[:59] + "…"
+
+
+def file_beside(folder: Path, name: str) -> SourceFile:
+    """Return a file that a text names, which must be in its folder or below it.
+
+    Raises:
+        ConversionError: it is outside, or cannot be read.
+    """
+    path = folder / name
+    if not is_within(path, folder):
+        raise ConversionError(f"{shown(name)} is outside the folder of the file, and is not read")
+    try:
+        return read_source(path, one_line(name))
+    except LevelError as error:
+        raise ConversionError(f"{shown(name)}: {error.diagnostics[0].message}") from None
 
 
 # -- data of other programs ------------------------------------------------------------------------

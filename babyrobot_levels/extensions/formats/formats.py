@@ -10,6 +10,8 @@ from babyrobot_levels.extensions.formats import (
     block_maps,
     drawings,
     frozen_lake,
+    karel,
+    letters,
     micromouse,
     setups,
     sokoban,
@@ -120,9 +122,22 @@ _OWN = {
     ),
     "maze-dataset": Format("maze-dataset ASCII", "maze-dataset's ASCII", block_maps.MAZE_DATASET),
     "minigrid": Format("MiniGrid text", "MiniGrid's text", block_maps.MINIGRID),
-    "micromouse": Format(
-        "micromouse maze", "micromouse mazes", micromouse.CODEC, suffixes=(".maz",)
+    "gym-maze": Format(
+        "maze of gym-maze", "mazes of gym-maze", micromouse.GYM_MAZE, suffixes=(".npy",)
     ),
+    "karel": Format("world of Karel", "worlds of Karel", karel.CODEC),
+    "mettagrid": Format("map of MettaGrid", "MettaGrid's maps", letters.METTAGRID),
+    "micromouse": Format(
+        "micromouse maze", "micromouse mazes", micromouse.MICROMOUSE, suffixes=(".maz",)
+    ),
+    "movingai": Format(
+        "map of MovingAI", "MovingAI's maps", letters.MOVINGAI, keywords=("folder",)
+    ),
+    "overcooked": Format(
+        "kitchen of Overcooked-AI", "Overcooked-AI's kitchens", letters.OVERCOOKED
+    ),
+    "rware": Format("warehouse of RWARE", "RWARE's warehouses", letters.RWARE),
+    "vglc": Format("dungeon of the VGLC", "the VGLC's dungeons", letters.VGLC),
     "sokoban": Format(
         "map of # and blanks",
         "Sokoban maps (# and blanks)",

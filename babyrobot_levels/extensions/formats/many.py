@@ -60,12 +60,13 @@ def _outcome_of(chosen: str | None, slippery: bool | None, strict: bool, file: F
 
 def _reason(error: LevelError) -> str:
     """Return the message of an error in one line, without the text that it shows."""
-    text = str(error.diagnostics[0].message) if error.diagnostics else str(error)
-    return one_line(text.partition("\n")[0] if "\n  help:" not in text else _helped(text))
-
-
-def _helped(text: str) -> str:
-    return f"{text.partition(chr(10))[0]} ({text.rpartition('  help: ')[2]})"
+    if error.diagnostics:
+        return one_line(error.diagnostics[0].message)
+    first, *others = str(error).split("\n")
+    if first.endswith(":") and others:
+        return one_line(f"{first} {others[0]}")
+    helped = [line.removeprefix("  help: ") for line in others if line.startswith("  help: ")]
+    return one_line(f"{first} ({helped[-1]})" if helped else first)
 
 
 def losses(outcomes: Iterable[Outcome]) -> list[Lost]:

@@ -1,10 +1,12 @@
-"""Mazes of micromouse contests: drawn with posts and walls, or as 256 bytes.
+"""Mazes of micromouse contests: drawn with posts and walls, or as 256 bytes; and of gym-maze.
 
 Where nothing is drawn, the rules of the contests say it: the mouse starts in the bottom-left cell,
 and its goal is the middle.
 """
 
 import re
+from dataclasses import replace
+from io import BytesIO
 from itertools import chain, product
 
 from babyrobot_levels.extensions.formats.blocks import (
@@ -23,6 +25,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     World,
 )
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import Position, SourceFile
 
@@ -167,4 +170,47 @@ def decode_maz(data: bytes) -> str | None:
     )
 
 
-CODEC = Codec(read_micromouse, write_micromouse, draws=is_micromouse, decodes=decode_maz)
+MICROMOUSE = Codec(read_micromouse, write_micromouse, draws=is_micromouse, decodes=decode_maz)
+
+# -- gym-maze --------------------------------------------------------------------------------
+
+_ARRAY = b"\x93NUMPY"
+
+
+def decode_gym_maze(data: bytes) -> str | None:
+    """Return a maze of gym-maze, an array of NumPy, as it is drawn; None if it is no such array.
+
+    An element is a cell `[x, y]`; its bits are the open sides to the north, east, south and west.
+
+    Raises:
+        ConversionError: the array is damaged.
+    """
+    if not data.startswith(_ARRAY):
+        return None
+    # Imported here, as only these files need NumPy.
+    import numpy as np
+
+    try:
+        cells = np.load(BytesIO(data), allow_pickle=False)
+    except (ValueError, EOFError, MemoryError, SyntaxError) as error:
+        raise ConversionError(f"this is no array of NumPy that can be read ({error})") from None
+    is_maze = isinstance(cells, np.ndarray) and cells.ndim == 2 and cells.dtype.kind in "iu"
+    if not is_maze or not 1 <= min(cells.shape) <= max(cells.shape) <= MAX_SIZE or cells.size < 2:
+        return None
+    width, height = cells.shape
+    rows = [[d.BLOCKED] * (2 * width + 1) for _ in range(2 * height + 1)]
+    for (x, y), bits in np.ndenumerate(cells):
+        rows[2 * y + 1][2 * x + 1] = d.PLAIN
+        for side, (right, down) in _STEPS.items():
+            if bits & _BITS[side]:
+                rows[2 * y + 1 + down][2 * x + 1 + right] = d.PLAIN
+    rows[1][1], rows[-2][-2] = d.START, d.EXIT
+    return _text_of(tuple("".join(row) for row in rows))
+
+
+def read_gym_maze(source: SourceFile) -> World:
+    """Return the world of a maze, from its top-left cell to the bottom-right one."""
+    return replace(read_micromouse(source), origin="A maze of gym-maze.")
+
+
+GYM_MAZE = Codec(read_gym_maze, decodes=decode_gym_maze)

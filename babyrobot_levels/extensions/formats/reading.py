@@ -67,8 +67,9 @@ def _by_content(source: SourceFile, formats: Mapping[str, Format]) -> list[str]:
     try:
         data = read_data(source)
     except ConversionError:
-        # Sentences may begin with brackets or quotes as well.
-        if source.text.lstrip()[0] in "('\"":
+        # Sentences may begin with brackets or quotes as well, and lists of names as settings.
+        first, is_text = source.text.lstrip()[0], source.name.lower().endswith((".txt", ".md"))
+        if first in "('\"" or (is_text and first not in "[{"):
             return []
         raise
     return [name for name, each in formats.items() if each.codec.holds(data)][-1:]

@@ -13,7 +13,14 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.extensions.formats.blocks import Edge, edge_of, edge_runs, is_inner
+from babyrobot_levels.extensions.formats.blocks import (
+    Edge,
+    edge_of,
+    edge_runs,
+    filled,
+    is_inner,
+    one_or_all,
+)
 from babyrobot_levels.extensions.formats.conversion import (
     Codec,
     Conversion,
@@ -36,7 +43,6 @@ from babyrobot_levels.extensions.formats.tiled_tiles import (
 )
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import sides_of
-from babyrobot_levels.language.drawing import rectangles
 from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
@@ -252,8 +258,8 @@ class _Reader:
         found = {name: list(dict.fromkeys(cells)) for name, cells in self.found.items()}
         fields: dict[str, Any] = {}
         if found["start"]:
-            fields["start"] = _one_or_all(found["start"])
-        fields["exit"] = _one_or_all(found["exit"]) if found["exit"] else "none"
+            fields["start"] = one_or_all(found["start"])
+        fields["exit"] = one_or_all(found["exit"]) if found["exit"] else "none"
         walls = []
         for (x, y, side), length, given in edge_runs(self.walls):
             if x < 0 or y < 0:
@@ -262,7 +268,7 @@ class _Reader:
             walls.append(wall | ({"length": length} if length > 1 else {}) | given)
         puddles = [{"at": [*c], "size": "small"} for c in found["small-puddle"]]
         puddles += [{"at": [*c], "size": "large"} for c in found["large-puddle"]]
-        blocked = _rectangles(found["blocked"], self.width, self.height)
+        blocked = filled(found["blocked"], self.width, self.height)
         lists = {"walls": walls, "puddles": puddles, "blocked": list(blocked)}
         things = len(found["start"]) + len(found["exit"]) + sum(map(len, lists.values()))
         if things > MAX_THINGS:
@@ -288,19 +294,6 @@ def _box(layers: Iterable[TileLayer]) -> tuple[int, int, int, int]:
             f"a level is at most {MAX_SIZE} cells wide and high"
         )
     return left, top, width, height
-
-
-def _one_or_all(cells: list[tuple[int, int]]) -> list[Any]:
-    return [*cells[0]] if len(cells) == 1 else [[*cell] for cell in cells]
-
-
-def _rectangles(cells: list[tuple[int, int]], width: int, height: int) -> Iterator[dict[str, Any]]:
-    """Yield rectangles that cover the cells, as entries of `blocked`."""
-    marks = bytearray(width * height)
-    for x, y in cells:
-        marks[y * width + x] = True
-    for x, y, columns, rows in rectangles(marks, width):
-        yield {"at": [x, y]} | ({} if columns == rows == 1 else {"size": [columns, rows]})
 
 
 def is_tiled(data: Any) -> bool:

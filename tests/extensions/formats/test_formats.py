@@ -37,9 +37,10 @@ def test_the_command_line_knows_all_formats() -> None:
     assert [each.texts for each in FORMATS.values() if each.texts not in told] == []
 
 
-def test_setups_and_drawings_are_read_and_not_written() -> None:
+def test_what_is_read_and_not_written() -> None:
     read_only = [name for name, each in FORMATS.items() if not each.is_written]
-    assert read_only == ["babyrobot", "drawing"]
+    others = ["gym-maze", "karel", "mettagrid", "overcooked", "rware", "vglc"]
+    assert read_only == ["babyrobot", "drawing", *others]
     with pytest.raises(ValueError, match="not written as a keyword setup"):
         FORMATS["babyrobot"].write(brl.load("maze"))
 

@@ -1,0 +1,301 @@
+"""Maps of programs with other tasks, a letter for each cell: their geometry.
+
+- `movingai`: the maps of the pathfinding benchmarks, and their scenarios, each with start and goal.
+- `mettagrid`: MettaGrid's drawings with a legend, in YAML.
+- `overcooked`: the kitchens of Overcooked-AI.
+- `rware`: the layouts of RWARE's warehouses.
+- `vglc`: the dungeons of The Legend of Zelda in the Video Game Level Corpus.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from babyrobot_levels.extensions.formats.blocks import (
+    Rows,
+    block_map,
+    drawn,
+    replaced,
+    room,
+    without_ring,
+)
+from babyrobot_levels.extensions.formats.conversion import (
+    Codec,
+    Conversion,
+    ConversionError,
+    Lost,
+    Part,
+    World,
+    file_beside,
+    mapping,
+    read_data,
+    shown,
+)
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.cells import Rewards
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.reader import read as read_yaml
+from babyrobot_levels.text.source import Position, SourceFile
+
+OBJECT = "&"
+"""The meaning of a letter for something that a level does not have, and that blocks the way."""
+
+
+def _world(
+    source: SourceFile,
+    rows: Sequence[str],
+    meanings: Mapping[str, str],
+    origin: str,
+    *,
+    first_line: int | None = None,
+    names: Mapping[str, str] | None = None,
+    lost: Sequence[Lost] = (),
+) -> World:
+    """Return the world of a map.
+
+    Args:
+        source: the text.
+        rows: its rows; shorter ones are filled with blanks.
+        meanings: what each letter means: a mark of the language, or `OBJECT`.
+        origin: where the world comes from, as a sentence.
+        first_line: the line of the first row in the text, if rows are whole lines of it.
+        names: what letters stand for that are not kept, for the messages.
+        lost: what else is not kept.
+    """
+    width = max(map(len, rows), default=0)
+    if not width:
+        raise ConversionError("the map has no rows")
+    told = Counter("".join(rows))
+    for letter in told:
+        if letter not in meanings:
+            y, x = next((y, row.index(letter)) for y, row in enumerate(rows) if letter in row)
+            message = f"unknown character `{letter}`"
+            if first_line is None:
+                raise ConversionError(f"row {y}, column {x}: {message}")
+            known = f"those of the format are {' '.join(each for each in meanings if each != ' ')}"
+            raise ConversionError.at(source, Position(first_line + y, x + 1), message, known)
+    table = str.maketrans({**meanings, **dict.fromkeys(_blocking(meanings), d.BLOCKED)})
+    found = list(lost)
+    for letter, name in (names or {}).items():
+        if letter in told:
+            becomes = "blocked cells" if meanings[letter] in (OBJECT, d.BLOCKED) else "plain cells"
+            found.append(Lost(f"`{letter}`", f"{told[letter]} {name} become {becomes}"))
+    cells = tuple(row.ljust(width).translate(table) for row in rows)
+    fields = {"version": 1, **drawn(without_ring(with_start(cells, found)))}
+    return World(fields, origin, {}, tuple(found))
+
+
+def _blocking(meanings: Mapping[str, str]) -> list[str]:
+    return [letter for letter, meaning in meanings.items() if meaning == OBJECT]
+
+
+def with_start(cells: Rows, lost: list[Lost]) -> Rows:
+    """Return cells with a start: if none is marked, the first free one, with a way if there is."""
+    text, width = "".join(cells), len(cells[0])
+    if (starts := text.count(d.START)) > 1:
+        lost.append(Lost("start", f"{starts} are marked: each reset draws one of them"))
+    if starts:
+        return cells
+    free = [cell for cell, mark in enumerate(text) if mark == d.PLAIN]
+    goals = [cell for cell, mark in enumerate(text) if mark == d.EXIT]
+    reached = {*room(text, goals[0], width)} if goals else {*free}
+    chosen = next((cell for cell in free if cell in reached), None)
+    if chosen is None:
+        raise ConversionError("the map has no start, and no free cell that may be one")
+    y, x = divmod(chosen, width)
+    lost.append(Lost("start", f"none is marked; row {y}, column {x} is used, the first free cell"))
+    return replaced(cells, [(x, y)], d.START)
+
+
+# -- movingai --------------------------------------------------------------------------------
+
+_MOVINGAI = "a map of MovingAI"
+_TERRAIN = {".": d.PLAIN, "G": d.PLAIN, "S": d.PLAIN}
+_TERRAIN |= dict.fromkeys("@OTW", d.BLOCKED)
+_TOLD = {"W": "cells of water, which only lead to other water,"}
+_HEADER = re.compile(r"type +(\w+)\s+height +(\d{1,6})\s+width +(\d{1,6})\s+map *\n")
+_DIAGONAL = Lost("diagonal moves", "there, agents move diagonally, too, at the cost of √2")
+
+
+def read_movingai(source: SourceFile, folder: Path | None = None) -> World:
+    """Return the world of a map, or of one line of a file of scenarios for it.
+
+    Args:
+        source: the text.
+        folder: the folder of a file of scenarios, in which the map is; None to read no other file.
+
+    Raises:
+        ConversionError: it is no such text, or the map of a scenario is not there.
+    """
+    if not source.text.lstrip().startswith("version"):
+        rows, lost = _rows_of_map(source)
+        return _world_of_map(source, rows, _with_exit(rows, lost), lost)
+    fields = source.text.splitlines()[-1].split()
+    if len(fields) != 9 or not all(re.fullmatch(r"\d{1,6}", each) for each in fields[4:8]):
+        raise ConversionError(f"this is no line of a scenario: {shown(' '.join(fields))}")
+    name = fields[1].replace("\\", "/").rpartition("/")[2]
+    if folder is None:
+        raise ConversionError(f"the map {shown(name)} is a file of its own, and is not read")
+    there = file_beside(folder, name)
+    rows, lost = _rows_of_map(there)
+    places = [(int(x), int(y)) for x, y in (fields[4:6], fields[6:8])]
+    for x, y in places:
+        if y >= len(rows) or x >= len(rows[0]) or rows[y][x] in "@OTW":
+            raise ConversionError(f"column {x}, row {y} is no free cell of the map {shown(name)}")
+    return _world_of_map(there, rows, places, lost)
+
+
+def _rows_of_map(source: SourceFile) -> tuple[list[str], list[Lost]]:
+    text = source.text.replace("\r\n", "\n")
+    header = _HEADER.match(text)
+    if header is None:
+        help_text = "a map begins with lines for type, height, width, and `map`"
+        raise ConversionError(f"{source.name} is not {_MOVINGAI}", help_text)
+    height, width = int(header[2]), int(header[3])
+    rows = text[header.end() :].rstrip("\n").split("\n")
+    if len(rows) != height or {*map(len, rows)} != {width}:
+        sizes = f"{len(rows)} rows of {max(map(len, rows))}"
+        raise ConversionError(f"the map has {sizes} cells, not {height} of {width} as it says")
+    if max(height, width) > MAX_SIZE + 2:
+        raise ConversionError(f"the map is {width} by {height}; a level has {MAX_SIZE} at most")
+    return rows, [_DIAGONAL] if header[1].startswith("octile") else []
+
+
+def _plain(text: str) -> str:
+    return "".join(_TERRAIN.get(letter, d.BLOCKED) for letter in text)
+
+
+def _with_exit(rows: Sequence[str], lost: list[Lost]) -> list[tuple[int, int]]:
+    """Return the first free cell, and the last one that it is connected to."""
+    text, width = _plain("".join(rows)), len(rows[0])
+    if d.PLAIN not in text:
+        raise ConversionError("the map has no free cell")
+    reached = room(text, text.index(d.PLAIN), width)
+    places = [(cell % width, cell // width) for cell in (reached[0], max(reached))]
+    told = [f"column {x}, row {y}" for x, y in places]
+    message = f"not in the map, but in its scenarios (.scen); {told[0]} and {told[1]} are used"
+    lost.append(Lost("start, exit", message))
+    return places
+
+
+def _world_of_map(
+    source: SourceFile, rows: list[str], ends: Sequence[tuple[int, int]], lost: Sequence[Lost]
+) -> World:
+    meanings = _TERRAIN | {"s": d.START, "e": d.EXIT}
+    origin = "A map of MovingAI's benchmarks."
+    marked = _marked(rows, ends)
+    return _world(source, marked, meanings, origin, first_line=5, names=_TOLD, lost=lost)
+
+
+def _marked(rows: Sequence[str], ends: Sequence[tuple[int, int]]) -> Rows:
+    """Return rows with start and goal; if they are one cell, it is the start."""
+    return replaced(replaced(tuple(rows), ends[1:], "e"), ends[:1], "s")
+
+
+def _scenarios(source: SourceFile) -> list[Part]:
+    if not source.text.lstrip().startswith("version"):
+        return [Part(source.text)]
+    lines = [(number, line) for number, line in enumerate(source.lines, 1) if line.strip()]
+    return [Part(f"version 1\n{line}", number) for number, line in lines[1:]]
+
+
+def write_movingai(level: Level) -> Conversion:
+    """Return a level as a map, without start and exits, which stand in scenarios."""
+    ends = f"{_MOVINGAI} has no cells that end the episode"
+    rows, lost = block_map(level, _MOVINGAI, Rewards(), ends=ends, many="SE")
+    lost.append(Lost("start", "it stands in scenarios, not in the map"))
+    if level.exits:
+        lost.append(Lost("exit", "it stands in scenarios, not in the map"))
+    marks = str.maketrans({d.BLOCKED: "@", **dict.fromkeys((d.START, d.EXIT, d.PLAIN), ".")})
+    head = f"type tile\nheight {len(rows)}\nwidth {len(rows[0])}\nmap\n"
+    return Conversion(head + "".join(row.translate(marks) + "\n" for row in rows), tuple(lost))
+
+
+def _is_movingai(source: SourceFile, _: set[str]) -> bool:
+    is_scenario = re.match(r"version\s+1(\.\d)?\s*\n\d+\s+\S+\.map\s", source.text) is not None
+    return is_scenario or _HEADER.match(source.text.replace("\r\n", "\n")) is not None
+
+
+MOVINGAI = Codec(read_movingai, write_movingai, draws=_is_movingai, parts=_scenarios)
+
+# -- mettagrid -------------------------------------------------------------------------------
+
+_FREE = {"empty": d.PLAIN, "wall": d.BLOCKED, "block": d.BLOCKED}
+
+
+def read_mettagrid(source: SourceFile) -> World:
+    """Return the world of a drawing with a legend: agents are starts, what else is there blocks."""
+    data = mapping(read_yaml(source).data, "the map")
+    text, legend = data.get("map_data"), mapping(data.get("char_to_map_name"), "char_to_map_name")
+    if not isinstance(text, str):
+        raise ConversionError("map_data must be a drawing")
+    meanings, names = {}, {}
+    for letter, name in legend.items():
+        kind = str(name).partition(".")[0]
+        meanings[str(letter)] = d.START if kind == "agent" else _FREE.get(kind, OBJECT)
+        if meanings[str(letter)] == OBJECT:
+            names[str(letter)] = f"objects {shown(str(name))}"
+    rows = [line.strip() for line in text.strip().split("\n")]
+    task = Lost("objects", "their tasks are left out: the level has no exit")
+    return _world(source, rows, meanings, "A map of MettaGrid.", names=names, lost=[task])
+
+
+METTAGRID = Codec(
+    read_mettagrid, draws=lambda source, _: re.search(r"(?m)^map_data:", source.text) is not None
+)
+
+# -- overcooked ------------------------------------------------------------------------------
+
+_KITCHEN = {" ": d.PLAIN, **dict.fromkeys("XPODTS", OBJECT), **dict.fromkeys("123456789", d.START)}
+
+
+def read_overcooked(source: SourceFile) -> World:
+    """Return the world of a kitchen: its counters are blocked cells, and its players starts."""
+    data = mapping(read_data(source), "the layout")
+    rows = [row.strip() for row in str(data.get("grid")).strip().split("\n")]
+    task = Lost("orders", "the task, to cook, is left out: the level has no exit")
+    return _world(source, rows, _KITCHEN, "A kitchen of Overcooked-AI.", lost=[task])
+
+
+def _is_kitchen(data: Any) -> bool:
+    grid = data.get("grid") if isinstance(data, dict) else None
+    return isinstance(grid, str) and {*grid} - {"\n"} <= _KITCHEN.keys()
+
+
+OVERCOOKED = Codec(read_overcooked, holds=_is_kitchen)
+
+# -- rware -----------------------------------------------------------------------------------
+
+_WAREHOUSE = {".": d.PLAIN, "x": d.PLAIN, "g": d.EXIT}
+
+
+def read_rware(source: SourceFile) -> World:
+    """Return the world of a layout: an agent without a load goes below shelves."""
+    rows = [line.strip().replace(" ", "") for line in source.text.strip().split("\n")]
+    names = {"x": "shelves, which an agent with a load cannot pass,"}
+    origin = "A warehouse of RWARE."
+    return _world(source, rows, _WAREHOUSE, origin, first_line=1, names=names)
+
+
+RWARE = Codec(read_rware, draws=lambda _, letters: {"x", "g"} <= letters - {" "} <= {*_WAREHOUSE})
+
+# -- vglc ------------------------------------------------------------------------------------
+
+_DUNGEON = {**dict.fromkeys("FDMO", d.PLAIN), **dict.fromkeys("WBPI-", d.BLOCKED), "S": d.EXIT}
+_DUNGEON_NAMES = {"D": "parts of doors, which may be locked,", "M": "monsters"}
+
+
+def read_vglc(source: SourceFile) -> World:
+    """Return the world of a dungeon: stairs are exits, walls, blocks and lava blocked cells."""
+    origin = "A dungeon of the Video Game Level Corpus."
+    rows = source.text.rstrip().split("\n")
+    rows = [row.rstrip("\r") for row in rows]
+    return _world(source, rows, _DUNGEON, origin, first_line=1, names=_DUNGEON_NAMES)
+
+
+VGLC = Codec(
+    read_vglc, draws=lambda source, letters: {"W", "F", "D", "-"} <= letters <= {*_DUNGEON}
+)
