@@ -11,6 +11,7 @@ from babyrobot_levels.extensions.formats import (
     drawings,
     frozen_lake,
     karel,
+    ldtk,
     letters,
     micromouse,
     setups,
@@ -126,6 +127,7 @@ _OWN = {
         "maze of gym-maze", "mazes of gym-maze", micromouse.GYM_MAZE, suffixes=(".npy",)
     ),
     "karel": Format("world of Karel", "worlds of Karel", karel.CODEC),
+    "ldtk": Format("level of LDtk", "LDtk's levels", ldtk.CODEC, suffixes=(".ldtk",)),
     "mettagrid": Format("map of MettaGrid", "MettaGrid's maps", letters.METTAGRID),
     "micromouse": Format(
         "micromouse maze", "micromouse mazes", micromouse.MICROMOUSE, suffixes=(".maz",)
@@ -145,10 +147,10 @@ _OWN = {
         suffixes=(".xsb", ".sok", ".slc"),
     ),
     "tiled": Format(
-        "Tiled map in JSON",
-        "Tiled's JSON",
+        "map of Tiled",
+        "Tiled's maps",
         tiled.CODEC,
-        suffixes=(".tmj",),
+        suffixes=(".tmj", ".tmx"),
         written_suffixes=(".tmj",),
         keywords=("folder",),
     ),

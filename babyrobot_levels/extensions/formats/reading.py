@@ -99,10 +99,7 @@ def _why_unknown(source: SourceFile, found: tuple[str, ...]) -> tuple[str, str]:
                 )
         return f"{name} is YAML, but no level", f"formats that are read: {', '.join(FORMATS)}"
     if source.text.lstrip().startswith("<"):
-        help_text = "write a level of it as a text"
-        if "<map" in source.text:
-            help_text = "in Tiled, save the map as JSON (.tmj)"
-        return f"{name} is XML, which is not read", help_text
+        return f"{name} is XML, but no map of Tiled", "write a level of it as a text"
     return f"the format of {name} is unknown", f"give its format, one of {', '.join(FORMATS)}"
 
 

@@ -1,4 +1,4 @@
-"""Maps of Tiled, in JSON (`.tmj`), as its editor and its command line write them.
+"""Maps of Tiled, in JSON (`.tmj`) or XML (`.tmx`), as its editor and its command line write them.
 
 Starts, exits, puddles and blocked cells are tiles, identified by their class; walls between cells
 are polylines of an object layer. All other fields are custom properties of the map, written as in a
@@ -8,6 +8,7 @@ level file.
 import cmath
 import json
 import math
+import re
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -41,6 +42,7 @@ from babyrobot_levels.extensions.formats.tiled_tiles import (
     Tilesets,
     tile_layer,
 )
+from babyrobot_levels.extensions.formats.tmx import data_of
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
@@ -54,6 +56,8 @@ from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 from babyrobot_levels.text.words import did_you_mean
+
+_TMX = re.compile(r"\s*(<\?xml[^>]*>\s*)?(<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*<map\s", re.DOTALL)
 
 TEXTS = ("title", "description", "author", "license", "source")
 SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN)) - {"exit_one_of"}
@@ -78,7 +82,8 @@ def read_tiled(source: SourceFile, folder: Path | None = None) -> World:
     Raises:
         ConversionError: it is not such a map, malformed, or larger than a level may be.
     """
-    return _Reader(mapping(read_data(source), "the map"), folder).world()
+    data = data_of(source, "map") if _is_tmx(source) else mapping(read_data(source), "the map")
+    return _Reader(data, folder).world()
 
 
 class _Reader:
@@ -301,6 +306,10 @@ def is_tiled(data: Any) -> bool:
     return isinstance(data, dict) and "layers" in data and "tilewidth" in data
 
 
+def _is_tmx(source: SourceFile, _: object = None) -> bool:
+    return _TMX.match(source.text) is not None
+
+
 # -- levels to maps -------------------------------------------------------------------------------
 
 PIXELS = 64
@@ -501,4 +510,4 @@ def dumped(value: Any, indent: str = "") -> str:
     return json.dumps(value)
 
 
-CODEC = Codec(read_tiled, write_tiled, holds=is_tiled)
+CODEC = Codec(read_tiled, write_tiled, draws=_is_tmx, holds=is_tiled)

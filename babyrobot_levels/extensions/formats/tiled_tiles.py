@@ -8,10 +8,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.parsers import expat
 
 from babyrobot_levels.extensions.formats.conversion import (
-    MAX_DEPTH,
     ConversionError,
     Lost,
     integer,
@@ -20,6 +18,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     sequence,
     shown,
 )
+from babyrobot_levels.extensions.formats.tmx import data_of
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
@@ -191,7 +190,7 @@ class Tilesets:
             return {}
         if found.name.lower().endswith((".tsj", ".json")):
             return _classes(mapping(read_data(found), one_line(found.name)), one_line(found.name))
-        return _xml_classes(found)
+        return _classes(data_of(found, "tileset"), one_line(found.name))
 
     def _file(self, name: Any) -> SourceFile | str:
         """Return the file of a tileset, or why it is not read."""
@@ -220,43 +219,8 @@ def _classes(tileset: dict[str, Any], where: str) -> dict[int, str]:
         given = mapping(tile, f"{where}.tiles")
         name = given.get("class") or given.get("type")
         if name in CLASSES:
-            classes[integer(given.get("id"), f"{where}.tiles.id")] = str(name)
-    return classes
-
-
-def _xml_classes(source: SourceFile) -> dict[int, str]:
-    """Return the classes of the tiles of a tileset in XML.
-
-    Raises:
-        ConversionError: it is not such a file, or has a DOCTYPE, whose entities may be unbounded.
-    """
-    where = one_line(source.name)
-    classes: dict[int, str] = {}
-    path: list[str] = []
-
-    def start(element: str, attributes: dict[str, str]) -> None:
-        path.append(element)
-        if path[0] != "tileset" or len(path) > MAX_DEPTH:
-            raise ConversionError(f"{where} is not a tileset of Tiled")
-        name = attributes.get("class") or attributes.get("type")
-        if path[1:] == ["tile"] and name in CLASSES:
-            number = attributes.get("id", "")
-            if not (number.isascii() and number.isdigit() and len(number) <= 9):
-                raise ConversionError(f"{where}: id must be a whole number, not {shown(number)}")
-            classes[int(number)] = name
-
-    def end(_: str) -> None:
-        path.pop()
-
-    def declared(*_: object) -> None:
-        raise ConversionError(f"{where} has a DOCTYPE, which tilesets of Tiled do not have")
-
-    parser = expat.ParserCreate("utf-8")
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.StartDoctypeDeclHandler = declared
-    try:
-        parser.Parse(source.text.encode("utf-8"), True)
-    except expat.ExpatError as error:
-        reason = expat.ErrorString(error.code)
-        raise ConversionError(f"{where}:{error.lineno}: invalid XML ({reason})") from None
+            number = integer(given.get("id"), f"{where}: id")
+            if number < 0:
+                raise ConversionError(f"{where}: id must be a whole number from 0, not {number}")
+            classes[number] = str(name)
     return classes

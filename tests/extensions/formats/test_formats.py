@@ -39,7 +39,7 @@ def test_the_command_line_knows_all_formats() -> None:
 
 def test_what_is_read_and_not_written() -> None:
     read_only = [name for name, each in FORMATS.items() if not each.is_written]
-    others = ["gym-maze", "karel", "mettagrid", "overcooked", "rware", "vglc"]
+    others = ["gym-maze", "karel", "ldtk", "mettagrid", "overcooked", "rware", "vglc"]
     assert read_only == ["babyrobot", "drawing", *others]
     with pytest.raises(ValueError, match="not written as a keyword setup"):
         FORMATS["babyrobot"].write(brl.load("maze"))
@@ -93,7 +93,6 @@ def test_a_format_is_recognised_by_its_suffix(name: str, form: str) -> None:
 UNKNOWN = {
     "docker.yaml": ('version: "3.8"\n', "docker.yaml is YAML, but no level", "formats"),
     "maze.yaml": ("version: 1\n", "maze.yaml is already a level file", "babyrobot export"),
-    "map.tmx": ('<?xml version="1.0"?>\n<map width="2"/>', "map.tmx is XML", ".tmj"),
     "levels.xml": ('<?xml version="1.0"?>\n<Levels/>', "levels.xml is XML", "a text"),
     "game.txt": ("title Box\n====\n0123\n", "the format of game.txt is unknown", "one of"),
     "two.txt": ("#####\n#S E#\n#####", "may be a maze-dataset ASCII or a map of #", "sokoban"),

@@ -22,6 +22,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.extensions.formats import tiled
 from babyrobot_levels.extensions.formats.conversion import ConversionError
 from babyrobot_levels.extensions.formats.formats import export
+from babyrobot_levels.extensions.formats.reading import guess
 from babyrobot_levels.extensions.formats.tiled import read_tiled
 from babyrobot_levels.text.source import SourceFile
 
@@ -476,7 +477,7 @@ def test_no_file_is_read_unless_a_folder_is_given(
 ENTITIES = "".join(f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 10))
 BAD_XML = {
     "bomb": f"<!DOCTYPE tileset [<!ENTITY a0 'a'>{ENTITIES}]><tileset name='&a9;'/>",
-    "external": "<!DOCTYPE tileset SYSTEM 'file:///etc/passwd'><tileset/>",
+    "external": "<!DOCTYPE tileset [<!ENTITY a SYSTEM 'file:///etc/passwd'>]><tileset>&a;</tileset>",
     "cut": TILESET_XML[:200],
     "other": "<map><tileset><tile id='0' type='start'/></tileset></map>",
     "deep": "<tileset>" + "<a>" * 100_000,
@@ -489,9 +490,71 @@ BAD_XML = {
 @pytest.mark.parametrize("name", BAD_XML)
 def test_bad_xml_is_refused_with_a_reason(name: str, tmp_path: Path) -> None:
     (tmp_path / "t.tsx").write_text(BAD_XML[name], encoding="utf-8")
-    words = "DOCTYPE|invalid XML|not a tileset of Tiled|id must be a whole number"
+    words = "entities|nested deeper|invalid XML|not a tileset of Tiled|id must be a whole number"
     with pytest.raises(ConversionError, match=rf"t\.tsx.*({words})"):
         with_tileset("t.tsx", tmp_path)
+
+
+def test_a_document_type_of_tiled_is_no_harm(tmp_path: Path) -> None:
+    kind = "<!DOCTYPE tileset SYSTEM 'http://mapeditor.org/dtd/1.0/map.dtd'>"
+    (tmp_path / "t.tsx").write_text(kind + TILESET_XML.partition("?>")[2], encoding="utf-8")
+    assert "start" in with_tileset("t.tsx", tmp_path).fields
+
+
+# -- XML -------------------------------------------------------------------------------------
+
+TMX = """<?xml version="1.0" encoding="UTF-8"?>
+<map version="1.10" orientation="orthogonal" width="3" height="2" tilewidth="16" tileheight="16"
+ infinite="0">
+ <properties><property name="title" value="Of Tiled"/>
+  <property name="max_steps" type="int" value="9"/></properties>
+ <tileset firstgid="1" name="t" tilewidth="16" tileheight="16" tilecount="2" columns="2">
+  <tile id="0" class="start"/><tile id="1" type="exit"/>
+ </tileset>
+ <layer id="1" name="ground" width="3" height="2"><data encoding="csv">
+1,0,0,
+0,0,2
+</data></layer>
+ <layer id="2" name="old" width="3" height="2" visible="0"><data encoding="csv">2,2</data></layer>
+ <objectgroup id="3" name="walls"><object id="1" x="16" y="0"><polyline points="0,0 0,16"/></object>
+ </objectgroup>
+</map>
+"""
+
+
+def test_a_map_in_xml_is_that_in_json() -> None:
+    world = read_tiled(SourceFile("map.tmx", TMX))
+    assert guess(SourceFile("map.xml", TMX)) == ["tiled"]
+    assert world.fields == {
+        "version": 1,
+        "size": [3, 2],
+        "start": [0, 0],
+        "exit": [2, 1],
+        "walls": [{"at": [0, 0], "side": "E"}],
+        "title": "Of Tiled",
+        "max_steps": 9,
+    }
+    assert [lost.field for lost in world.lost] == ["layer 'old'"]
+
+
+@pytest.mark.parametrize(
+    ("encoding", "content"),
+    [
+        ("", '<tile gid="1"/><tile/><tile/><tile/><tile/><tile gid="2"/>'),
+        (' encoding="base64"', "AQAAAAAAAAAAAAAAAAAAAAAAAAACAAAA"),
+    ],
+)
+def test_tiles_in_xml_may_be_packed(encoding: str, content: str) -> None:
+    before, _, after = TMX.partition('<data encoding="csv">\n1,0,0,\n0,0,2\n')
+    world = read_tiled(SourceFile("map.tmx", f"{before}<data{encoding}>{content}{after}"))
+    assert (world.fields["start"], world.fields["exit"]) == ([0, 0], [2, 1])
+
+
+def test_chunks_in_xml_make_a_map_as_large_as_its_tiles() -> None:
+    chunk = '<chunk x="-16" y="0" width="2" height="1">1,2</chunk>'
+    infinite = TMX.replace('infinite="0"', 'infinite="1"').replace("\n1,0,0,\n0,0,2\n", chunk)
+    world = read_tiled(SourceFile("map.tmx", infinite))
+    assert (world.fields["size"], world.fields["exit"]) == ([2, 1], [1, 0])
 
 
 def test_files_of_tilesets_are_bounded(tmp_path: Path) -> None:
