@@ -14,6 +14,7 @@ from babyrobot_levels.extensions.formats import (
     ldtk,
     letters,
     micromouse,
+    minihack,
     setups,
     sokoban,
     tiled,
@@ -35,6 +36,9 @@ from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import write_new
 from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import no_format
+
+MAX_WORLDS = 10_000
+"""The most worlds of one text: collections have hundreds, and each takes some milliseconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +71,13 @@ class Format:
         """Return the worlds that a text holds, each as a text of its own.
 
         Raises:
-            ConversionError: the text is not in this format.
+            ConversionError: the text is not in this format, or has more than `MAX_WORLDS`.
         """
-        return (Part(source.text),) if self.codec.parts is None else self.codec.parts(source)
+        parts = [Part(source.text)] if self.codec.parts is None else self.codec.parts(source)
+        if len(parts) > MAX_WORLDS:
+            message = f"the text has {len(parts):,} worlds; at most {MAX_WORLDS:,} are read"
+            raise ConversionError(message, "split it into several files")
+        return parts
 
     def read(self, source: SourceFile, *, number: int | None = None, **given: Any) -> World:
         """Return the world of a text; of what is given, those that are not its keywords are left.
@@ -132,6 +140,7 @@ _OWN = {
     "micromouse": Format(
         "micromouse maze", "micromouse mazes", micromouse.MICROMOUSE, suffixes=(".maz",)
     ),
+    "minihack": Format("level of MiniHack", "MiniHack's levels", minihack.CODEC),
     "movingai": Format(
         "map of MovingAI", "MovingAI's maps", letters.MOVINGAI, keywords=("folder",)
     ),

@@ -116,7 +116,7 @@ _MOVINGAI = "a map of MovingAI"
 _TERRAIN = {".": d.PLAIN, "G": d.PLAIN, "S": d.PLAIN}
 _TERRAIN |= dict.fromkeys("@OTW", d.BLOCKED)
 _TOLD = {"W": "cells of water, which only lead to other water,"}
-_HEADER = re.compile(r"type +(\w+)\s+height +(\d{1,6})\s+width +(\d{1,6})\s+map *\n")
+_HEADER = re.compile(r"type +([\w-]+)\s+height +(\d{1,6})\s+width +(\d{1,6})\s+map *\n")
 _DIAGONAL = Lost("diagonal moves", "there, agents move diagonally, too, at the cost of √2")
 
 

@@ -117,6 +117,12 @@ def test_one_of_several_is_chosen_by_its_number(number: int | None) -> None:
     assert "--number N" in str(caught.value)
 
 
+def test_a_collection_has_an_end() -> None:
+    source = SourceFile("set.txt", "#@\n\n" * 10_001)
+    with pytest.raises(ConversionError, match="10,001 worlds; at most 10,000"):
+        FORMATS["sokoban"].parts(source)
+
+
 BOMB = '<!DOCTYPE a [<!ENTITY b "bbb">]>\n<SokobanLevels><Title>&b;</Title></SokobanLevels>'
 
 

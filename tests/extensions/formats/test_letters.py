@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from support.conversions import level_of_world, lost_fields, world_of
 
 import babyrobot_levels as brl
@@ -157,6 +159,16 @@ def test_a_large_map_is_a_list_of_rectangles() -> None:
     assert "map" not in world.fields
     assert world.fields["blocked"] == [{"at": [0, 399], "size": [399, 1]}]
     assert world.fields["exit"] == [399, 399]
+
+
+@pytest.mark.parametrize("name", ALL)
+@given(at=st.integers(0, 300), length=st.integers(0, 40), put=st.text("#.@\n:{9é", max_size=4))
+def test_a_damaged_text_is_a_level_or_an_error(name: str, at: int, length: int, put: str) -> None:
+    text = ALL[name][:at] + put + ALL[name][at + length :]
+    try:
+        level_of_world(world_of(text, name))
+    except brl.LevelError:
+        return
 
 
 # -- Karel -----------------------------------------------------------------------------------

@@ -246,7 +246,7 @@ def test_properties_are_fields_as_in_a_level_file() -> None:
         ({"layers": [{"type": "tilelayer", "data": [1]}]}, "has 1 tiles, not 6"),
         ({"layers": [{"type": "tilelayer", "data": ["x"] * 6}]}, "whole number, not 'x'"),
         ({"tilesets": [{}]}, "firstgid"),
-        ({"tilesets": [{"firstgid": 1, "tiles": [{"type": "exit"}]}]}, "tiles.id"),
+        ({"tilesets": [{"firstgid": 1, "tiles": [{"type": "exit"}]}]}, "id must be a whole number"),
         ({"properties": [{"name": "skid", "value": "{a: [}"}]}, "property skid"),
     ],
 )

@@ -1,0 +1,81 @@
+"""Levels of MiniHack (`.des`), as far as they are drawn: MAP, stairs, branches and lava."""
+
+import re
+from typing import Any
+
+from babyrobot_levels.extensions.formats.blocks import LAVA_COLOR, drawn, replaced
+from babyrobot_levels.extensions.formats.conversion import Codec, ConversionError, Lost, World
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.text.source import SourceFile
+
+_LAVA = "L"
+_CELLS = {**dict.fromkeys(".#+SCBKR\\{_L", d.PLAIN), **dict.fromkeys("-| }WFTPI", d.BLOCKED)}
+_MAP = re.compile(r"(?ms)^MAP *\n(.*?)\n?^ENDMAP")
+_NUMBER, _COMMA = r"(\d{1,3})", r" *, *"
+_AREA = rf"\( *{_NUMBER}{_COMMA}{_NUMBER}(?:{_COMMA}{_NUMBER}{_COMMA}{_NUMBER})? *\)"
+_SELECTED = re.compile(rf"(?m)^(\$\w+) *= *selection: *fillrect *{_AREA}")
+_ENDS = re.compile(rf"(?m)^(BRANCH|STAIR): *(?:{_AREA}|rndcoord\((\$\w+)\))(.*)$")
+_LEFT_OUT = ("OBJECT", "MONSTER", "TRAP", "DOOR", "REPLACE_TERRAIN", "TERRAIN", "IF", "LOOP")
+
+Cells = list[tuple[int, int]]
+
+
+def read_minihack(source: SourceFile) -> World:
+    """Return the world of a level with one map: the stair down is the exit.
+
+    Raises:
+        ConversionError: NetHack makes its rooms or its maze itself, or does not say where it ends.
+    """
+    text = re.sub(r"(?m)^ *#.*\n", "", source.text.replace("\r\n", "\n"))
+    maps = _MAP.findall(text)
+    if len(maps) != 1 or "MAZEWALK" in text:
+        made = "digs its maze" if "MAZEWALK" in text else "places its rooms at random"
+        raise ConversionError(f"the level is not drawn: NetHack {made}")
+    lines = maps[0].split("\n")
+    width = max(map(len, lines), default=0)
+    rows = tuple(line.ljust(width) for line in lines)
+    if unknown := sorted(set("".join(rows)) - _CELLS.keys()):
+        raise ConversionError(f"the map has `{unknown[0]}`, which is not known")
+    ends = _ends(text, rows)
+    if not ends["start"] or not ends["exit"]:
+        missing = "start (BRANCH)" if not ends["start"] else "stair down"
+        raise ConversionError(f"the level has no {missing} in a place that is given")
+    cells = tuple("".join(map(_CELLS.__getitem__, row)) for row in rows)
+    is_one = len(ends["exit"]) == 1
+    cells = replaced(replaced(cells, ends["exit"] * is_one, d.EXIT), ends["start"], d.START)
+    fields: dict[str, Any] = {"version": 1, **drawn(cells)}
+    lost = [Lost(name, "left out") for name in _LEFT_OUT if re.search(rf"(?m)^ *{name}\b", text)]
+    if not is_one:
+        fields["exit_one_of"] = [[*cell] for cell in ends["exit"]]
+    lava = [(x, y) for y, row in enumerate(rows) for x, each in enumerate(row) if each == _LAVA]
+    if lava:
+        fields["areas"] = [{"at": [*cell], "ends": True, "color": LAVA_COLOR} for cell in lava]
+    return World(fields, "A level of MiniHack.", {}, tuple(lost))
+
+
+def _ends(text: str, rows: tuple[str, ...]) -> dict[str, Cells]:
+    """Return the free cells of starts and exits."""
+    named = {match[1]: _cells(match.groups()[1:5], rows) for match in _SELECTED.finditer(text)}
+    found: dict[str, Cells] = {"start": [], "exit": []}
+    for match in _ENDS.finditer(text):
+        place = named.get(match[6], []) if match[6] else _cells(match.groups()[1:5], rows)
+        is_exit = match[1] == "STAIR" and "down" in match[7]
+        found["exit" if is_exit else "start"] += place
+    found["exit"] = [cell for cell in found["exit"] if cell not in found["start"]]
+    return found
+
+
+def _cells(numbers: tuple[str | None, ...], rows: tuple[str, ...]) -> Cells:
+    """Return the free cells of a rectangle of the map."""
+    left, top = (int(each or 0) for each in numbers[:2])
+    right, bottom = (int(numbers[2] or left), int(numbers[3] or top))
+    inside = [(x, y) for y in range(top, bottom + 1) for x in range(left, right + 1)]
+    free = [(x, y) for x, y in inside if y < len(rows) and x < len(rows[0])]
+    return [(x, y) for x, y in free if _CELLS[rows[y][x]] == d.PLAIN and rows[y][x] != _LAVA]
+
+
+def _is_minihack(source: SourceFile, _: set[str]) -> bool:
+    return re.search(r'(?m)^(MAZE|LEVEL): *"', source.text) is not None
+
+
+CODEC = Codec(read_minihack, draws=_is_minihack)
