@@ -4,6 +4,7 @@ A cell is a character, as in a drawing of the language, or `ENDS`. An edge lies 
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 from babyrobot_levels.extensions.formats.conversion import ConversionError, Lost, fields_lost
@@ -47,6 +48,9 @@ def text_rows(source: SourceFile, *, blanks: bool = False) -> list[str]:
     _, lines = _lines_of_map(source, blanks)
     # Editors drop blanks at the ends of lines.
     width = max(map(len, lines))
+    # A cell of a lattice, or of MiniGrid, has two characters, and there is a ring of walls.
+    if max(width, len(lines)) > 2 * (MAX_SIZE + 2):
+        raise ConversionError(f"the map is {width} by {len(lines)}; a level is at most {MAX_SIZE}")
     return [line.ljust(width) for line in lines]
 
 
@@ -175,6 +179,10 @@ MAX_DRAWN = 100_000
 """So many cells are drawn, at eight characters each; of more, blocked ones are rectangles."""
 
 
+MAX_LISTED = 30_000
+"""So many starts, exits and rectangles does a file have room for, each with several values."""
+
+
 def _listed(rows: Rows) -> dict[str, Any]:
     """Return the fields with rows of cells, without a drawing."""
     width, height = len(rows[0]), len(rows)
@@ -184,7 +192,11 @@ def _listed(rows: Rows) -> dict[str, Any]:
     }
     fields: dict[str, Any] = {"size": [width, height], "start": one_or_all(found[d.START])}
     fields["exit"] = one_or_all(found[d.EXIT]) if found[d.EXIT] else "none"
-    return fields | {"blocked": [*filled(found[d.BLOCKED], width, height)]}
+    blocked = [*islice(filled(found[d.BLOCKED], width, height), MAX_LISTED + 1)]
+    if len(blocked) + len(found[d.START]) + len(found[d.EXIT]) > MAX_LISTED:
+        message = f"the map is {width} by {height}, with too much on it for a level file"
+        raise ConversionError(message, f"at most {MAX_LISTED:,} starts, exits and rectangles")
+    return fields | {"blocked": blocked}
 
 
 def one_or_all(cells: Sequence[tuple[int, int]]) -> list[Any]:

@@ -68,6 +68,8 @@ def _world(
     width = max(map(len, rows), default=0)
     if not width:
         raise ConversionError("the map has no rows")
+    if max(width, len(rows)) > MAX_SIZE + 2:
+        raise ConversionError(f"the map is {width} by {len(rows)}; a level is at most {MAX_SIZE}")
     told = Counter("".join(rows))
     for letter in told:
         if letter not in meanings:
@@ -154,13 +156,13 @@ def _rows_of_map(source: SourceFile) -> tuple[list[str], list[Lost]]:
     if header is None:
         help_text = "a map begins with lines for type, height, width, and `map`"
         raise ConversionError(f"{source.name} is not {_MOVINGAI}", help_text)
+    if header[1] not in ("tile", "octile", "octile_unicost"):
+        raise ConversionError(f"the map's type is {shown(header[1])}, not octile or tile")
     height, width = int(header[2]), int(header[3])
     rows = text[header.end() :].rstrip("\n").split("\n")
     if len(rows) != height or {*map(len, rows)} != {width}:
         sizes = f"{len(rows)} rows of {max(map(len, rows))}"
         raise ConversionError(f"the map has {sizes} cells, not {height} of {width} as it says")
-    if max(height, width) > MAX_SIZE + 2:
-        raise ConversionError(f"the map is {width} by {height}; a level has {MAX_SIZE} at most")
     return rows, [_DIAGONAL] if header[1].startswith("octile") else []
 
 

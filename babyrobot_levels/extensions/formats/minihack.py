@@ -1,6 +1,7 @@
 """Levels of MiniHack (`.des`), as far as they are drawn: MAP, stairs, branches and lava."""
 
 import re
+from itertools import islice
 from typing import Any
 
 from babyrobot_levels.extensions.formats.blocks import LAVA_COLOR, drawn, replaced
@@ -16,6 +17,12 @@ _AREA = rf"\( *{_NUMBER}{_COMMA}{_NUMBER}(?:{_COMMA}{_NUMBER}{_COMMA}{_NUMBER})?
 _SELECTED = re.compile(rf"(?m)^(\$\w+) *= *selection: *fillrect *{_AREA}")
 _ENDS = re.compile(rf"(?m)^(BRANCH|STAIR): *(?:{_AREA}|rndcoord\((\$\w+)\))(.*)$")
 _LEFT_OUT = ("OBJECT", "MONSTER", "TRAP", "DOOR", "REPLACE_TERRAIN", "TERRAIN", "IF", "LOOP")
+
+MAX_WIDTH, MAX_HEIGHT = 80, 21
+"""The size of NetHack's screen."""
+
+MAX_ENDS = 100
+"""More than levels have of stairs and branches."""
 
 Cells = list[tuple[int, int]]
 
@@ -34,6 +41,11 @@ def read_minihack(source: SourceFile) -> World:
     lines = maps[0].split("\n")
     width = max(map(len, lines), default=0)
     rows = tuple(line.ljust(width) for line in lines)
+    if width > MAX_WIDTH or len(rows) > MAX_HEIGHT:
+        size = f"{width} by {len(rows)}"
+        raise ConversionError(
+            f"the map is {size}; NetHack's are {MAX_WIDTH} by {MAX_HEIGHT} at most"
+        )
     if unknown := sorted(set("".join(rows)) - _CELLS.keys()):
         raise ConversionError(f"the map has `{unknown[0]}`, which is not known")
     ends = _ends(text, rows)
@@ -55,9 +67,10 @@ def read_minihack(source: SourceFile) -> World:
 
 def _ends(text: str, rows: tuple[str, ...]) -> dict[str, Cells]:
     """Return the free cells of starts and exits."""
-    named = {match[1]: _cells(match.groups()[1:5], rows) for match in _SELECTED.finditer(text)}
+    selected = islice(_SELECTED.finditer(text), MAX_ENDS)
+    named = {match[1]: _cells(match.groups()[1:5], rows) for match in selected}
     found: dict[str, Cells] = {"start": [], "exit": []}
-    for match in _ENDS.finditer(text):
+    for match in islice(_ENDS.finditer(text), MAX_ENDS):
         place = named.get(match[6], []) if match[6] else _cells(match.groups()[1:5], rows)
         is_exit = match[1] == "STAIR" and "down" in match[7]
         found["exit" if is_exit else "start"] += place
@@ -69,9 +82,12 @@ def _cells(numbers: tuple[str | None, ...], rows: tuple[str, ...]) -> Cells:
     """Return the free cells of a rectangle of the map."""
     left, top = (int(each or 0) for each in numbers[:2])
     right, bottom = (int(numbers[2] or left), int(numbers[3] or top))
-    inside = [(x, y) for y in range(top, bottom + 1) for x in range(left, right + 1)]
-    free = [(x, y) for x, y in inside if y < len(rows) and x < len(rows[0])]
-    return [(x, y) for x, y in free if _CELLS[rows[y][x]] == d.PLAIN and rows[y][x] != _LAVA]
+    return [
+        (x, y)
+        for y, row in enumerate(rows[top : bottom + 1], top)
+        for x, each in enumerate(row[left : right + 1], left)
+        if _CELLS[each] == d.PLAIN and each != _LAVA
+    ]
 
 
 def _is_minihack(source: SourceFile, _: set[str]) -> bool:

@@ -194,11 +194,11 @@ def test_a_map_with_dots_and_an_exit_has_one_exit() -> None:
 
 
 def test_a_map_that_has_no_room_in_a_file_is_told_what_has() -> None:
-    Path("lake.txt").write_text("\n".join(["S" + "F" * 499] * 500), encoding="utf-8")
+    Path("lake.txt").write_text("\n".join(["S" * 500] * 500), encoding="utf-8")
     result = babyrobot("import", "lake.txt")
     assert (result.status, result.out) == (1, "")
-    assert result.err.startswith("lake.txt: error: the level would be too large for one file")
-    assert "360 by 360" in result.err
+    assert result.err.startswith("lake.txt: error: the map is 500 by 500, with too much on it")
+    assert "at most 30,000 starts" in result.err
 
 
 def test_many_losses_are_not_all_told() -> None:

@@ -118,6 +118,7 @@ def test_an_unknown_letter_is_pointed_at() -> None:
         ("height 3", "height 4", "3 rows of 5 cells, not 4 of 5"),
         ("height 3", "height 999999", "not 999999 of 5"),
         ("type octile\n", "", "is not a map of MovingAI"),
+        ("type octile", "type octile-corner", "type is 'octile-corner', not octile or tile"),
     ],
 )
 def test_a_map_that_is_not_as_it_says_is_refused(old: str, new: str, message: str) -> None:
@@ -169,6 +170,14 @@ def test_a_damaged_text_is_a_level_or_an_error(name: str, at: int, length: int, 
         level_of_world(world_of(text, name))
     except brl.LevelError:
         return
+
+
+def test_maps_that_no_file_has_room_for_are_refused_at_once() -> None:
+    board = "\n".join([".@" * 300, "@." * 300] * 150)
+    with pytest.raises(ConversionError, match="600 by 300, with too much on it for a level file"):
+        world_of(f"type tile\nheight 300\nwidth 600\nmap\n{board}\n", "movingai")
+    with pytest.raises(ConversionError, match="2000 by 2; a level is at most 1024"):
+        world_of("xg" * 1000 + "\n" + ".." * 1000, "rware")
 
 
 # -- Karel -----------------------------------------------------------------------------------

@@ -41,6 +41,13 @@ def test_a_stair_in_one_place_is_the_exit() -> None:
     assert level_of_world(world).exits == ((5, 2),)
 
 
+def test_what_would_take_long_is_bounded() -> None:
+    with pytest.raises(ConversionError, match="the map is 99 by 4; NetHack's are 80 by 21"):
+        world_of(LEVEL.replace("-------", "-" * 99), "minihack")
+    many = LEVEL + "BRANCH:(0,1,2,999),(0,0,0,0)\n" * 9999
+    assert len(level_of_world(world_of(many, "minihack")).starts) == 4
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
