@@ -181,8 +181,10 @@ def read_path(path: Path) -> SourceFile:
     Raises:
         LevelError: it cannot be read.
     """
-    from babyrobot_levels.text.files import source_of
+    from babyrobot_levels.text.files import read_source, source_of
 
+    if path != STANDARD_INPUT:
+        return read_source(path)
     return source_of(path_bytes(path), shown_name(path))
 
 

@@ -9,6 +9,7 @@ import shutil
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -37,6 +38,7 @@ WORLDS = {
     "setup.py": "setup = {'width': 4, 'walls': [((1, 1), 'E')]}",
     "lake.txt": "SFF\nFHG\n",
     "maze.txt": "#####\n#S E#\n#####\n",
+    "collection.txt": "####\n#@.#\n####\n\n" * 7,
 }
 """What the examples of `import` read."""
 
@@ -144,6 +146,9 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         assert run_here(call, variables).status == 0
     if arguments[0] == "import" and not before and arguments[1] in WORLDS:
         Path(arguments[1]).write_text(WORLDS[arguments[1]], encoding="utf-8")
+    if "mazes.zip" in arguments:
+        with ZipFile("mazes.zip", "w") as archive:
+            archive.writestr("maze.txt", "o---o---o\n| S   G |\no---o---o\n")
     if arguments[0] in ("pack", "install", "uninstall") or {"zoo/lion", "--packs"} & {*arguments}:
         prepare_zoo(arguments, variables)
     if arguments[:2] == ["course", "build"]:
