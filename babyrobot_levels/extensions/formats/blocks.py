@@ -9,13 +9,13 @@ from typing import Any
 
 from babyrobot_levels.extensions.formats.conversion import ConversionError, Lost, fields_lost
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.base import MAX_SIZE, SIDES
+from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.geometry import painted
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
+from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.text.source import Position, SourceFile
 
 Rows = tuple[str, ...]
@@ -103,13 +103,19 @@ def without_ring(rows: Rows) -> Rows:
 
 def room(cells: Sequence[str], first: int, width: int) -> list[int]:
     """Return the numbers of the cells that are connected to one, itself included."""
-    height, found, seen = len(cells) // width, [first], {first}
+    found, seen = [first], bytearray(len(cells))
+    seen[first] = True
     # The list grows while it is gone through.
     for cell in found:
-        for side in SIDES:
-            near = neighbour(cell, side, width, height)
-            if near is not None and near not in seen and cells[near] != d.BLOCKED:
-                seen.add(near)
+        column = cell % width
+        for near, is_inside in (
+            (cell - width, cell >= width),
+            (cell + width, cell + width < len(cells)),
+            (cell - 1, column > 0),
+            (cell + 1, column < width - 1),
+        ):
+            if is_inside and not seen[near] and cells[near] != d.BLOCKED:
+                seen[near] = True
                 found.append(near)
     return found
 

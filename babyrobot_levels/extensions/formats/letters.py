@@ -205,15 +205,18 @@ def _scenarios(source: SourceFile) -> list[Part]:
 
 
 def write_movingai(level: Level) -> Conversion:
-    """Return a level as a map, without start and exits, which stand in scenarios."""
+    """Return a level as a map, in which start and exit are where reading has them."""
     ends = f"{_MOVINGAI} has no cells that end the episode"
     rows, lost = block_map(level, _MOVINGAI, Rewards(), ends=ends, many="SE")
-    lost.append(Lost("start", "it stands in scenarios, not in the map"))
-    if level.exits:
-        lost.append(Lost("exit", "it stands in scenarios, not in the map"))
     marks = str.maketrans({d.BLOCKED: "@", **dict.fromkeys((d.START, d.EXIT, d.PLAIN), ".")})
+    lines = [row.translate(marks) for row in rows]
+    start, *exits = _with_exit(lines, [])
+    for name, mark, places in (("start", d.START, [start]), ("exit", d.EXIT, exits)):
+        drawn_at = [(row.index(mark), y) for y, row in enumerate(rows) if mark in row]
+        if drawn_at != places or "".join(rows).count(mark) > 1:
+            lost.append(Lost(name, "it stands in scenarios, not in the map"))
     head = f"type tile\nheight {len(rows)}\nwidth {len(rows[0])}\nmap\n"
-    return Conversion(head + "".join(row.translate(marks) + "\n" for row in rows), tuple(lost))
+    return Conversion(head + "".join(f"{line}\n" for line in lines), tuple(lost))
 
 
 def _is_movingai(source: SourceFile, _: set[str]) -> bool:

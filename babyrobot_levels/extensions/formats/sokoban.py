@@ -41,7 +41,7 @@ _PATHS = {_DOT: "EX", _BOX_ON_GOAL: "EX", _ON_GOAL: "@SEX"}
 """What other programs draw ways with, and the marks of start and exit that show it is one."""
 
 _COMMENT = ";"
-_KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):\s*(.*?)\s*$")
+_KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):(.*)")
 _RUNS = re.compile(r"(?=.*\d)(?=.*#)(\d*[#@+$*. _|-])+\Z")
 _RUN = re.compile(r"(\d+)(\D)")
 _HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit, $ and * boxes"
@@ -118,8 +118,8 @@ def _without_texts(source: SourceFile) -> tuple[SourceFile, dict[str, Any]]:
     walls = [number for number, line in enumerate(lines) if "#" in line and _is_row(line)]
     for number, line in enumerate(source.lines):
         keyword = _KEYWORD.match(line)
-        if keyword is not None and keyword[1].lower() in ("title", "author") and keyword[2]:
-            texts[keyword[1].lower()] = keyword[2]
+        if keyword is not None and keyword[1].lower() in ("title", "author") and keyword[2].strip():
+            texts[keyword[1].lower()] = keyword[2].strip()
         elif keyword is not None or line.startswith(_COMMENT):
             others.append(line.lstrip(f"{_COMMENT} "))
         elif _is_row(line) or "#" in line or not walls or {number - 1, number + 1} <= {*walls}:

@@ -57,7 +57,7 @@ from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 from babyrobot_levels.text.words import did_you_mean
 
-_TMX = re.compile(r"\s*(<\?xml[^>]*>\s*)?(<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*<map\s", re.DOTALL)
+_ELEMENT = re.compile("<[A-Za-z]+")
 
 TEXTS = ("title", "description", "author", "license", "source")
 SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN)) - {"exit_one_of"}
@@ -307,7 +307,8 @@ def is_tiled(data: Any) -> bool:
 
 
 def _is_tmx(source: SourceFile, _: object = None) -> bool:
-    return _TMX.match(source.text) is not None
+    first = _ELEMENT.search(source.text)
+    return source.text.lstrip().startswith("<") and first is not None and first[0] == "<map"
 
 
 # -- levels to maps -------------------------------------------------------------------------------

@@ -146,12 +146,14 @@ def test_the_map_of_scenarios_is_in_their_folder(tmp_path: Path, name: str, mess
         FORMATS["movingai"].read(source, folder=tmp_path)
 
 
-def test_a_map_of_movingai_is_written_without_its_ends() -> None:
+def test_a_map_of_movingai_is_written_and_ends_that_are_elsewhere_are_told() -> None:
     conversion = export(brl.load("four-rooms"), "movingai")
     assert conversion.text.startswith("type tile\nheight ")
     again = level_of_world(world_of(conversion.text, "movingai"))
     assert again.grid().blocked.tolist() == brl.load("four-rooms").grid().blocked.tolist()
-    assert {"start", "exit"} <= {lost.field for lost in conversion.warnings}
+    assert "exit" in {lost.field for lost in conversion.warnings}
+    plain = export(brl.loads("version: 1\nsize: [4, 3]\n"), "movingai")
+    assert (plain.text.count("@"), plain.warnings) == (18, ())
 
 
 def test_a_large_map_is_a_list_of_rectangles() -> None:

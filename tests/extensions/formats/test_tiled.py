@@ -537,6 +537,11 @@ def test_a_map_in_xml_is_that_in_json() -> None:
     assert [lost.field for lost in world.lost] == ["layer 'old'"]
 
 
+@pytest.mark.parametrize("text", ["<!--" * 50_000, "<?xml " + "<!-- -->" * 50_000 + "<a>"])
+def test_what_is_no_map_is_told_at_once(text: str) -> None:
+    assert guess(SourceFile("map.xml", text)) == []
+
+
 @pytest.mark.parametrize(
     ("encoding", "content"),
     [
