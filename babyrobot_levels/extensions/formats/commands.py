@@ -38,7 +38,7 @@ from babyrobot_levels.cli.inputs import (
 )
 from babyrobot_levels.cli.parallel import JobsOption, Workers, map_all, working
 from babyrobot_levels.cli.pictures import picture
-from babyrobot_levels.cli.reporting import path_bytes, shown_name
+from babyrobot_levels.cli.reporting import STANDARD_INPUT, path_bytes, shown_name
 from babyrobot_levels.extensions.formats import formats
 from babyrobot_levels.extensions.formats.conversion import ConversionError, file_text
 from babyrobot_levels.extensions.formats.formats import FORMATS, MODELS, PARTIAL, Format
@@ -191,7 +191,7 @@ def import_level(
         source = _source(file)
         entry = _or_end(file, partial(_entry, source, world_format, slippery))
         count = len(_or_end(file, partial(entry.parts, source)))
-        if number is None and count > 1 and output is not None:
+        if number is None and count > 1 and output is not None and file != STANDARD_INPUT:
             work = worker(world_format, slippery, strict=strict)
             _import_all(files, output, work, jobs, force=force)
             return

@@ -79,7 +79,8 @@ def _world(
                 raise ConversionError(f"row {y}, column {x}: {message}")
             known = f"those of the format are {' '.join(each for each in meanings if each != ' ')}"
             raise ConversionError.at(source, Position(first_line + y, x + 1), message, known)
-    table = str.maketrans({**meanings, **dict.fromkeys(_blocking(meanings), d.BLOCKED)})
+    blocking = (letter for letter, meaning in meanings.items() if meaning == OBJECT)
+    table = str.maketrans({**meanings, **dict.fromkeys(blocking, d.BLOCKED)})
     found = list(lost)
     for letter, name in (names or {}).items():
         if letter in told:
@@ -88,10 +89,6 @@ def _world(
     cells = tuple(row.ljust(width).translate(table) for row in rows)
     fields = {"version": 1, **drawn(without_ring(with_start(cells, found)))}
     return World(fields, origin, {}, tuple(found))
-
-
-def _blocking(meanings: Mapping[str, str]) -> list[str]:
-    return [letter for letter, meaning in meanings.items() if meaning == OBJECT]
 
 
 def with_start(cells: Rows, lost: list[Lost]) -> Rows:

@@ -119,6 +119,8 @@ def test_one_of_a_collection_or_all_of_it(mazes: Path) -> None:
     assert brl.load("two.yaml").starts == brl.import_(path, number=2).starts == ((1, 0),)
     assert babyrobot("import", path, "-o", "levels").status == 0
     assert written("levels") == ["set-1.yaml", "set-2.yaml"]
+    result = babyrobot("import", "-", "-o", "levels", given=SET.encode())
+    assert (result.status, "--number N" in result.err) == (2, True)
 
 
 def test_strict_refuses_each_that_would_lose_something() -> None:
