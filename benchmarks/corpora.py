@@ -67,13 +67,6 @@ CORPORA = (
         "mazes of micromouse contests, 256 bytes each",
     ),
     Corpus(
-        "google-deepmind/boxoban-levels",
-        "78011d8c86ad423bfb2e1005012393b4c3c24409",
-        "Apache-2.0",
-        ("hard/*.txt",),
-        "the hard levels of Boxoban, without their boxes",
-    ),
-    Corpus(
         "MovingAILab/hog2",
         "af9d42d06827e5bd96d093c17e4d98b5e4f99e79",
         "MIT",
@@ -248,7 +241,8 @@ exits out of reach | copies |
 
 - In micromouse mazes, the robot goes from the start to the nearest goal. Mazes without marks start
   in the bottom-left cell, and their goals are the cells in the middle.
-- Levels of Boxoban have no boxes yet: the robot walks to a goal.
+- Levels of Boxoban have up to millions of states of robot and boxes: `python benchmarks/boxoban.py`
+  solves them one by one.
 - Of maps of MovingAI, the start is the first free cell, and the exit the last one that can be
   reached from there.
 - Tiles of Tiled that have none of the classes of [Tiled maps](converting.md#tiled) are plain cells.

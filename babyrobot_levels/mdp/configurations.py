@@ -10,11 +10,11 @@ outcomes there may be.
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import prod
+from math import comb, prod
 from typing import Any
 
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.geometry import Cell, blocked_cells
 from babyrobot_levels.text import budget
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
@@ -382,10 +382,21 @@ def surely_fits(level: LevelFields) -> bool:
     """
     states, outcomes = level.size[0] * level.size[1], most_outcomes(level)
     if level.has_things:
-        states *= prod(Things(level).radices)
+        states *= _most_configurations(level)
         if states > most_states(level) or outcomes > MAX_OUTCOMES:
             return False
     return states * outcomes <= MAX_WIDE_STATES
+
+
+def _most_configurations(level: LevelFields) -> int:
+    """Return how many configurations there are at most, by the fields alone."""
+    free = 0
+    if level.boxes:
+        is_blocked, (width, height) = blocked_cells(level), level.size
+        free = sum(not is_blocked((x, y)) for y in range(height) for x in range(width))
+    # Boxes are alike, each in another free cell, and decide which targets are covered.
+    others = prod(thing.values for thing in Things(level) if thing.kind not in ("box", "target"))
+    return comb(free, len(level.boxes)) * others
 
 
 def most_states(level: LevelFields) -> int:

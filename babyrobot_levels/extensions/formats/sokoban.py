@@ -9,6 +9,7 @@ from babyrobot_levels.extensions.formats.block_maps import PATH, is_maze
 from babyrobot_levels.extensions.formats.blocks import (
     block_map,
     drawn,
+    has_walls,
     text_rows,
     translated,
     without_margin,
@@ -37,23 +38,28 @@ _CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "-": d.PLAIN, "_": d.PLAIN, _BOX: d.PLAI
 _CELLS |= {"@": d.START, "S": d.START, _ON_GOAL: d.START}
 _CELLS |= {_DOT: d.EXIT, "E": d.EXIT, "X": d.EXIT, _BOX_ON_GOAL: d.EXIT}
 _STARTS = {mark for mark, cell in _CELLS.items() if cell == d.START}
+_BOXED = {_BOX: d.BOX, _DOT: d.TARGET, _BOX_ON_GOAL: d.COVERED}
+"""What marks mean in a map with boxes."""
+
 _PATHS = {_DOT: "EX", _BOX_ON_GOAL: "EX", _ON_GOAL: "@SEX"}
 """What other programs draw ways with, and the marks of start and exit that show it is one."""
+
+_BOTH = {("@", _DOT): _ON_GOAL, (_DOT, _BOX): _BOX_ON_GOAL}
+"""The marks of two things in a cell."""
 
 _COMMENT = ";"
 _KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):(.*)")
 _RUNS = re.compile(r"(?=.*\d)(?=.*#)(\d*[#@+$*. _|-])+\Z")
 _RUN = re.compile(r"(\d+)(\D)")
 _HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit, $ and * boxes"
-_OTHER_TASK = "their cells are free, so the level is a different MDP"
 
 
 def read_sokoban(source: SourceFile) -> World:
     """Return the world of a map: its walls are blocked cells, and so is everything around them.
 
     Titles, comments, and lines like `Author:`, as files of Sokoban levels have them, may surround
-    the map, and are its title, its author and its description. Where `E` or `X` marks the exits,
-    `.`, `*` and `+` are free cells.
+    the map, and are its title, its author and its description. In a map with boxes `.` is a
+    target, in others an exit. Where `E` or `X` marks the exits, `.`, `*` and `+` are free cells.
     """
     source = _expanded(source)
     map_only, texts = _without_texts(source)
@@ -69,11 +75,12 @@ def read_sokoban(source: SourceFile) -> World:
     indent = min(len(row) - len(row.lstrip(d.PLAIN)) for row in rows)
     if all(set(row[:indent]) <= {d.BLOCKED} for row in world):
         world = tuple(row[indent:] for row in world)
-    fields = {"version": 1, **texts, **drawn(without_ring(world))}
-    boxes = text.count(_BOX) + text.count(_BOX_ON_GOAL) * (meanings[_BOX_ON_GOAL] == d.EXIT)
-    if boxes:
-        lost.append(Lost("boxes", f"{boxes} left out; {_OTHER_TASK}"))
-    if _ON_GOAL in text and meanings[_ON_GOAL] == d.START:
+    cells = without_ring(world)
+    fields = {"version": 1, **texts, **drawn(cells)}
+    if _ON_GOAL in text and meanings[_DOT] == d.TARGET:
+        cell = next([row.find(d.START), y] for y, row in enumerate(cells) if d.START in row)
+        fields["targets"] = [{"at": cell}]
+    elif _ON_GOAL in text and meanings[_ON_GOAL] == d.START:
         lost.append(Lost(_ON_GOAL, "a start cannot be an exit; it is only the start"))
     if (starts := "".join(rows).count(d.START)) > 1:
         lost.append(Lost("start", f"{starts} are drawn: each reset draws one of them"))
@@ -83,6 +90,8 @@ def read_sokoban(source: SourceFile) -> World:
 def _meanings(text: str, lost: list[Lost]) -> dict[str, str]:
     """Return what the marks of a map mean, by those that are there."""
     meanings = dict(_CELLS)
+    if _BOX in text or (_BOX_ON_GOAL in text and not {"E", "X"} & {*text}):
+        meanings |= _BOXED
     for mark, ends in _PATHS.items():
         others = [end for end in ends if end in text]
         if others and mark in text:
@@ -207,11 +216,21 @@ def _parts_of_slc(source: SourceFile) -> Iterator[Part]:
 
 
 def write_sokoban(level: Level) -> Conversion:
-    """Return a level as a map with a ring of walls, `@` for the start and `.` for exits."""
+    """Return a level as a map with a ring of walls, `@` for the start and `.` for exits.
+
+    Boxes and targets are kept where they alone end the episode, and no wall stands between cells.
+    """
     ends = f"{_SOKOBAN} has no cells that end the episode but exits"
-    rows, lost = block_map(level, _SOKOBAN, Rewards(), ends=ends, many="E")
+    is_kept = level.ends_covered and not has_walls(level.grid())
+    carried = frozenset({"boxes", "targets"} if is_kept else ())
+    rows, lost = block_map(level, _SOKOBAN, Rewards(), ends=ends, many="E", carried=carried)
     marks = str.maketrans({d.BLOCKED: "#", d.START: "@", d.EXIT: _DOT})
-    return Conversion("\n".join(row.translate(marks) for row in rows) + "\n", tuple(lost))
+    lines = [[*row.translate(marks)] for row in rows]
+    for marked, mark in ((level.targets, _DOT), (level.boxes, _BOX)) if is_kept else ():
+        for x, y in (each.at for each in marked):
+            # The map has a ring.
+            lines[y + 1][x + 1] = _BOTH.get((lines[y + 1][x + 1], mark), mark)
+    return Conversion("\n".join(map("".join, lines)) + "\n", tuple(lost))
 
 
 def _is_sokoban(source: SourceFile, letters: set[str]) -> bool:

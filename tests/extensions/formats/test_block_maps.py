@@ -206,10 +206,10 @@ SOKOBAN = """
 
 INSIDE = """
 ###    ####
-#    # ####
-# ## E  ###
-#   #E  ###
-  S   E
+#   $# ####
+# ## .  ###
+#  $#.  ###
+  S   *
 #########
 """
 
@@ -220,7 +220,26 @@ def test_a_sokoban_map_keeps_its_walls_player_and_goals() -> None:
     expected = [line.ljust(11) for line in INSIDE.strip("\n").splitlines()]
     drawn = [line[2::4] for line in level.draw().splitlines()[1::2]]
     assert drawn == expected
-    assert lost_fields(world) == ["boxes"]
+    assert lost_fields(world) == []
+    again = level_of_world(world_of(export(level, "sokoban").text, "sokoban"))
+    assert again.digest == level.digest
+
+
+def test_a_player_on_a_goal_is_a_start_on_a_target_if_there_are_boxes() -> None:
+    text = "#######\n#+ $ .#\n#  *  #\n#######\n"
+    level = level_of_world(world_of(text, "sokoban"))
+    assert level.starts == ((0, 0),)
+    assert {target.at for target in level.targets} == {(0, 0), (4, 0), (2, 1)}
+    assert {box.at for box in level.boxes} == {(2, 0), (2, 1)}
+    assert export(level, "sokoban").text == text
+    assert level_of_world(world_of(export(level, "sokoban").text, "sokoban")).digest == level.digest
+
+
+def test_boxes_of_levels_that_end_at_an_exit_are_left_out() -> None:
+    level = brl.load({"version": 1, "size": [4, 2], "boxes": [{"at": [1, 1]}]})
+    found = export(level, "sokoban")
+    assert [lost.field for lost in found.warnings] == ["boxes"]
+    assert found.text == "######\n#@   #\n#   .#\n######\n"
 
 
 def test_a_player_on_a_goal_is_a_start_with_a_warning() -> None:

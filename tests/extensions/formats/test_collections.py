@@ -85,7 +85,8 @@ def test_each_map_has_what_is_told_of_it(text: str, told: list[tuple[str, str]])
     levels = worlds(text)
     assert [(level.title, level.author) for level in levels] == told
     assert [level.height for level in levels] == [1, 1]
-    assert (levels[0].starts, levels[0].exits) == (((0, 0),), ((2, 0),))
+    assert (levels[0].starts, levels[0].boxes[0].at) == (((0, 0),), (1, 0))
+    assert [target.at for target in levels[0].targets] == [(2, 0)]
 
 
 def test_lines_that_say_more_are_the_description() -> None:

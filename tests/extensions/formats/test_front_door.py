@@ -124,11 +124,11 @@ def test_one_of_a_collection_or_all_of_it(mazes: Path) -> None:
 
 
 def test_strict_refuses_each_that_would_lose_something() -> None:
-    boxes = SET.replace("#@.#", "#@$#", 1)
-    Path("set.txt").write_text(boxes, encoding="utf-8")
+    starts = SET.replace("#@.#", "#+.#", 1)
+    Path("set.txt").write_text(starts, encoding="utf-8")
     result = babyrobot("import", "set.txt", "-o", "levels", "--strict")
     assert (result.status, written("levels")) == (1, ["set-2.yaml"])
-    assert "set.txt: error: set-1: boxes: 1 left out" in result.err
+    assert "set.txt: error: set-1: +: a start cannot be an exit" in result.err
 
 
 def test_commands_take_such_a_file_directly(mazes: Path) -> None:
