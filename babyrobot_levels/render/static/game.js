@@ -254,9 +254,7 @@ export class Game {
   /** @param {number} state */
   isExit(state) {
     const configuration = this.configurationOf(state);
-    return (
-      this.things.exitsOf(configuration).includes(state % this.cells) || this.things.isSolved(configuration)
-    );
+    return this.things.exitsOf(configuration).includes(state % this.cells) || this.things.isSolved(configuration);
   }
 
   /**
