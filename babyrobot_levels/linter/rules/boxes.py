@@ -19,7 +19,6 @@ def lost_box(context: LintContext) -> Iterator[Finding]:
     ## Why is this bad?
 
     Without enough other boxes, the level cannot be solved, and the robot can only find that out.
-    `babyrobot preview --lost` shows all cells from which a box is lost.
 
     ## Example
 
