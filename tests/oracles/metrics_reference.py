@@ -82,7 +82,7 @@ class SlowMetrics:
 
     def has_path(self, start: Pair) -> bool:
         """Return whether a path leads from a state to an open exit."""
-        return any(self.level.exit_open(*pair) for pair in self.from_some([start]))
+        return any(self.level.won(*pair) for pair in self.from_some([start]))
 
     def path_length(self) -> int | None:
         """Return the steps to the nearest exit from the start from which they are the most."""
@@ -91,7 +91,7 @@ class SlowMetrics:
         lengths = []
         for start in self.starts:
             length, there = 0, {start}
-            while not any(self.level.exit_open(*pair) for pair in there):
+            while not any(self.level.won(*pair) for pair in there):
                 length, there = length + 1, there.union(*map(self.following, there))
             lengths.append(length)
         return max(lengths)
@@ -278,7 +278,7 @@ class SlowMetrics:
             for pair, chance in going.items():
                 for result in self.level.results[pair][policy[pair]] if pair in policy else ():
                     share = chance * result.probability
-                    if self.level.exit_open(*result.pair):
+                    if self.level.won(*result.pair):
                         arrived += share
                     elif not result.over:
                         after[result.pair] = after.get(result.pair, 0.0) + share

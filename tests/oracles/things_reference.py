@@ -317,6 +317,10 @@ class Reference:
             self.has(name, configuration) for name in self.exit_needs
         )
 
+    def won(self, configuration: Configuration, cell: Cell) -> bool:
+        """Return whether an episode is over as it should be: at an exit, or all is covered."""
+        return self.exit_open(configuration, cell) or self.solved(configuration)
+
     def over(self, configuration: Configuration, cell: Cell) -> bool:
         """Return whether an episode is over for where the robot stands."""
         return (
