@@ -2,7 +2,8 @@
 
 `terrain` says what each cell does, and where moves and warps end; `outcomes` what a step comes to;
 `compile_cells` puts them together. Of levels with things, `layers` finds the configurations that
-occur, `movers` says where movers go, and `things` puts it all together.
+occur, `movers` says where movers go, and `things` puts it all together; `boxes` does both where
+there are boxes, with `yards`, and `robots` for several robots, with `meetings`.
 """
 
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
     Branches,
@@ -29,7 +31,7 @@ from babyrobot_levels.mdp.compiler.terrain import (
 )
 from babyrobot_levels.mdp.configurations import check_room, most_columns
 from babyrobot_levels.mdp.grid import Grid, build_grid
-from babyrobot_levels.mdp.tables import REFUSED, Ints, Mdp, parts_of
+from babyrobot_levels.mdp.tables import Ints, Mdp, parts_of
 from babyrobot_levels.text import budget
 
 __all__ = ["checked_mdp", "compile_mdp"]
@@ -134,17 +136,13 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
             room.put(merged(chances.row, chances.probability, ends, reward, terrain.over[ends]))
 
     obstruction, intended = obstructions(cells.moves, terrain, cells.warps)
-    action_mask = (obstruction != REFUSED).astype(np.int8)
-    action_mask[terrain.over, 1:] = 0
     start = np.zeros(count)
     start[cells.starts] = 1.0 / cells.starts.size
-    return Mdp(
-        width=grid.width,
-        height=grid.height,
+    return assembled(
+        grid,
         start=start,
-        is_terminal=terrain.over,
-        action_mask=action_mask,
-        intended_next_state=intended,
+        over=terrain.over,
+        intended=intended,
         obstruction=obstruction,
-        **room.tables(),
-    ).freeze()
+        tables=room.tables(),
+    )

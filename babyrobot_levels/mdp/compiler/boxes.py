@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.layers import TooManyStates, distinct
 from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.outcomes import (
@@ -36,7 +37,7 @@ from babyrobot_levels.mdp.compiler.yards import Yard, build_yard
 from babyrobot_levels.mdp.configurations import MAX_BOXED_STATES, Things, check_room, most_columns
 from babyrobot_levels.mdp.graph import expanded
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
-from babyrobot_levels.mdp.tables import FREE, REFUSED, Flags, Floats, Ints, Mdp
+from babyrobot_levels.mdp.tables import FREE, Flags, Floats, Ints, Mdp
 from babyrobot_levels.text import budget
 
 BATCH = 1 << 14
@@ -401,23 +402,14 @@ class Boxes:
             )
             check_room(self.level, count, outcomes.width)
             room.put(outcomes)
-        action_mask = (obstruction != REFUSED).astype(np.int8)
-        action_mask[over, 1:] = 0
-        tables = room.tables()
-        ended_ = over.nonzero()[0]
-        tables["probability"][ended_, :, 0] = 1.0
-        tables["next_state"][ended_, :, 0] = ended_[:, None]
-        tables["terminal"][ended_, :, 0] = True
         start = np.zeros(count)
         np.add.at(start, state(self.starts), 1.0 / self.starts.size)
-        return Mdp(
-            width=self.grid.width,
-            height=self.grid.height,
+        return assembled(
+            self.grid,
             start=start,
-            is_terminal=over,
-            action_mask=action_mask,
-            intended_next_state=intended,
+            over=over,
+            intended=intended,
             obstruction=obstruction,
+            tables=room.tables(),
             configurations=values[order].astype(np.int16),
-            **tables,
-        ).freeze()
+        )
