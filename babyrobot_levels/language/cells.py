@@ -262,6 +262,8 @@ class Rewards(Model):
     """Added when the robot bounces off a glass wall."""
     stay: Annotated[Number | None, Told("ground", "staying")] = None
     """The action `stay`, instead of the reward of the cell."""
+    meet: Annotated[Number | None, Told("ground", "meeting another robot")] = None
+    """A move that another robot hinders, or a collision."""
     closer: Annotated[Number | None, Told("ground", "a step closer to the exit")] = None
     """A step that brings the robot closer to the nearest exit, by Euclidean distance."""
     farther: Annotated[Number | None, Told("ground", "a step away from the exit")] = None
@@ -274,7 +276,7 @@ class Rewards(Model):
     """Added when fewer targets are covered than before."""
 
 
-PRECEDENCE = ("hit", "warp", "exit", "item", "stay", "bump", "closer", "farther", "step")
+PRECEDENCE = ("hit", "meet", "warp", "exit", "item", "stay", "bump", "closer", "farther", "step")
 """What a step may pay: the first of these that applies.
 
 `hit`, `warp` and `item` are the rewards that a mover, a warp or an item has of its own. `step` is

@@ -20,7 +20,19 @@ from babyrobot_levels.text.words import did_you_mean
 
 def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
     """Return the cells of `start` or `exit`, each with its route."""
-    cells = level.starts if field == "start" else level.exits
+    own: list[tuple[Cell, Route]] = [
+        (cell, ("robots", index, field))
+        for index, robot in enumerate(level.robots)
+        if (cell := getattr(robot, field)) is not None
+    ]
+    if field == "start" and len(own) == len(level.robots) > 0:
+        return own
+    return [*_common(level, field), *own]
+
+
+def _common(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
+    """Return the cells of `start` or `exit` that are not those of one robot."""
+    cells = level.common_starts if field == "start" else level.common_exits
     if field == "exit" and level.exit_one_of is not None:
         return [(cell, ("exit_one_of", index)) for index, cell in enumerate(cells)]
     value = getattr(level, field)
@@ -31,7 +43,6 @@ def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
 
 def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
     """Yield the errors of starts and exits. `blocked` tells whether a cell is blocked."""
-    exits = set(level.exits)
     left = {warp.at for warp in level.warps if warp.when == "enter"}
     ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
     for field in ("start", "exit"):
@@ -51,8 +62,9 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                     f"move the {field}, or unblock the cell",
                 )
             elif cell in seen:
-                yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
-            elif field == "start" and cell in exits:
+                if not level.robots or (field == "start" and level.team.meet != "pass"):
+                    yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
+            elif field == "start" and cell in _exits_from(level, cell):
                 yield Issue(
                     "BR303",
                     _given(level, route, ("exit",)),
@@ -77,6 +89,15 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                     "move the start, or remove `ends` from the area",
                 )
             seen.add(cell)
+
+
+def _exits_from(level: LevelFields, start: Cell) -> tuple[Cell, ...]:
+    """Return the exits of those who begin in a cell."""
+    if not level.robots:
+        return level.exits
+    return tuple(
+        cell for robot, at in level.team_starts if at == start for cell in level.exits_of(robot)
+    )
 
 
 def _given(level: LevelFields, route: Route, otherwise: Route) -> Route:

@@ -52,6 +52,8 @@ from babyrobot_levels.language.things import (
     Places,
     Switch,
     Target,
+    Team,
+    TeamRobot,
     as_names,
 )
 
@@ -97,6 +99,9 @@ class Role(Enum):
     EXPECTATION = auto()
     """What its author says of it, to be held to that."""
 
+
+MAX_ROBOTS = 4
+"""The most robots of a level: with each, tables grow by five times the cells."""
 
 DRAWN: Literal["drawn"] = "drawn"
 """Marks the fields that a drawing gives, which therefore cannot be given beside one."""
@@ -162,6 +167,10 @@ class LevelFields(Model):
     """Boxes that the robot pushes."""
     targets: Annotated[tuple[Target, ...], Role.DYNAMICS] = ()
     """Cells to push boxes to. Without an exit, the episode ends when all are covered."""
+    robots: Annotated[tuple[TeamRobot, ...], Field(max_length=MAX_ROBOTS), Role.DYNAMICS] = ()
+    """Several robots, which all move at once; without it there is one."""
+    team: Annotated[Team, Role.DYNAMICS] = Field(default_factory=cache(Team.model_construct))
+    """What several robots mean to each other."""
     movers: Annotated[tuple[Mover, ...], Role.DYNAMICS] = ()
     """What moves by itself: guards on a path, wanderers in a rectangle."""
     hit: Annotated[Hit, Role.DYNAMICS] = Field(default_factory=cache(Hit.model_construct))
@@ -206,15 +215,42 @@ class LevelFields(Model):
 
     @property
     def starts(self) -> tuple[tuple[int, int], ...]:
-        """The starts as a tuple of cells, also when there is one."""
+        """The starts as a tuple of cells: one or several, or that of each of several robots."""
+        if not self.robots:
+            return self.common_starts
+        return tuple(start for _, start in self.team_starts)
+
+    @property
+    def team_starts(self) -> tuple[tuple[TeamRobot, tuple[int, int]], ...]:
+        """Several robots, each with its start."""
+        given = self.common_starts
+        left = iter(given)
+        return tuple((robot, robot.start or next(left, given[0])) for robot in self.robots)
+
+    @property
+    def common_starts(self) -> tuple[tuple[int, int], ...]:
+        """The starts but those that are given with one of several robots."""
         return _as_cells(self.start)
 
     @property
     def exits(self) -> tuple[tuple[int, int], ...]:
-        """The cells that are exits, or may be drawn as the exit; empty for `none`."""
+        """The cells that are exits, or may be drawn as the exit; empty for `none`.
+
+        Those that only one of several robots may leave by come last.
+        """
+        own = (robot.exit for robot in self.robots if robot.exit is not None)
+        return tuple(dict.fromkeys((*self.common_exits, *own)))
+
+    @property
+    def common_exits(self) -> tuple[tuple[int, int], ...]:
+        """The exits but those that only one of several robots may leave by."""
         if self.exit_one_of is not None:
             return self.exit_one_of
         return () if self.exit == "none" else _as_cells(self.exit)
+
+    def exits_of(self, robot: TeamRobot) -> tuple[tuple[int, int], ...]:
+        """Return the exits by which one of several robots may leave."""
+        return self.common_exits if robot.exit is None else (robot.exit,)
 
     @property
     def has_things(self) -> bool:

@@ -32,6 +32,7 @@ from babyrobot_levels.language.things import (
     Mover,
     Switch,
     Target,
+    TeamRobot,
 )
 
 LOOKS = frozenset({"color", "fit", "label", "shape", "width"})
@@ -210,6 +211,14 @@ KINDS = (
         need=Need("cover", "covering", "covered", "not covered"),
         label=lambda target: target.name or "target",
         other_names=("pad", "storage"),
+    ),
+    Kind(
+        "robot",
+        "robots",
+        "path",
+        TeamRobot,
+        state="the places of robots",
+        other_names=("agents", "players"),
     ),
     Kind(
         "mover",

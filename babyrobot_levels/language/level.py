@@ -39,7 +39,9 @@ class LevelSpec(LevelFields):
                 self._drawn.update(drawn.counts)
                 # The model is frozen for its users; these fields are the drawing's own.
                 self.__dict__.update(drawn.fields)
-        elif not ("exit" in self.model_fields_set or self.exit_one_of or self.targets):
+        elif not ("exit" in self.model_fields_set or self.exit_one_of or self.targets) and (
+            not self.robots or any(robot.exit is None for robot in self.robots)
+        ):
             self.__dict__["exit"] = (self.size[0] - 1, self.size[1] - 1)
         issues = issues or issues_of(self)
         if issues:
@@ -70,12 +72,15 @@ class LevelSpec(LevelFields):
             LevelError: the level names an unknown theme. Levels that were loaded do not.
         """
         if self._theme is not None:
-            return self._theme
-        if isinstance(self.theme, Theme):
-            return self.theme
-        if self.theme not in BUILTIN_THEMES:
+            theme = self._theme
+        elif isinstance(self.theme, Theme):
+            theme = self.theme
+        elif self.theme in BUILTIN_THEMES:
+            theme = BUILTIN_THEMES[self.theme]
+        else:
             raise LevelError(message=f"unknown theme {self.theme!r}")
-        return BUILTIN_THEMES[self.theme]
+        first = self.robots[0].color if self.robots else None
+        return theme if first is None else theme.with_robot(first)
 
     def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
         """Return the level as plain data, as in a file: the fields that were given, in order.

@@ -4,7 +4,7 @@ import json
 import re
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, StrictStr, StringConstraints, WithJsonSchema
 from pydantic_core import PydanticCustomError
@@ -123,6 +123,10 @@ class Theme(Model):
     """The colours."""
     widths: Widths = Field(default_factory=cache(Widths.model_construct))
     """The widths."""
+
+    def with_robot(self, color: str) -> Self:
+        """Return the theme with another colour of the robot."""
+        return self.model_copy(update={"colors": self.colors.model_copy(update={"robot": color})})
 
 
 class Panel(Model):

@@ -58,7 +58,7 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
     if drawing is None:
         return None, [*issues, *faults]
     starts, exits = drawing.find(d.START), drawing.find(d.EXIT)
-    if not starts:
+    if not starts and not (level.robots and all(robot.start for robot in level.robots)):
         issues.append(Issue("BR313", ("map",), "the drawing has no start", "mark a cell with `S`"))
     if exits and level.exit_one_of is not None:
         message = "`exit_one_of` cannot be combined with an exit, and the drawing shows `E`"
@@ -75,7 +75,7 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
             drawn.setdefault(kind.field, []).extend(entries_of(kind, level, drawing))
     fields = {
         "size": (drawing.width, drawing.height),
-        "start": starts[0] if len(starts) == 1 else tuple(starts),
+        "start": starts[0] if len(starts) == 1 else tuple(starts) or level.start,
         "exit": "none" if not exits else exits[0] if len(exits) == 1 else tuple(exits),
         "blocked": tuple(
             Rectangle(at=cell, size=(length, 1)) for cell, length in drawing.row_runs(d.BLOCKED)

@@ -30,6 +30,10 @@ def check_things(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
     yield from _check_names(level)
     yield from _check_needs(level)
     yield from _check_places(level, blocked)
+    if level.robots:
+        yield from _check_robots(level)
+    else:
+        yield from _check_one_robot(level)
     if level.boxes:
         yield from _check_boxes(level, blocked)
     for index, _ in enumerate(level.doors):
@@ -219,6 +223,42 @@ def _check_boxes(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
         message = "all targets are covered at the beginning, which ends the episode"
         where = _place(level, "targets", 0, "at")
         yield Issue("BR327", where, message, "move a box, or add a target or an exit")
+
+
+# -- robots --------------------------------------------------------------------------------
+
+
+def _check_robots(level: LevelFields) -> Iterator[Issue]:
+    if len(level.robots) == 1:
+        help_text = "name a second one, or give `start` and `exit` to the level instead"
+        yield Issue("BR328", ("robots",), "`robots` has only one robot", help_text)
+    if level.boxes:
+        message = "several robots cannot push boxes: `robots` cannot be combined with `boxes`"
+        yield Issue("BR206", Key(("robots",)), message, "remove one of them")
+    waiting = [robot for robot in level.robots if robot.start is None]
+    is_given = level.map is not None or "start" in level.model_fields_set
+    given = level.common_starts if is_given else ()
+    if len(waiting) != len(given):
+        what = "each robot has a `start`"
+        if waiting:
+            what = f"{len(waiting)} of the robots have no `start`"
+        message = f"{what}, and the level gives {len(given)} more"
+        help_text = "give one start for each robot that has none"
+        yield Issue("BR328", ("map",) if level.map is not None else ("robots",), message, help_text)
+    names = [robot.name for robot in level.robots]
+    for index, item in enumerate(level.items):
+        if item.robot is not None and item.robot not in names:
+            message = f"there is no robot `{item.robot}`{did_you_mean(item.robot, names)}"
+            where = ("items", index - level._drawn.get("items", 0), "robot")
+            yield Issue("BR321", where, message, f"known names: {', '.join(names)}")
+
+
+def _check_one_robot(level: LevelFields) -> Iterator[Issue]:
+    for index, item in enumerate(level.items):
+        if item.robot is not None:
+            where = ("items", index - level._drawn.get("items", 0), "robot")
+            message = f"there is no robot `{item.robot}`: the level has one, without a name"
+            yield Issue("BR321", Key(where), message, "remove `robot`, or list `robots`")
 
 
 # -- movers --------------------------------------------------------------------------------

@@ -40,6 +40,8 @@ class Item(Model):
     """Cells of which one is drawn uniformly at each reset: it lies there."""
     reward: Number | None = None
     """The reward of the step that takes it, which replaces that of the cell."""
+    robot: Slug | None = None
+    """Of several robots the only one that can take it, by its name."""
     shape: Shape | None = None
     """Its picture; by default its name if that is a shape, else `star`."""
     color: Color | None = None
@@ -121,7 +123,7 @@ class Box(Model):
 
 
 class Target(Model):
-    """A cell to push a box to: it is covered while a box stands there."""
+    """A cell to push a box to, or of several robots one: covered while one of them stands there."""
 
     at: Cell
     """The cell."""
@@ -141,6 +143,30 @@ class Target(Model):
     def picture(self) -> str:
         """How it is drawn."""
         return "target"
+
+
+class TeamRobot(Model):
+    """One of several robots, which all move at once."""
+
+    name: Slug
+    """The name, unique among all things of the level."""
+    start: Cell | None = None
+    """Where it begins; by default the next of the level's starts that no robot before it has."""
+    exit: Cell | None = None
+    """An exit of its own; by default it leaves by those of the level."""
+    color: Color | None = None
+    """The colour, by default one that those who are colour-blind tell from the others."""
+
+
+class Team(Model):
+    """What several robots mean to each other."""
+
+    meet: Literal["block", "order", "pass", "end"] = "block"
+    """When robots meet: they stay, the first in order goes, they pass, or the episode ends."""
+    arrived: Literal["leave", "stay"] = "leave"
+    """Whether a robot that has arrived leaves the level, or stays at its exit, in the way."""
+    ends: Literal["all", "first"] = "all"
+    """Whether the episode ends when all robots have arrived, or the first."""
 
 
 class Mover(Model):

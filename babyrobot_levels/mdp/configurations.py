@@ -1,7 +1,7 @@
 """Configurations: the value of every thing of a level, and what they come to. Needs no NumPy.
 
-Things count in this order: the drawn exit, items, switches, boxes by their cells, targets, movers;
-where nothing is said, as listed. A `Thing` says
+Things count in this order: the drawn exit, items, switches, boxes by their cells, targets, robots,
+movers; where nothing is said, as listed. A `Thing` says
 all that compilers, words and pictures need to know of one; a kind of things with a state is a
 function that makes them of its entries, and its line in `_MAKERS`. At the end: how many states and
 outcomes there may be.
@@ -55,6 +55,11 @@ class Thing:
     at_start: bool = False
     moves: bool = False
     usual_name: str = ""
+
+    @property
+    def first_arrived(self) -> int:
+        """The first value of a robot that says that it has arrived."""
+        return self.states.index("arrived")
 
     @property
     def values(self) -> int:
@@ -117,7 +122,7 @@ def _boxes(level: LevelFields) -> Iterator[Thing]:
 
 
 def _targets(level: LevelFields) -> Iterator[Thing]:
-    boxes = {box.at for box in level.boxes}
+    boxes = {*(box.at for box in level.boxes), *(level.starts if level.robots else ())}
     for number, target in enumerate(level.targets, 1):
         yield Thing(
             "target",
@@ -129,6 +134,25 @@ def _targets(level: LevelFields) -> Iterator[Thing]:
             is_met=1,
             usual_name=f"target-{number}",
         )
+
+
+def _robots(level: LevelFields) -> Iterator[Thing]:
+    """Yield several robots.
+
+    Where the first one is, the state tells as that of a single one; its value only says whether it
+    has arrived. The values of the others are the cells, and after these the cells again, for those
+    who have arrived there.
+    """
+    width, height = level.size
+    every = tuple((x, y) for y in range(height) for x in range(width)) if level.robots else ()
+    stays = level.team.arrived == "stay"
+    for number, (robot, (x, y)) in enumerate(level.team_starts):
+        if number == 0:
+            yield Thing("robot", robot, robot.name, (None,) * 2, ("on the way", "arrived"), (0,))
+            continue
+        cells: tuple[Cell | None, ...] = (*every, *(every if stays else [None] * len(every)))
+        states: tuple[str | Cell, ...] = (*every, *["arrived"] * len(every))
+        yield Thing("robot", robot, robot.name, cells, states, (y * width + x,))
 
 
 def _movers(level: LevelFields) -> Iterator[Thing]:
@@ -150,6 +174,7 @@ _MAKERS: tuple[Callable[[LevelFields], Iterator[Thing]], ...] = (
     _switches,
     _boxes,
     _targets,
+    _robots,
     _movers,
 )
 """Things in the order in which they count. Those that move by themselves come last."""
@@ -176,6 +201,8 @@ class Configuration(Telling, public=True):
         held: the names of the items that are held.
         on: for each thing of `Things.fixed`, whether it is on, or covered.
         boxes: the cells in which boxes stand, row by row.
+        robots: for each of several robots but the first, the cell in which it is, or left.
+        arrived: for each of several robots, whether it has arrived at its exit.
         movers: for each mover, the cell in which it stands.
         doors: for each door, whether it is closed.
     """
@@ -188,6 +215,8 @@ class Configuration(Telling, public=True):
     held: tuple[str, ...]
     on: tuple[bool, ...]
     boxes: tuple[Cell, ...]
+    robots: tuple[Cell, ...]
+    arrived: tuple[bool, ...]
     movers: tuple[Cell, ...]
     doors: tuple[bool, ...]
 
@@ -267,9 +296,14 @@ class Things(Telling, public=True):
         )
 
     def exits(self, values: Sequence[int]) -> tuple[Cell, ...]:
-        """Return the exits of an episode."""
+        """Return the exits of an episode, those that only one of several robots has included."""
+        own = (robot.exit for robot in self.level.robots if robot.exit is not None)
+        return tuple(dict.fromkeys((*self.common_exits(values), *own)))
+
+    def common_exits(self, values: Sequence[int]) -> tuple[Cell, ...]:
+        """Return the exits of an episode but those that only one of several robots has."""
         places = self.level.exit_one_of
-        return self.level.exits if places is None else (places[values[0]],)
+        return self.level.common_exits if places is None else (places[values[0]],)
 
     def exit_is_open(self, values: Sequence[int]) -> bool:
         """Return whether an exit ends the episode: what it needs is held, or on.
@@ -295,10 +329,22 @@ class Things(Telling, public=True):
             items=self._cells("item", values),
             held=tuple(name for name in self.names[self.items] if name in met),
             boxes=tuple(cell for cell in self._cells("box", values) if cell is not None),
+            robots=self._robots(values),
+            arrived=tuple(
+                value >= thing.first_arrived
+                for thing, value in zip(self._each, values, strict=True)
+                if thing.kind == "robot"
+            ),
             on=tuple(values[column] == self._each[column].is_met for column in self.fixed),
             movers=tuple(cell for cell in self._cells("mover", values) if cell is not None),
             doors=self.closed(met),
         )
+
+    def _robots(self, values: Values) -> tuple[Cell, ...]:
+        """Return where the robots but the first are, or were when they left."""
+        width, height = self.level.size
+        others = values[self.of_kind("robot")][1:]
+        return tuple((at % width, at // width % height) for at in others)
 
     def _cells(self, kind: str, values: Values) -> tuple[Cell | None, ...]:
         """Return in which cell each thing of a kind is."""
@@ -428,9 +474,11 @@ def check_room(level: LevelFields, states: int, width: int) -> None:
     """Check that tables do not need too much room.
 
     Raises:
-        UnplayableError: they need more than those of any level may.
+        UnplayableError: they need more than those of any level may, or rows are too long.
         OverBudgetError: they need more than they may here.
     """
+    if level.has_things and width > MAX_OUTCOMES:
+        raise too_many_outcomes(level)
     if states * width <= MAX_WIDE_STATES:
         budget.check_tables(states, width)
         return
@@ -443,6 +491,22 @@ def check_room(level: LevelFields, states: int, width: int) -> None:
         field = "movers" if level.movers else field_of(level, "items")
         help_text = "use fewer things that walk or skid at random, or a smaller level"
     raise UnplayableError([Issue("BR404", Key((field,)), message, help_text)])
+
+
+def too_many_outcomes(level: LevelFields, ways: int = 0) -> UnplayableError:
+    """Return the error that says why. `ways` is how many ways the movers alone have."""
+    count = sum(mover.within is not None for mover in level.movers)
+    wanderers = f"{count} mover{'s' * (count != 1)} in a rectangle"
+    field, help_text = "movers", "use fewer movers, or let them walk a path"
+    if ways:
+        what = f"{wanderers} may go {ways:,} ways at once"
+    elif count:
+        what = f"those of a move, times the ways that {wanderers} may go"
+    else:
+        what = f"a warp leads to one of {len(level.starts)} starts"
+        field, help_text = "start", "use fewer starts, or let the warp lead to a cell"
+    message = f"an action has more than {MAX_OUTCOMES} outcomes: {what}"
+    return UnplayableError([Issue("BR405", Key((field,)), message, help_text)])
 
 
 def field_of(level: LevelFields, field: str) -> str:

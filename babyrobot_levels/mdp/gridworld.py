@@ -14,6 +14,7 @@ from babyrobot_levels.language.cells import Maze
 from babyrobot_levels.language.documents import check_document, error_in_mapping, level_from_mapping
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.validation import Checked
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.grid import (
     Grid,
     build_grid,
@@ -74,7 +75,9 @@ class GridWorld(LevelSpec):
             LevelError: the maze has no seed yet (`seed: random`).
         """
         mdp = self._mdp
-        budget.check_tables(mdp.num_states, mdp.probability.shape[2])
+        # Of several robots there are more actions, and tables are as much larger.
+        wide = max(1, mdp.num_actions // NUM_ACTIONS)
+        budget.check_tables(mdp.num_states * wide, mdp.probability.shape[2])
         return mdp
 
     def things(self) -> Things:
@@ -238,6 +241,23 @@ def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
         found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
         return Checked(None, found)
     return checked
+
+
+def check_one_robot(level: LevelSpec, what: str) -> None:
+    """Check that a level has one robot, where several are not known.
+
+    Args:
+        level: the level.
+        what: what is only for levels with one robot, in the plural.
+
+    Raises:
+        LevelError: it has several.
+    """
+    if level.robots:
+        raise LevelError(
+            message=f"the level has {len(level.robots)} robots, and {what} are only for levels "
+            "with one; `brl.solve`, `brl.TeamEnv` and `brl.parallel_env` take several"
+        )
 
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | GridWorld

@@ -17,7 +17,7 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.graph import Graph, Successors, counts
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.mdp.tables import ALL, Mdp, parts_of
+from babyrobot_levels.mdp.tables import ALL, Flags, Mdp, parts_of
 from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import did_you_mean, listed
 
@@ -200,6 +200,8 @@ def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
         is_exit[[y * mdp.width + x for x, y in level.exits]] = True
         return np.tile(is_exit, mdp.headings) if mdp.headings > 1 else is_exit
     things = level.things()
+    if level.robots:
+        return _arrived_states(level, mdp)
     # Movers change nothing about exits and targets.
     static, which = np.unique(mdp.configurations[:, : things.static], axis=0, return_inverse=True)
     cells = np.zeros((len(static), mdp.cells), bool)
@@ -210,6 +212,28 @@ def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
         elif things.exit_is_open(values):
             row[[y * mdp.width + x for x, y in things.exits(values)]] = True
     return np.repeat(cells[which.ravel()], mdp.headings, axis=0).ravel()
+
+
+def _arrived_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
+    """Return in which states several robots have done what they are to do, `[states]`."""
+    things = level.things()
+    arrived = np.stack(
+        [
+            mdp.configurations[:, column] >= things[column].first_arrived
+            for column in range(*things.of_kind("robot").indices(len(things)))
+        ],
+        axis=1,
+    )
+    has_exit = [bool(level.exits_of(robot)) for robot in level.robots]
+    done: Flags
+    if level.ends_covered:
+        done = np.all(mdp.configurations[:, things.of_kind("target")], axis=1)
+    elif level.team.ends == "first":
+        done = np.any(arrived, axis=1)
+    else:
+        done = np.all(arrived[:, has_exit], axis=1) & any(has_exit)
+    cells = np.tile(~level.grid().blocked.ravel(), (len(done), 1))
+    return (cells & done[:, None]).ravel()
 
 
 def ends_by_hit(mdp: Mdp, part: slice = ALL) -> NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.mdp.actions import HEADINGS, Action
+from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
 from babyrobot_levels.text import budget
@@ -38,6 +38,10 @@ def _one_configuration() -> NDArray[np.int16]:
 @dataclass(frozen=True, eq=False)
 class Mdp(Telling, public=True):
     """A finite Markov decision process whose states are the cells, numbered `y * width + x`.
+
+    Of several robots, the actions are those of all, `[first robot, second robot, …]` as one number
+    in base 5; the cell is that of the first, and the configuration tells where the others are.
+    Outcomes that differ in `shares` are distinct, too.
 
     In a level with things, whose configurations are numbered, the state is
     `configuration * cells + y * width + x`; with turning (see `turning`) it is
@@ -67,6 +71,8 @@ class Mdp(Telling, public=True):
         configurations: int16, `[configurations, things]`: the value of each thing in each
             configuration, in rising order; `[1, 0]` without things.
         headings: 4 with turning, else 1.
+        shares: float64, `[states, actions, outcomes, robots]`: what each of several robots gets, of
+            which `reward` is the sum; None for one robot.
     """
 
     width: int
@@ -82,6 +88,7 @@ class Mdp(Telling, public=True):
     obstruction: NDArray[np.int8]
     configurations: NDArray[np.int16] = field(default_factory=_one_configuration)
     headings: int = 1
+    shares: NDArray[np.float64] | None = None
 
     def __repr__(self) -> str:
         """Return the shapes of the tables; all numbers would be many pages."""
@@ -108,8 +115,32 @@ class Mdp(Telling, public=True):
 
     @property
     def num_actions(self) -> int:
-        """The number of actions: 5, and 3 with turning."""
+        """The number of actions: 5, or 3 with turning; of several robots, 5 to their number."""
         return int(self.probability.shape[1])
+
+    @property
+    def num_robots(self) -> int:
+        """The number of robots."""
+        return 1 if self.shares is None else int(self.shares.shape[3])
+
+    def robot_actions(self, joint: Any) -> Ints:
+        """Return the action of each robot in joint actions, `[…, robots]`.
+
+        Args:
+            joint: the numbers of joint actions, integers of any shape `[…]`.
+        """
+        powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
+        actions: Ints = np.asarray(joint)[..., np.newaxis] // powers % NUM_ACTIONS
+        return actions
+
+    def joint_action(self, actions: Any) -> Any:
+        """Return the numbers of joint actions; the inverse of `robot_actions`.
+
+        Args:
+            actions: the action of each robot, integers `[…, robots]`.
+        """
+        powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
+        return np.asarray(actions) @ powers
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -197,6 +228,8 @@ def _turning(mdp: Mdp, heading: str) -> Mdp:
         raise ValueError(f"heading must be one of {', '.join(SIDES)}, not {heading!r}")
     if mdp.headings != 1:
         raise ValueError("the robot of these tables turns already")
+    if mdp.num_robots > 1:
+        raise ValueError("only the robot of a level with one can turn")
     count, cells = mdp.num_configurations, mdp.cells
     first = np.arange(HEADINGS)
     # The action of the level that each action comes to, and the heading after it.
@@ -304,6 +337,11 @@ def _parts(level: LevelFields, grid: Grid, mdp: Mdp) -> Iterator[bytes | NDArray
             yield table[part][mdp.probability[part] > 0].astype(kind)
     if level.has_things:
         yield from _things(level, grid, mdp)
+    if mdp.shares is not None:
+        yield b"robots\n"
+        yield np.array([mdp.num_robots], "<u4")
+        for part in parts:
+            yield mdp.shares[part][mdp.probability[part] > 0].astype("<f8")
 
 
 def _things(level: LevelFields, grid: Grid, mdp: Mdp) -> Iterator[bytes | NDArray[Any]]:

@@ -4,7 +4,8 @@
 then levels, each followed by what is so in it, behind `> `:
 
 - `east at [1, 0]: 0.5 [2, 0] -1; 0.5 [0, 0] -2 ends`: the outcomes of an action, with their
-  probability, cell and reward; `in [1, 0]` behind a cell is a configuration;
+  probability, cell and reward; `in [1, 0]` behind a cell is a configuration; of several robots,
+  `east+stay` is an action, and `-1|0` what each gets;
 - `start: 0.5 [0, 0]; 0.5 [0, 1]`: the probability of each start;
 - `valid at [1, 0]: stay east`, `configurations: [0] [1]`, `state of [1, 0]: 1`;
 - `error BR301`: it is no level, for that reason; `digest of {…}`: it is the same as that level.
@@ -14,6 +15,7 @@ Behind `= `, an entry names the tests of what no table shows.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -37,7 +39,7 @@ NO_LAWS = (
     *("| `name` |", "| `color` |", "| `label` |", "| `shape` |", "| `color`, `label` |"),
     *("| `fit` |", "| `width` |", "An area is a rectangle", "A skid is a probability, or"),
     *("For example:", "From `[1", "Terminal areas are ends", "Shaped rewards:"),
-    *("With the key and without", "In this level the lever"),
+    *("With the key and without", "In this level the lever", "Two robots change places"),
 )
 """How looks, names and what only leads to an example begin; examples have tests of their own."""
 
@@ -124,6 +126,8 @@ def found(text: str, law: str) -> str:
         return law if level.digest == other.digest else "digest of another level"
     mdp = level.compile()
     names = [str(each) for each in mdp.configurations.tolist()]
+    single = [action.name.lower() for action in brl.Action]
+    actions = ["+".join(each) for each in itertools.product(single, repeat=mdp.num_robots)]
 
     def shown(state: int) -> str:
         where = f" in {names[mdp.configuration(state)]}" if level.has_things else ""
@@ -142,11 +146,19 @@ def found(text: str, law: str) -> str:
     if kind == "state":
         return f"{head}: {state}"
     if kind == "valid":
-        mask = mdp.action_mask[state]
-        return " ".join([f"{head}:", *(a.name.lower() for a in brl.Action if mask[a])])
+        allowed = itertools.compress(actions, mdp.action_mask[state])
+        return " ".join([f"{head}:", *allowed])
     ends = {False: "", True: " ends"}
-    outcomes = mdp.outcomes(state, brl.Action[kind.upper()])
-    parts = [f"{p:.12g} {shown(after)} {r:g}{ends[end]}" for p, after, r, end in outcomes]
+    action = actions.index(kind)
+    rewards = [f"{outcome[2]:g}" for outcome in mdp.outcomes(state, action)]
+    if mdp.shares is not None:
+        rows = mdp.shares[state, action, : len(rewards)].tolist()
+        assert [sum(row) for row in rows] == pytest.approx([*map(float, rewards)])
+        rewards = ["|".join(f"{share:g}" for share in row) for row in rows]
+    parts = [
+        f"{p:.12g} {shown(after)} {reward}{ends[end]}"
+        for (p, after, _, end), reward in zip(mdp.outcomes(state, action), rewards, strict=True)
+    ]
     return alike(law, f"{head}: {'; '.join(parts)}")
 
 

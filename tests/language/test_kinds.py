@@ -32,7 +32,8 @@ def test_each_kind_is_given_by_fields_of_a_level() -> None:
     # What is left is for the whole level.
     others = {*fields_with(Role.GEOMETRY, Role.DYNAMICS)} - {*fields}
     assert others == {
-        *("size", "map", "legend", "heading", "exit_needs", "maze", "hit", "puddle_types", "skid")
+        *("size", "map", "legend", "heading", "exit_needs", "maze", "hit", "puddle_types", "skid"),
+        "team",
     }
 
 
@@ -88,6 +89,7 @@ def test_labels_of_entries() -> None:
         ("box", {"at": [0, 0]}, "box"),
         ("target", {"at": [0, 0]}, "target"),
         ("target", {"at": [0, 0], "name": "pad"}, "pad"),
+        ("robot", {"name": "red"}, "red"),
         ("mover", {"name": "bat", "path": [[0, 0]]}, "bat"),
         ("mover", {"path": [[0, 0]]}, "guard"),
         ("mover", {"within": {"at": [0, 0]}}, "wanderer"),

@@ -15,6 +15,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
+from oracles.random_teams import random_team
 from oracles.random_things import random_level
 from pydantic import BaseModel
 from support.things import FIELDS as OF_THINGS
@@ -36,6 +37,7 @@ NEEDED = {"items.at", "items.one_of", "movers.path", "movers.within"}
 
 ELSEWHERE = {
     "heading": "it only matters to a robot that turns",
+    "robots.start": "without it there is no level",
     **dict.fromkeys(("movers.name", "targets.name"), "names change no tables"),
     **dict.fromkeys(("areas.size", "doors.length", "movers.within.size"), "a place"),
     **dict.fromkeys(("movers.back", "movers.start"), "a way: pictures show it"),
@@ -100,6 +102,8 @@ def without(data: Any, where: str) -> Any:
 def drawn_levels() -> list[tuple[World, set[str], Level]]:
     """Return random levels: as data, and the fields that they give."""
     found = [{"version": 1, **random_level(Random(seed))} for seed in range(300)]
+    teams = [random_team(Random(seed)) for seed in range(120)]
+    found += [{"version": 1, **fields} for fields in teams if fields is not None]
     return [(world, {*given_in(world)}, Level.from_fields(world)) for world in found]
 
 

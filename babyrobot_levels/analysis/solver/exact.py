@@ -10,7 +10,7 @@ improved until no action is better.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from math import lcm, prod
+from math import lcm
 from typing import Any
 
 import numpy as np
@@ -144,8 +144,10 @@ def denominators(level: GridWorld) -> tuple[int, int]:
     unit = lcm(*(number.denominator for number in numbers))
     wanderers = sum(mover.within is not None for mover in level.movers)
     ways = lcm(*range(1, NUM_ACTIONS + 1)) ** wanderers
-    # A move may meet glass and skid.
-    return prod((unit, unit, SHARES, len(level.starts), ways)), unit
+    # A move may meet glass and skid; a warp may lead to one of the starts.
+    robots = len(level.robots)
+    moves = (unit * unit * SHARES) ** max(1, robots)
+    return moves * (1 if robots else len(level.starts)) * ways, unit
 
 
 def _whole(numbers: Floats, denominator: int) -> Numbers:

@@ -152,7 +152,7 @@ def solve(
             raise ValueError("exact values are those without a limit of steps; leave `within` out")
         return solve_within(space, discount, limit)
     model, mdp = space.model(), space.mdp
-    optimum = _discounted(model, discount) if discount < 1 else undiscounted(model, space)
+    optimum = optimum_of(model, space, discount)
     found = optimum.found
     ahead = action_values(model, found.values, discount)
     best = ahead.max(axis=1, initial=-np.inf)
@@ -205,6 +205,11 @@ class Optimum:
     found: Iterated
     core: Core
     steps: Floats | None
+
+
+def optimum_of(model: Model, space: StateSpace, discount: float) -> Optimum:
+    """Return the optimum of a model; errors are those of `undiscounted`."""
+    return _discounted(model, discount) if discount < 1 else undiscounted(model, space)
 
 
 def _discounted(model: Model, discount: float) -> Optimum:

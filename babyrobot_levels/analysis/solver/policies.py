@@ -19,7 +19,6 @@ from babyrobot_levels.analysis.solver.results import (
     UndefinedReturnError,
     action_names,
     check_actions,
-    num_actions,
 )
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, HasPolicy, unwrapped_policy
 from babyrobot_levels.mdp.configurations import Things
@@ -73,7 +72,7 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
         ValueError: it does not fit the level.
     """
     mdp, actions, things = space.mdp, space.actions, space.level.things()
-    count = num_actions(actions)
+    count = space.num_actions
     if isinstance(policy, str) and policy in NAMED:
         return _named(policy, space)
     own = getattr(policy, "actions", None)
@@ -89,7 +88,7 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
     table = np.asarray(policy)
     shape = mdp.shape
     if table.shape == shape:
-        return _chosen(table.ravel(), mdp, actions, first, things)
+        return _chosen(table.ravel(), space, first, things)
     if table.shape in ((*shape, count), (mdp.num_states, count)):
         return _weighed(table.reshape(-1, count), mdp, things)
     given = f"one of shape {list(table.shape)}" if table.ndim else repr(policy)
@@ -104,7 +103,7 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
 
 
 def _named(name: str, space: StateSpace) -> Floats:
-    mdp, count = space.mdp, num_actions(space.actions)
+    mdp, count = space.mdp, space.num_actions
     if name == BEST:
         best = room.public("solve")(space.level, space.discount, actions=space.actions)
         return read_policy(best, space)
@@ -117,15 +116,14 @@ def _named(name: str, space: StateSpace) -> Floats:
     return even
 
 
-def _chosen(
-    table: np.ndarray[Any, Any], mdp: Mdp, actions: str, first: int, things: Things
-) -> Floats:
+def _chosen(table: np.ndarray[Any, Any], space: StateSpace, first: int, things: Things) -> Floats:
     """Return the probabilities of a policy given by actions, of which `first` is number 0."""
+    mdp, actions = space.mdp, space.actions
     if not np.issubdtype(table.dtype, np.integer):
         axes = ["configurations"] * bool(things.names) + ["headings"] * (mdp.headings > 1)
         shape = ", ".join([*axes, "height", "width"])
         raise ValueError(f"a policy [{shape}] is an array of integers, the actions")
-    count, names = num_actions(actions), action_names(actions)
+    count, names = space.num_actions, action_names(actions, mdp.num_robots)
     states = np.flatnonzero(~mdp.is_terminal)
     chosen = table[states].astype(np.int64) + first - check_actions(actions)
     wrong = (chosen < 0) | (chosen >= count)
@@ -137,6 +135,8 @@ def _chosen(
                 f"actions={actions!r} does not have"
             )
         known = ", ".join(f"{action} {name}" for action, name in enumerate(names[first:]))
+        if mdp.num_robots > 1:
+            known = f"0 {names[0]} to {count - 1} {names[-1]}"
         message = f"the policy's action at {cell} is {number}; actions={actions!r} has {known}"
         if actions == "moves" and 0 <= number < NUM_ACTIONS:
             message += "; if its action 0 is stay, give actions='all'"
@@ -190,6 +190,11 @@ class StateSpace:
     def first_action(self) -> int:
         """The action of the tables that is number 0."""
         return check_actions(self.actions)
+
+    @property
+    def num_actions(self) -> int:
+        """How many actions there are."""
+        return self.mdp.num_actions - self.first_action
 
     @cached_property
     def exits(self) -> Flags:
@@ -284,9 +289,11 @@ def space_of(level: GridWorld, actions: str, discount: float | None = None) -> S
 
     Raises:
         LevelError: the maze has no seed yet.
-        ValueError: there is no such set of actions.
+        ValueError: there is no such set of actions, or several robots do not have it.
     """
     check_actions(actions)
     mdp = level.compile()
+    if mdp.num_robots > 1 and actions != "all":
+        raise ValueError(f"several robots have actions='all', not {actions!r}")
     own = mdp.turning(level.heading) if actions == TURNS else mdp
     return StateSpace(level, own, actions, discount)

@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from html import escape
+from itertools import product
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -467,14 +468,14 @@ def check_actions(actions: str) -> int:
     return int(ACTION_SETS[actions])
 
 
-def num_actions(actions: str) -> int:
-    """Return the size of a set of actions."""
-    return len(action_names(actions)) - check_actions(actions)
+def action_names(actions: str, robots: int = 1) -> list[str]:
+    """Return the names of the actions of the tables, of which a set leaves out the first ones.
 
-
-def action_names(actions: str) -> list[str]:
-    """Return the names of the actions of the tables, of which a set leaves out the first ones."""
-    return [action.name.lower() for action in (Turn if actions == TURNS else Action)]
+    Those of several robots are joint actions: `north_stay` is north of the first, stay of the
+    second.
+    """
+    names = [action.name.lower() for action in (Turn if actions == TURNS else Action)]
+    return ["_".join(each) for each in product(names, repeat=robots)]
 
 
 def check_discount(discount: float | None, default: float) -> float:

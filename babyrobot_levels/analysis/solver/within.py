@@ -22,7 +22,6 @@ from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     Evaluation,
     Solution,
-    num_actions,
     probability,
 )
 from babyrobot_levels.mdp.tables import Flags, Floats
@@ -232,7 +231,7 @@ def weights_by_step(
         return policy
     table = getattr(policy, "policies", None)
     shape = getattr(policy, "shape", ())
-    shapes = (space.mdp.shape, (*space.mdp.shape, num_actions(space.actions)))
+    shapes = (space.mdp.shape, (*space.mdp.shape, space.num_actions))
     if table is None and shape[1:] in shapes and shape not in shapes:
         table = policy
     if table is None:

@@ -102,14 +102,15 @@ def boxes_and_targets(context: LintContext) -> Iterator[Finding]:
     ```
     """
     level = context.level
-    boxes, targets = len(level.boxes), len(level.targets)
+    boxes, targets = len(level.boxes or level.robots), len(level.targets)
+    what = "robots" if level.robots else "boxes"
     if level.ends_covered and targets > boxes:
         yield Finding(
             context.place_of_entry("targets", boxes),
-            f"there are more targets ({targets}) than boxes ({boxes}): they cannot all be covered",
-            "add boxes, or remove targets",
+            f"there are more targets ({targets}) than {what} ({boxes}): they cannot all be covered",
+            f"add {what}, or remove targets",
         )
-    elif targets and boxes > targets:
+    elif targets and len(level.boxes) > targets:
         yield Finding(
             context.place_of_entry("boxes", targets),
             f"there are more boxes ({boxes}) than targets ({targets})",

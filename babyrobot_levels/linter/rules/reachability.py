@@ -249,8 +249,8 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
     reach = context.reach
     # Starts without an exit are reported by another rule.
     good = [state for state in context.starts if reach.to_exit[state] >= 0]
-    if context.level.boxes:
-        # A push may well lose such a level.
+    if context.level.boxes or context.level.robots:
+        # A push may well lose such a level, and so may a robot that leaves before others can.
         return
     if not good or all(steps >= 0 for state, steps in enumerate(reach.to_exit) if reach.on[state]):
         return
@@ -417,7 +417,8 @@ def unreachable_exit(context: LintContext) -> Iterator[Finding]:
     ```
     """
     exits = context.level.exits
-    if len(exits) < 2:
+    # Each of several robots has exits of its own, of which the tables of all tell no cells.
+    if len(exits) < 2 or context.level.robots:
         return
     ended = context.ended_exits
     missed = [number for number, cell in enumerate(exits) if context.state(cell) not in ended]

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.outcomes import (
@@ -299,7 +300,9 @@ class Layers:
         shaped = self.level.rewards.closer is not None or self.level.rewards.farther is not None
         key = layer.closed, layer.exits if shaped else ()
         if key not in self._grounds:
-            self._grounds[key] = _build_ground(self.level, self.grid, layer)
+            width = self.grid.width
+            exits = tuple((cell % width, cell // width) for cell in layer.exits)
+            self._grounds[key] = build_layer_ground(self.level, self.grid, layer.closed, exits)
         return self._grounds[key]
 
     def ways(self, layer: Layer) -> Ways:
@@ -472,10 +475,19 @@ def _swaps(before: list[int], after: list[int], cell: int, target: int) -> bool:
     return any(one == target and two == cell for one, two in zip(before, after, strict=True))
 
 
-def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
-    grid = grid_with_doors(level, open_grid, layer.closed)
+def build_layer_ground(
+    level: LevelFields, open_grid: Grid, closed: tuple[bool, ...], exits: tuple[Cell, ...]
+) -> Ground:
+    """Return what moves come to while some doors are closed.
+
+    Args:
+        level: the level.
+        open_grid: its grid, with all doors open.
+        closed: for each door, whether it is closed.
+        exits: the exits, to which robots come closer.
+    """
+    grid = grid_with_doors(level, open_grid, closed)
     width, count = grid.width, grid.width * grid.height
-    exits = tuple((cell % width, cell // width) for cell in layer.exits)
     painted = build_terrain(level, grid, exits)
     nowhere = np.zeros(count, bool)
     terrain = Terrain(

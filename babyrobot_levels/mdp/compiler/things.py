@@ -16,10 +16,12 @@ import numpy as np
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.boxes import Boxes
 from babyrobot_levels.mdp.compiler.layers import ON, Ground, Layer, Layers, TooManyStates, Ways
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
 from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, merged
+from babyrobot_levels.mdp.compiler.robots import Robots
 from babyrobot_levels.mdp.compiler.terrain import obstructions
 from babyrobot_levels.mdp.configurations import (
     MAX_OUTCOMES,
@@ -30,10 +32,11 @@ from babyrobot_levels.mdp.configurations import (
     most_columns,
     most_outcomes,
     most_states,
+    too_many_outcomes,
 )
 from babyrobot_levels.mdp.graph import expanded
 from babyrobot_levels.mdp.grid import Grid, check_placement
-from babyrobot_levels.mdp.tables import FREE, REFUSED, Flags, Floats, Ints, Mdp, parts_of
+from babyrobot_levels.mdp.tables import FREE, Flags, Floats, Ints, Mdp, parts_of
 from babyrobot_levels.text import budget
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
@@ -71,9 +74,11 @@ def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
     return compiler.tables()
 
 
-def _compiler(level: LevelFields, things: Things, grid: Grid) -> _Compiler | Boxes:
+def _compiler(level: LevelFields, things: Things, grid: Grid) -> _Compiler | Boxes | Robots:
     check_placement(level, grid)
     try:
+        if level.robots:
+            return Robots(level, grid, things)
         if level.boxes:
             return Boxes(level, grid, things)
         return _Compiler(level, Layers(level, grid, things))
@@ -82,7 +87,7 @@ def _compiler(level: LevelFields, things: Things, grid: Grid) -> _Compiler | Box
             budget.refuse(f"has more than {most:,} states, which are too many here")
         raise _too_many_states(level, things) from None
     except TooManyWays as error:
-        raise _too_many_outcomes(level, error.ways) from None
+        raise too_many_outcomes(level, error.ways) from None
 
 
 def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
@@ -112,22 +117,6 @@ def _counted(count: int, one: str, several: str) -> str:
 
 def _up_to(factor: int) -> str:
     return f"up to {factor:,}" if factor < 10**9 else f"up to 10^{int(log10(factor))}"
-
-
-def _too_many_outcomes(level: LevelFields, ways: int = 0) -> UnplayableError:
-    """Return the error that says why. `ways` is how many ways the movers alone have."""
-    count = sum(mover.within is not None for mover in level.movers)
-    wanderers = f"{_counted(count, 'mover', 'movers')} in a rectangle"
-    field, help_text = "movers", "use fewer movers, or let them walk a path"
-    if ways:
-        what = f"{wanderers} may go {ways:,} ways at once"
-    elif count:
-        what = f"those of a move, times the ways that {wanderers} may go"
-    else:
-        what = f"a warp leads to one of {len(level.starts)} starts"
-        field, help_text = "start", "use fewer starts, or let the warp lead to a cell"
-    message = f"an action has more than {MAX_OUTCOMES} outcomes: {what}"
-    return UnplayableError([Issue("BR405", Key((field,)), message, help_text)])
 
 
 class _Compiler:
@@ -173,32 +162,21 @@ class _Compiler:
                     there = (states - cell)[:, None] + target
                     intended[states] = np.where(target == self.size, count, there)
             for outcomes in self._outcomes(ground, members):
-                if outcomes.width > MAX_OUTCOMES:
-                    raise _too_many_outcomes(self.level)
                 check_room(self.level, count, outcomes.width)
                 room.put(outcomes)
-        action_mask = (obstruction != REFUSED).astype(np.int8)
-        action_mask[over, 1:] = 0
-        tables = room.tables()
-        ended = over.nonzero()[0]
-        tables["probability"][ended, :, 0] = 1.0
-        tables["next_state"][ended, :, 0] = ended[:, None]
-        tables["terminal"][ended, :, 0] = True
         start = np.zeros(count)
         starts = self.layers.starts
         for number, joint, at in starts:
             start[self.number[number, joint] * self.size + at] += 1.0 / len(starts)
-        return Mdp(
-            width=self.layers.grid.width,
-            height=self.layers.grid.height,
+        return assembled(
+            self.layers.grid,
             start=start,
-            is_terminal=over,
-            action_mask=action_mask,
-            intended_next_state=intended,
+            over=over,
+            intended=intended,
             obstruction=obstruction,
+            tables=room.tables(),
             configurations=self.configurations,
-            **tables,
-        ).freeze()
+        )
 
     def _groups(self) -> Iterator[tuple[Ground, list[Layer]]]:
         """Yield layers with the same ground and exits together."""
