@@ -5,16 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Unpack
 
 import numpy as np
-from gymnasium import error
+from gymnasium import Space, error
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
     check_choice,
-    check_names,
     checked_action,
-    checked_given,
     checked_maze_seed,
     checked_observation,
     checked_options,
@@ -27,7 +25,7 @@ from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.observations.views import view_planes
 from babyrobot_levels.envs.rendering import RENDER_MODES, RenderedEnv, show_wrapped_environments
-from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
+from babyrobot_levels.envs.spaces import ACTION_SETS, ActionSet, make_action_space
 from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -134,10 +132,11 @@ class LevelEnv(RenderedEnv):
         self.render_mode = render_mode
         self._given = load(level)
         self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
-        self._actions = ACTION_SETS[actions]
-        space = make_action_space(self._actions)
+        self._actions = self._action_set(actions)
+        space = self._make_action_space()
         self.action_space = space
-        self._valid = space if isinstance(space, ValidActions) else None
+        # Those whose `sample()` knows what is allowed have a mask.
+        self._valid: Any = space if hasattr(space, "mask") else None
         self._spec: EnvSpec | None = None
         self._state = -1
         self._num_items, self._has_movers = self._things()
@@ -149,13 +148,19 @@ class LevelEnv(RenderedEnv):
         self._pictures = None if render_mode is None else self._new_pictures()
         show_wrapped_environments()
 
+    def _action_set(self, actions: str) -> ActionSet:
+        return ACTION_SETS[actions]
+
+    def _make_action_space(self) -> Space[Any]:
+        return make_action_space(self._actions)
+
     def _enter(self, level: Level) -> None:
         """Go over to a level."""
         # A level whose tables would be too large changes nothing.
         mdp: Mdp = self._actions.tables(level)
         self.level, self._mdp = level, mdp
         self._parts: dict[int, _Part] = {}
-        self._observer = make_observer(level, self._observation, self._extent())
+        self._observer: Any = make_observer(level, self._observation, self._extent())
         self._starts: list[int] = mdp.start.nonzero()[0].tolist()
         self._states: list[_State | None] = [None] * mdp.num_states
         self._now: _State | None = None
@@ -400,23 +405,3 @@ class LevelEnv(RenderedEnv):
         self._enter(self.level)
         if self._state >= 0:
             self._now = self._look_up(self._state)
-
-
-def make_level(level: LevelLike | None = None, **kwargs: Any) -> LevelEnv:
-    """Return a level's environment: the entry point of `babyrobot/Level-v0` and of all levels.
-
-    Gymnasium adds the `TimeLimit`, which the spec knows.
-
-    Args:
-        level: a name, a path, a mapping or a `Level`.
-        kwargs: the other arguments of `LevelEnv`.
-
-    Raises:
-        MissingArgument: there is no level.
-        TypeError: there is no such argument.
-    """
-    check_names(kwargs, LevelEnv.__init__, "max_episode_steps", "level")
-    return LevelEnv(checked_given("level", level), **kwargs)
-
-
-make_level.metadata = LevelEnv.metadata  # type: ignore[attr-defined]

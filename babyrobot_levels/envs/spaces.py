@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.engine.tables import Words, masks_at
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, Turn
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.tables import Mdp
 
 if TYPE_CHECKING:
@@ -28,11 +29,13 @@ class ActionSet(NamedTuple):
         samples_valid: whether `sample()` gives only actions that the action mask allows.
         turns: whether the robot turns: the actions are those of `Turn`, in the tables of
             `Mdp.turning`, whose states have a heading.
+        team: whether they are the joint actions of several robots.
     """
 
     first: int
     samples_valid: bool
     turns: bool = False
+    team: bool = False
 
     @property
     def num_actions(self) -> int:
@@ -40,7 +43,13 @@ class ActionSet(NamedTuple):
         return len(Turn) if self.turns else NUM_ACTIONS - self.first
 
     def tables(self, level: Level) -> Mdp:
-        """Return the tables of a level for a robot with these actions, which begin at `first`."""
+        """Return the tables of a level for a robot with these actions, which begin at `first`.
+
+        Raises:
+            LevelError: the level has several robots, and these actions are those of one.
+        """
+        if not self.team:
+            check_one_robot(level, "environments of one agent that moves one robot")
         return level.compile().turning(level.heading) if self.turns else level.compile()
 
 

@@ -1,0 +1,210 @@
+"""The Gymnasium environment of a level with several robots, which one agent moves all at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Unpack
+
+import numpy as np
+from gymnasium import error, spaces
+from numpy.typing import NDArray
+
+from babyrobot_levels.envs.arguments import ObservationOptions, takes_observation
+from babyrobot_levels.envs.single import LevelEnv, LevelLike
+from babyrobot_levels.envs.spaces import ActionSet
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.tables import Ints
+
+
+class TeamActions(spaces.MultiDiscrete):
+    """A `MultiDiscrete`, one action for each robot, whose `sample()` respects the action masks.
+
+    It equals the plain `MultiDiscrete` of its size, and contains the same actions.
+    """
+
+    mask: NDArray[np.int8] | None = None
+    """The mask of the current joint actions, int8; None before the first reset."""
+
+    def sample(self, mask: Any = None, probability: Any = None) -> NDArray[Any]:
+        """Return an allowed action of each robot, each with equal probability.
+
+        A `mask`, a tuple with one `[5]` for each robot, or a `probability` takes the place of the
+        current masks.
+        """
+        if mask is not None or probability is not None or self.mask is None:
+            return super().sample(mask, probability)
+        allowed = self.mask.nonzero()[0]
+        which = allowed[self.np_random.integers(allowed.size)]
+        return np.array(np.unravel_index(which, self.nvec), np.int64)
+
+
+class PositionsObserver:
+    """Makes observations of where all robots are, int64 `[numbers]`, in a `MultiDiscrete`.
+
+    The numbers are x and y of each robot, in the order of the level; for each robot 1 if it has
+    arrived; and the value of each other thing.
+    """
+
+    def __init__(self, level: Level) -> None:
+        things, (width, height) = level.things(), level.size
+        self._level, self._robots = level, things.of_kind("robot")
+        robots = len(level.robots)
+        others = [
+            radix
+            for kind, radix in zip(things.kinds, things.radices, strict=True)
+            if kind != "robot"
+        ]
+        self.space = spaces.MultiDiscrete([*[width, height] * robots, *[2] * robots, *others])
+
+    def rows(self, states: Ints) -> Ints:
+        """Return what some states show, int64 `[states, numbers]`."""
+        (width, height), mdp = self._level.size, self._level.compile()
+        configuration, cell = np.divmod(states, width * height)
+        values = mdp.configurations[configuration].astype(np.int64)
+        robots = values[:, self._robots]
+        arrived = robots >= width * height
+        arrived[:, 0] = robots[:, 0] == 1
+        cells = robots % (width * height)
+        cells[:, 0] = cell
+        places = np.stack([cells % width, cells // width], axis=2).reshape(len(cells), -1)
+        others = np.delete(values, np.arange(values.shape[1])[self._robots], axis=1)
+        return np.concatenate([places, arrived, others], axis=1)
+
+    def at(self, state: int) -> Callable[[], NDArray[np.int64]]:
+        """Return a function that makes a new observation of the state at each call."""
+        row: NDArray[np.int64] = self.rows(np.array([state]))[0]
+        return row.copy
+
+
+class TeamEnv(LevelEnv):
+    """Several robots move through a level at once, and one agent chooses the actions of all.
+
+    An action is one of each robot, 0 stay, 1 north, 2 east, 3 south, 4 west, in a `MultiDiscrete`.
+    The reward is the sum of what each robot gets; `info["rewards"]` (float64 `[robots]`) is its
+    parts, and `info["action_mask"]` a tuple with a mask for each robot, int8 `[5]`: one that has
+    arrived can only stay. The observation `"position"`, the default, is x and y of each robot, then
+    for each 1 if it has arrived, then the value of each other thing; `"index"`, `"image"` and the
+    others are those of `LevelEnv`, seen from the first robot. Episodes end as the level's `team`
+    says.
+
+    Attributes:
+        robot_names: the names of the robots.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    @takes_observation
+    def __init__(
+        self,
+        level: LevelLike,
+        *,
+        render_mode: str | None = None,
+        **options: Unpack[ObservationOptions],
+    ) -> None:
+        """Make the environment of a level with several robots.
+
+        Args:
+            level: a name, a path, a mapping or a `Level`.
+            render_mode: as for `LevelEnv`.
+            options: the observation, and its options, as for `LevelEnv`.
+
+        Raises:
+            LevelNotFoundError: there is no such level.
+            LevelError: the level is not valid.
+            ValueError: another argument is invalid, or the level has one robot.
+        """
+        given = load(level)
+        if not given.robots:
+            raise ValueError("the level has one robot: use `brl.LevelEnv`")
+        self.robot_names = tuple(robot.name for robot in given.robots)
+        super().__init__(given, render_mode=render_mode, **options)
+
+    def _action_set(self, actions: str) -> ActionSet:
+        return ActionSet(Action.STAY, True, team=True)
+
+    def _make_action_space(self) -> spaces.Space[Any]:
+        return TeamActions([NUM_ACTIONS] * len(self._given.robots))
+
+    def _enter(self, level: Level) -> None:
+        super()._enter(level)
+        if self._observation.name == "position":
+            self._observer = PositionsObserver(level)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode; see `LevelEnv.reset`. The option `start` is not there."""
+        if options and "start" in options:
+            raise ValueError("the robots of a team begin where the level says: no option `start`")
+        observation, info = super().reset(seed=seed, options=options)
+        return observation, self._told(info, np.zeros(len(self.robot_names)))
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Take an action of each robot.
+
+        Args:
+            action: integers `[robots]`.
+
+        Returns:
+            What `LevelEnv.step` returns, and in the info `rewards`.
+
+        Raises:
+            ResetNeeded: there was no reset yet.
+            InvalidAction: the action is not in the action space.
+        """
+        if self._now is None:
+            raise error.ResetNeeded("call `reset()` before the first `step()`")
+        actions = np.asarray(action)
+        if actions.shape != (len(self.robot_names),) or not self.action_space.contains(
+            actions.astype(np.int64) if actions.dtype.kind in "iu" else actions
+        ):
+            raise error.InvalidAction(
+                f"{action!r} is not an action: it is one of 0 to {NUM_ACTIONS - 1} for each of "
+                f"the {len(self.robot_names)} robots"
+            )
+        joint = int(self._mdp.joint_action(actions))
+        before, row = self._state, self._now[0][joint]
+        draw = 0.0 if len(row) == 1 else float(self.np_random.random())
+        number = next(number for number, outcome in enumerate(row) if draw < outcome[0])
+        _, self._state, reward, terminal, target_reached, skidded, hit = row[number]
+        assert self._mdp.shares is not None
+        rewards = self._mdp.shares[before, joint, number].copy()
+        self._now = self._states[self._state] or self._look_up(self._state)
+        _, observe, copy_mask, mask, copy_held = self._now
+        self._valid.mask = mask
+        if self._pictures is not None:
+            self._show_step(self._pictures, int(actions[0]), before, skidded)
+        info: dict[str, Any] = {"action_mask": copy_mask(), "target_reached": target_reached}
+        info["skidded"] = skidded
+        if self._num_items:
+            info["held"] = copy_held()
+        if self._has_movers:
+            info["hit"] = hit
+        info.update(self._level_number)
+        return observe(), reward, terminal, False, self._told(info, rewards)
+
+    def _told(self, info: dict[str, Any], rewards: NDArray[np.float64]) -> dict[str, Any]:
+        """Return an info as one of several robots."""
+        info["action_mask"] = self.robot_masks()
+        info["rewards"] = rewards
+        return info
+
+    def robot_masks(self) -> tuple[NDArray[np.int8], ...]:
+        """Return the current action mask of each robot, int8 `[5]`."""
+        if self._now is None:
+            raise error.ResetNeeded("call `reset()` before asking for the action mask")
+        joint = self._now[3].reshape([NUM_ACTIONS] * len(self.robot_names))
+        axes = range(joint.ndim)
+        return tuple(
+            joint.max(axis=tuple(other for other in axes if other != axis)) for axis in axes
+        )
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """Return the masks one after the other, int8 `[5 * robots]`. The name is sb3-contrib's."""
+        return np.concatenate(self.robot_masks())
+
+    def arrived(self) -> tuple[bool, ...]:
+        """Return for each robot whether it has arrived at its exit."""
+        return self.level.configuration(self._mdp.configuration(self._state)).arrived
