@@ -50,7 +50,7 @@ def weights_of_moves(level: GridWorld, policy: Any) -> Floats:
     mdp, shape = level.compile(), np.shape(table)
     is_of_moves = len(shape) > 1 and shape[-1] == NUM_MOVES and shape != mdp.shape
     weights = read_policy(policy, space_of(level, "moves" if is_of_moves else "all"))
-    return np.pad(weights, ((0, 0), (NUM_ACTIONS - weights.shape[1], 0)))
+    return np.pad(weights, ((0, 0), (mdp.num_actions - weights.shape[1], 0)))
 
 
 def page_agent(

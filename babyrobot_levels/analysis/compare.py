@@ -23,7 +23,8 @@ from babyrobot_levels.analysis.environments import (
     made,
     made_minigrid,
 )
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
+from babyrobot_levels.analysis.solver.results import action_names
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.states import told, transitions
 from babyrobot_levels.mdp.tables import Flags, Floats, Mdp, Outcome
@@ -99,6 +100,9 @@ def compare(
         return Certificate(False, None, 0, 0, False, difference, mine.digest)
     reached = _reached(mdp)
     agreement = _agreement(mdp, tables, tolerance)
+    if mdp.num_robots > 1:
+        # Joint actions have no other numbers.
+        actions = range(mdp.num_actions)
     mapping = _mapping(agreement, reached, actions)
     agree = agreement[:, range(len(mapping)), mapping]
     differing = np.argwhere(reached[:, None] & ~agree)
@@ -185,7 +189,7 @@ def _tables_of(other: Any, kwargs: Mapping[str, Any] | None = None) -> _Tables:
         raise LevelNotFoundError(
             error.name, [GYMNASIUM + error.name.removeprefix("gym:")]
         ) from None
-    names = tuple(action.name.lower() for action in Action)
+    names = tuple(action_names("all", mdp.num_robots))
     next_state = mdp.next_state.astype(np.float64)
     return _Tables(mdp.probability, next_state, mdp.reward, mdp.terminal, mdp.start, names)
 
@@ -325,8 +329,8 @@ class _Named:
 
     def action(self, action: int) -> str:
         """Return the name of an action."""
-        kind = Turn if self.mdp.headings > 1 else Action
-        return kind(action).name.lower()
+        names = "turns" if self.mdp.headings > 1 else "all"
+        return action_names(names, self.mdp.num_robots)[action]
 
 
 def _difference_of_shape(mdp: Mdp, other: _Tables) -> str | None:
@@ -337,7 +341,12 @@ def _difference_of_shape(mdp: Mdp, other: _Tables) -> str | None:
         if mdp.headings > 1:
             cells = f"{mdp.headings} headings in {cells}"
         return f"this level has {cells}, the other has {other.start.size} states"
-    if len(other.names) not in (len(Turn), NUM_MOVES, NUM_ACTIONS):
+    if mdp.num_robots > 1 and len(other.names) != mdp.num_actions:
+        return (
+            f"this level has {mdp.num_actions} actions of {mdp.num_robots} robots together, the "
+            f"other has {len(other.names)} actions"
+        )
+    if mdp.num_robots == 1 and len(other.names) not in (len(Turn), NUM_MOVES, NUM_ACTIONS):
         return (
             f"this level has {NUM_MOVES} moves and stay, the other has {len(other.names)} actions"
         )

@@ -246,25 +246,32 @@ def to_gif(
 
 def episode(level: GridWorld, policy: Any, seed: int) -> tuple[list[Step], bool]:
     """Return the steps of an episode, at most `MAX_STEPS`, and whether they lead to its end."""
+    import numpy as np
+
     from babyrobot_levels.analysis.environments import make
     from babyrobot_levels.render.gif import Step
 
     env = make(level, observation="index")
     state, _ = env.reset(seed=seed)
     env.action_space.seed(seed)
-    choose = _chooser(level, policy, seed) or (lambda _: int(env.action_space.sample()))
+    mdp = level.compile()
+    choose = _chooser(level, policy, seed) or (lambda _: env.action_space.sample())
     steps: list[Step] = []
     is_over = False
     while not is_over and len(steps) < MAX_STEPS:
         action = choose(state)
+        if level.robots:
+            action = mdp.robot_actions(action) if np.ndim(action) == 0 else action
         next_state, reward, terminated, truncated, info = env.step(action)
-        steps.append(Step(int(state), action, int(next_state), float(reward), info["skidded"]))
+        # What the film shows of an action is that of the first robot.
+        taken = int(np.ravel(action)[0])
+        steps.append(Step(int(state), taken, int(next_state), float(reward), info["skidded"]))
         state, is_over = next_state, terminated or truncated
     env.close()
     return steps, is_over
 
 
-def _chooser(level: GridWorld, policy: Any, seed: int) -> Callable[[int], int] | None:
+def _chooser(level: GridWorld, policy: Any, seed: int) -> Callable[[int], Any] | None:
     """Return the function that chooses an action in a state; None to draw one at random."""
     if isinstance(policy, str) and policy == RANDOM:
         return None

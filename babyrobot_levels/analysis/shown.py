@@ -50,8 +50,13 @@ def overlay_given(level: GridWorld, given: Mapping[str, Any]) -> Overlay:
 
 def actions_shown(solution: Any, configuration: int | None) -> Rows[tuple[int, ...]]:
     """Return the optimal action of each cell, the first one of several, as overlays have it."""
-    rows = solution.at(configuration or 0).policy.tolist()
-    first = solution.first_action
+    policy, first = solution.at(configuration or 0).policy, solution.first_action
+    if solution.level is not None and solution.level.robots:
+        # Pictures show the actions of the first robot.
+        own = solution.level.compile().robot_actions(policy)[..., 0]
+        own[policy < 0] = -1
+        policy = own
+    rows = policy.tolist()
     return [[(action + first,) if action >= 0 else () for action in row] for row in rows]
 
 

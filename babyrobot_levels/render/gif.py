@@ -13,7 +13,6 @@ import numpy as np
 from PIL import Image
 from PIL.GifImagePlugin import getdata
 
-from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.mdp.gridworld import GridWorld
@@ -220,7 +219,7 @@ class _Painter:
             self.ground = to_rgb(build_scene(level, overlay=overlay, robot=False), self._size)
         self._changed: dict[Hashable, tuple[Patch, ...]] = {}
         self._robots: dict[Pose, Translucent] = {}
-        self._movers: dict[tuple[int, float, Cell], Translucent] = {}
+        self._movers: dict[Hashable, Translucent] = {}
         self._panels: tuple[tuple[int, float, int], tuple[Patch, ...]] | None = None
 
     def figures(self, shot: _Shot) -> Iterator[Patch]:
@@ -258,10 +257,11 @@ class _Painter:
                 first + share * (last - first)
                 for first, last in ((start.x, end.x), (start.y, end.y), (start.scale, end.scale))
             )
-            look = situation.looks[index]
-            name = index, round(scale, 2), look
+            look = situation.ways[index]
+            name = index, round(scale, 2), look, situation.arrived
             if name not in self._movers:
-                shapes = mover_shapes(level, index, Spot(CELL / 2, CELL / 2, scale), look)
+                spot = Spot(CELL / 2, CELL / 2, scale)
+                shapes = mover_shapes(level, index, spot, look, situation.arrived)
                 self._movers[name] = self._picture(tuple(shapes))
             margin = layout.margin + CELL / 2
             yield self._movers[name], ((x - margin) / CELL, (y - margin) / CELL)

@@ -259,7 +259,7 @@ def without_panels(level: GridWorld) -> GridWorld:
     """Return the level without the panels and the compass, which a page does not need.
 
     Raises:
-        TooLargeError: the level is too large for a page.
+        TooLargeError: the level is too large for a page, or has several robots.
     """
     width, height = level.size
     if width * height > MAX_CELLS:
@@ -267,6 +267,8 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {width} x {height} cells is too large for a page; "
             f"the limit is {MAX_CELLS:,} cells"
         )
+    if level.robots:
+        raise TooLargeError(f"a page plays one robot, and the level has {len(level.robots)}")
     try:
         states = level.compile().num_states if level.has_things and is_numeric() else 0
     except OverBudgetError as error:

@@ -222,6 +222,8 @@ class Situation:
         items: for each item, the cells in which it lies, or in one of which; none while held.
         on: for each thing of `Things.fixed`, whether it is on, or covered.
         boxes: the cells in which boxes stand.
+        robots: for each of several robots but the first, the cell in which it is, or left.
+        arrived: for each of several robots, whether it has arrived at its exit.
         movers: for each mover, the cell in which it stands.
         looks: for each mover, the way to the next cell of its path, `(dx, dy)`; `(0, 0)` for one
             that stays, or walks at random.
@@ -237,7 +239,19 @@ class Situation:
     movers: tuple[Cell, ...]
     looks: tuple[Cell, ...]
     doors: tuple[bool, ...]
+    robots: tuple[Cell, ...] = ()
+    arrived: tuple[bool, ...] = ()
     is_overview: bool = False
+
+    @property
+    def figures(self) -> tuple[Cell, ...]:
+        """The cells of movers, and of the robots but the first."""
+        return *self.movers, *self.robots
+
+    @property
+    def ways(self) -> tuple[Cell, ...]:
+        """Where figures look."""
+        return *self.looks, *[(0, 0)] * len(self.robots)
 
     @property
     def standing(self) -> tuple[object, ...]:
@@ -282,6 +296,8 @@ def situation_at(level: GridWorld, found: Configuration) -> Situation:
         movers=found.movers,
         looks=_looks(level, found.values[level.things().static :]),
         doors=found.doors,
+        robots=found.robots,
+        arrived=found.arrived,
     )
 
 
@@ -300,6 +316,8 @@ def _overview(level: GridWorld) -> Situation:
         movers=tuple(_first_cell(mover) for mover in level.movers),
         looks=_looks(level, [0] * len(level.movers)),
         doors=things.closed(met),
+        robots=level.starts[1:] if level.robots and level.display.robot.show else (),
+        arrived=(False,) * len(level.robots),
         is_overview=True,
     )
 

@@ -15,6 +15,7 @@ from babyrobot_levels.mdp.drawn import drawing_of
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import Rgb, contrast, over
 from babyrobot_levels.render.scene.icons import default_color, thing_color
+from babyrobot_levels.render.scene.team import robot_color
 from babyrobot_levels.render.scene.things import door_color
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.situation import Situation
@@ -116,6 +117,13 @@ def _in_cells(
     colors = level.resolved_theme.colors
     for mover, (x, y) in zip(level.movers, situation.movers, strict=True):
         yield x, y, TextMark(MOVER[kind], thing_color(mover, colors))
+    robots = [*enumerate(situation.robots, 1)]
+    if situation.is_overview and robots:
+        # Without a state, the picture has no other mark of the first one.
+        robots.insert(0, (0, level.starts[0]))
+    for number, (x, y) in robots:
+        name = level.robots[number].name[0].upper()
+        yield x, y, TextMark(name, robot_color(level, number))
     targets = {target.at for target in level.targets}
     for x, y in situation.boxes:
         mark = ON_TARGET if (x, y) in targets else BOX

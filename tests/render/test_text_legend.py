@@ -12,7 +12,7 @@ from babyrobot_levels.analysis.shown import actions_shown
 from babyrobot_levels.language.cells import PuddleType, Rewards, Skid
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.kinds import KINDS, LOOKS
-from babyrobot_levels.language.things import Hit
+from babyrobot_levels.language.things import Hit, Team
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.render.scene.layout import Overlay
 from babyrobot_levels.render.text import TextPainter
@@ -37,6 +37,15 @@ def pair(field: str, entry: dict[str, Any], change: dict[str, Any], **more: Any)
     """Return the fields of two levels that differ in one property of an entry."""
     changed = {name: value for name, value in (entry | change).items() if value is not None}
     return entries(field, entry, **more), entries(field, changed, **more)
+
+
+TEAM = {"robots": [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 2]}]}
+
+
+def team(**changes: Any) -> dict[str, Any]:
+    """Return the fields of a level with two robots, of which the second one differs."""
+    first, second = TEAM["robots"]
+    return {**SIZE, "robots": [first, {**second, **changes}]}
 
 
 DIFFERENT: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
@@ -64,6 +73,13 @@ DIFFERENT: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "movers.back": pair("movers", {"path": [[1, 1], [2, 1], [2, 2], [1, 2]]}, {"back": True}),
     "movers.within": pair("movers", BAT, {"within": {"at": [1, 0], "size": [2, 3]}}),
     "movers.start": pair("movers", BAT, {"start": None}),
+    "items.robot": pair("items", KEY, {"robot": "a"}, **TEAM),
+    "robots.name": (team(), team(name="c")),
+    "robots.start": (team(), team(start=[2, 1])),
+    "robots.exit": (team(), team(exit=[1, 0])),
+    "team.meet": (team(), {**team(), "team": {"meet": "pass"}}),
+    "team.arrived": (team(), {**team(), "team": {"arrived": "stay"}}),
+    "team.ends": (team(), {**team(), "team": {"ends": "first"}}),
     "warps.at": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"at": [2, 1]}),
     "warps.to": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"to": [2, 0]}),
     "warps.when": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"when": "leave"}),
@@ -121,6 +137,7 @@ DIFFERENT["puddle_types.skid"][1]["puddle_types"] = {"small": {"skid": 0.9}}
 def test_all_kinds_and_fields_are_tried() -> None:
     kinds = {kind.field: kind for kind in KINDS if kind.properties}
     parts: dict[str, Any] = {"hit": Hit, "puddle_types": PuddleType, "rewards": Rewards}
+    parts["team"] = Team
     expected = {f"skid.{name}" for name in Skid.model_fields}
     for field in fields_with(Role.GEOMETRY, Role.DYNAMICS, Role.REWARD, Role.LIMIT):
         inner = kinds[field].properties if field in kinds else ()

@@ -284,6 +284,8 @@ def _things(level: LevelFields) -> dict[Place, dict[str, Any]]:
             found[f"{kind.field}.{thing.name or ''}", cell] = _thing(kind, thing)
     for box in level.boxes:
         found["boxes.", box.at] = {"at": box.at}
+    for robot, start in level.team_starts:
+        found[f"robots.{robot.name}", None] = {"start": start, "exit": robot.exit}
     names = Things(level).names
     for name, mover in zip(names[len(names) - len(level.movers) :], level.movers, strict=True):
         way: dict[str, Any] = {"path": mover.path, "back": mover.back}

@@ -86,8 +86,31 @@ def overlay_from(info: Mapping[str, Any], level: GridWorld) -> Overlay:
         if key not in KEYS:
             raise ValueError(f"unknown key `{key}`{_hint(str(key))}")
     given = {key: value for key, value in info.items() if value is not None}
+    if level.robots:
+        given |= {key: _of_first(key, given[key], level) for key in _JOINT if key in given}
     parts = InfoParts(given, level)
     return replace(parts(None, None), parts=parts) if parts.differ else flat_overlay(given, level)
+
+
+_JOINT = ("policy", "action_values")
+"""The keys of arrays that tell of the joint actions of several robots."""
+
+
+def _of_first(key: str, given: Any, level: GridWorld) -> Any:
+    """Return what pictures show of joint actions: the actions of the first robot.
+
+    Each has the probability of all joint actions with it, or the value of the best one.
+    """
+    mdp = level.compile()
+    table = np.asarray(drawn_policy(given)[0] if key == "policy" else getattr(given, key, given))
+    if table.shape[-1:] == (mdp.num_actions,) and table.ndim > 2:
+        by_robot = table.reshape(*table.shape[:-1], NUM_ACTIONS, -1)
+        if key == "action_values":
+            return by_robot.max(axis=-1)
+        return by_robot.any(axis=-1) if table.dtype == bool else by_robot.sum(axis=-1)
+    if key == "policy" and table.dtype.kind in "iu":
+        return np.where(table < 0, -1, mdp.robot_actions(table)[..., 0])
+    return given
 
 
 def flat_overlay(given: Mapping[str, Any], level: GridWorld) -> Overlay:

@@ -35,6 +35,7 @@ from babyrobot_levels.render.scene.shapes import (
     rounded,
 )
 from babyrobot_levels.render.scene.slots import ICON, Box, Slots
+from babyrobot_levels.render.scene.team import own_exit_shapes, teammate_shapes
 from babyrobot_levels.render.scene.texts import end_text, label_shapes
 from babyrobot_levels.render.situation import Situation
 
@@ -277,6 +278,9 @@ def _door(
 
 
 def _exits(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
+    for cell in dict.fromkeys(robot.exit for robot in level.robots if robot.exit is not None):
+        draw = partial(own_exit_shapes, level, layout, cell)
+        yield Piece(("own-exit", cell), _cell_box(layout, cell), draw)
     is_drawn = level.exit_one_of is not None
     if not (is_drawn or situation.is_locked):
         return
@@ -362,6 +366,8 @@ def mover_spots(
 ) -> tuple[Spot, ...]:
     """Return where each mover is drawn: smaller, in a corner, where it shares its cell.
 
+    Robots but the first come after movers, and are drawn in the same way.
+
     Args:
         level: the level.
         layout: where its cells are.
@@ -369,13 +375,16 @@ def mover_spots(
         robot: the robot's cell, None without it.
         crowded: whether cells show something else, beside which all movers are.
     """
-    places = situation.movers
+    places = situation.figures
     things = level.things()
     lying = situation.lying | {things[column].entry.at for column in things.fixed}
     spots = []
     for number, cell in enumerate(places):
         centre = _centre(layout, cell)
-        if not crowded and cell != robot and cell not in lying and places.count(cell) == 1:
+        mate = number - len(situation.movers) + 1
+        home = mate > 0 and situation.arrived[mate]
+        alone = cell != robot and cell not in lying and places.count(cell) == 1
+        if not crowded and not home and alone:
             spots.append(Spot(*centre))
             continue
         dx, dy = CORNERS[places[:number].count(cell) % len(CORNERS)]
@@ -383,15 +392,22 @@ def mover_spots(
     return tuple(spots)
 
 
-def mover_shapes(level: GridWorld, number: int, spot: Spot, look: Cell = (0, 0)) -> Iterator[Shape]:
+def mover_shapes(
+    level: GridWorld, number: int, spot: Spot, look: Cell = (0, 0), arrived: Sequence[bool] = ()
+) -> Iterator[Shape]:
     """Yield the figure of a mover, by its number among the level's.
 
     Args:
         level: the level.
-        number: the number of the mover.
+        number: the number of the mover; those of robots but the first come after them.
         spot: where it is drawn.
         look: where it looks, `(dx, dy)`.
+        arrived: for each of several robots, whether it has arrived.
     """
+    mate = number - len(level.movers) + 1
+    if mate > 0:
+        yield from teammate_shapes(level, mate, spot, arrived=arrived[mate])
+        return
     mover = level.movers[number]
     color = thing_color(mover, level.resolved_theme.colors)
     yield from figure_shapes(mover.picture, color, spot, look)
@@ -415,7 +431,13 @@ def moving_pieces(
         crowded: whether cells show something else, such as arrows, beside which all movers are.
     """
     spots = mover_spots(level, layout, situation, robot, crowded=crowded)
-    for number, (cell, spot) in enumerate(zip(situation.movers, spots, strict=True)):
+    for number, (cell, spot) in enumerate(zip(situation.figures, spots, strict=True)):
+        if number >= len(level.movers):
+            mate = number - len(level.movers) + 1
+            home = situation.arrived[mate]
+            shapes = partial(teammate_shapes, level, mate, spot, arrived=home)
+            yield cell, Piece(("robot", mate, cell, spot, home), _cell_box(layout, cell), shapes)
+            continue
         mover = level.movers[number]
         faint = situation.is_overview and mover.within is not None and mover.start is None
         look = situation.looks[number]

@@ -56,6 +56,8 @@ def describe(level: GridWorld, state: int | None = None, *, robot: bool = True) 
 
 
 def _sentences(level: GridWorld, cell: Cell, now: Configuration | None) -> Iterator[str]:
+    if level.robots:
+        yield from _robots(level, now)
     if now is not None and now.held:
         yield f"It holds the {spoken(now.held)}."
     yield way_to_exit(level, cell, now)
@@ -63,6 +65,14 @@ def _sentences(level: GridWorld, cell: Cell, now: Configuration | None) -> Itera
         yield f"The episode {'also ' if level.exits else ''}ends in {ends}."
     if found := [*_things(level, now), *_features(level)]:
         yield f"On the grid: {listed(found)}."
+
+
+def _robots(level: GridWorld, now: Configuration | None) -> Iterator[str]:
+    """Yield where the robots but the first are; those of a level as a whole are at their starts."""
+    cells = level.starts[1:] if now is None else now.robots
+    arrived = (False,) * len(level.robots) if now is None else now.arrived
+    for robot, cell, home in zip(level.robots[1:], cells, arrived[1:], strict=True):
+        yield f"{robot.name} {'has arrived' if home else 'is'} at {show_cell(cell)}."
 
 
 def around(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
@@ -130,6 +140,9 @@ def _covered(level: GridWorld, now: Configuration | None) -> str:
     """Return how many targets are covered, as a sentence."""
     boxes = {box.at for box in level.boxes} if now is None else {*now.boxes}
     covered = sum(target.at in boxes for target in level.targets)
+    if level.robots:
+        standing = zip(level.things().fixed, now.on if now is not None else (), strict=False)
+        covered = sum(on for column, on in standing if level.things().kinds[column] == "target")
     of = phrases.counted(len(level.targets), "target")
     return f"{covered} of {of} {'is' if covered == 1 else 'are'} covered."
 

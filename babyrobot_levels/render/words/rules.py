@@ -12,6 +12,7 @@ from itertools import compress, islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.cells import Area, Skid, Told, Warp, as_skid, shifts
+from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Door, Item, Mover
 from babyrobot_levels.mdp.grid import door_name
@@ -178,6 +179,7 @@ def _told(level: GridWorld, drawn: bool) -> Rules:
         (ground for ground in grounds if ground.end is None), key=lambda ground: -abs(ground.reward)
     )
     yield from _exits(level)
+    yield from _robots(level)
     yield from _targets(level)
     yield from _grounds(level, ends, drawn)
     yield Rule("ground", f"each step: {phrases.reward(level.rewards.step)}")
@@ -196,6 +198,8 @@ def _told(level: GridWorld, drawn: bool) -> Rules:
     blocked = tuple(cell for cell, found in enumerate(level.grid().blocked_cells) if found)
     if blocked:
         yield Rule("blocked", "blocked: cannot be entered", blocked)
+    if level.robots:
+        return
     text = "start: episodes begin here"
     if len(level.starts) > 1:
         text = f"start: one of {len(level.starts):,} cells, drawn at random"
@@ -214,14 +218,38 @@ def _exits(level: GridWorld) -> Rules:
         where = f"in one of {len(level.exits)} cells, "
     pays = phrases.reward(level.rewards.exit)
     text = f"exit: {where}ends the episode, {pays}"
+    if level.robots:
+        leaves = "leaves" if level.team.arrived == "leave" else "stays"
+        last = "last" if level.team.ends == "all" else "first"
+        text = f"exit: {where}{pays}, and a robot {leaves}; the {last} ends the episode"
     yield Rule("exit", text, _numbers(level, level.exits))
+
+
+_MEETINGS = {
+    "block": "robots that want one cell, or to change places, stay",
+    "order": "of robots that want one cell the first goes, the others stay",
+    "pass": "robots do not hinder each other",
+    "end": "robots that meet end the episode",
+}
+
+
+def _robots(level: GridWorld) -> Rules:
+    """Yield where several robots begin, by which exit they leave, and what meeting means."""
+    for robot, start in level.team_starts:
+        leaves = "" if robot.exit is None else f", leaves at {show_cell(robot.exit)}"
+        yield Rule("start", f"{robot.name}: begins at {show_cell(start)}{leaves}")
+    if level.robots:
+        yield Rule("", _MEETINGS[level.team.meet])
 
 
 def _targets(level: GridWorld) -> Rules:
     if level.targets:
-        text = "target: a box belongs there"
+        what = "robot" if level.robots else "box"
+        text = f"target: a {what} belongs there"
         if level.ends_covered:
-            every = "when a box stands there" if len(level.targets) == 1 else "when all have a box"
+            every = f"when all have a {what}"
+            if len(level.targets) == 1:
+                every = f"when a {what} stands there"
             text = f"target: the episode ends {every}, {phrases.reward(level.rewards.exit)}"
         yield Rule("target", text, _numbers(level, (target.at for target in level.targets)))
     if level.boxes:
@@ -369,9 +397,14 @@ def thing_rules(level: GridWorld, drawn: bool) -> Iterator[tuple[str, str]]:
     """Yield what the things of a level do, movers last: each as a sample's name and a text."""
     acts = _acts(level, drawn)
     pays = {item.name: item.reward for item in level.items if item.reward is not None}
-    told = {(name,) for name in pays} | {*acts}
+    only = {item.name: item.robot for item in level.items if item.robot is not None}
+    told = {(name,) for name in (*pays, *only)} | {*acts}
     for (shape, _), items in _by_look(level.items).items():
-        lone = [item.name for item in items if item.name in pays and (item.name,) not in acts]
+        lone = [
+            item.name
+            for item in items
+            if item.name in pays and item.name not in only and (item.name,) not in acts
+        ]
         if len(lone) > 1 and (drawn or len({pays[name] for name in lone}) == 1):
             each = phrases.rewards(pays[name] for name in lone)
             yield f"item:{lone[0]}", f"{item_count(len(lone), shape)}: each {each}"
@@ -383,6 +416,8 @@ def thing_rules(level: GridWorld, drawn: bool) -> Iterator[tuple[str, str]]:
         parts = [f"{verb if len(names) == 1 else verb[:-1]} {what}" for verb, what in acts[names]]
         if len(names) == 1 and names[0] in pays:
             parts.append(phrases.reward(pays[names[0]]))
+        if len(names) == 1 and names[0] in only:
+            parts.append(f"only {only[names[0]]} takes it")
         when = ""
         if kind.name == "target":
             when = "while covered: "

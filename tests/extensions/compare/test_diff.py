@@ -248,15 +248,19 @@ def changed_things(**fields: Any) -> Difference:
             {"items": [THINGS["items"][0], {"name": "coin", "at": [1, 0], "reward": 5}]},
             [
                 Change(
-                    {"in": [[1, 0]], "reward": 3.0},
-                    {"in": [[1, 0]], "reward": 5.0},
+                    {"in": [[1, 0]], "reward": 3.0, "robot": None},
+                    {"in": [[1, 0]], "reward": 5.0, "robot": None},
                     name="items.coin",
                 )
             ],
         ),
         (
             {"items": [*THINGS["items"], {"name": "gem", "one_of": [[3, 0], [3, 1]]}]},
-            [Change(None, {"in": [[3, 0], [3, 1]], "reward": None}, name="items.gem")],
+            [
+                Change(
+                    None, {"in": [[3, 0], [3, 1]], "reward": None, "robot": None}, name="items.gem"
+                )
+            ],
         ),
         (
             {"doors": [{"at": [2, 2], "side": "E", "needs": ["key", "coin"]}]},

@@ -110,6 +110,7 @@ def _numbers(text: str) -> tuple[int, ...]:
 def _text(
     loaded: brl.Level, certificate: brl.Certificate, level: str, other: str, *, is_minigrid: bool
 ) -> str:
+    from babyrobot_levels.analysis.solver.results import action_names
 
     if not certificate.equal:
         return f"{level} and {other} are different MDPs\n\n{certificate.difference}\n"
@@ -117,7 +118,8 @@ def _text(
     is_turning = len(actions) == len(brl.Turn)
     mdp = loaded.compile()
     states = mdp.num_states * (len(SIDES) if is_turning else 1)
-    names = [(brl.Turn if is_turning else brl.Action)(action).name.lower() for action in actions]
+    every = action_names("turns" if is_turning else "all", mdp.num_robots)
+    names = [every[action] for action in actions]
     facts = {
         "states": f"{certificate.states} of {states} are reachable, all equal",
         "transitions": f"{certificate.outcomes}, all equal",
