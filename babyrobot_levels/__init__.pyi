@@ -48,6 +48,7 @@ from .envs.samplers import Sampler as Sampler
 from .envs.samplers import UniformSampler as UniformSampler
 from .envs.samplers import WeightedSampler as WeightedSampler
 from .envs.single import LevelEnv as LevelEnv
+from .envs.team import TeamEnv as TeamEnv
 from .envs.text import TextObservation as TextObservation
 from .envs.vector.env import LevelVectorEnv as LevelVectorEnv
 from .extensions.assistants.server import mcp as mcp
@@ -96,6 +97,10 @@ from .extensions.publish.gallery import gallery as gallery
 from .extensions.publish.packing import pack as pack
 from .extensions.publish.sheet import Sheet as Sheet
 from .extensions.publish.sheet import sheet as sheet
+from .extensions.robots.parallel import parallel_env as parallel_env
+from .extensions.robots.regrets import RobotRegret as RobotRegret
+from .extensions.robots.regrets import TeamScore as TeamScore
+from .extensions.robots.regrets import score_team as score_team
 from .extensions.scoring.answers import GradedAnswer as GradedAnswer
 from .extensions.scoring.answers import grade_agent as grade_agent
 from .extensions.scoring.answers import grade_policy as grade_policy

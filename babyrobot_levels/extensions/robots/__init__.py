@@ -1,0 +1,1 @@
+"""Several robots: one agent for each, and what each of them loses."""

@@ -1,0 +1,195 @@
+"""A level with several robots as PettingZoo's `ParallelEnv`: one agent for each robot."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.single import LevelLike
+from babyrobot_levels.envs.team import TeamEnv
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+
+REWARDS = ("own", "team")
+"""What the reward of an agent is: what its robot gets, or the sum of what all get."""
+
+
+class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignore[misc]
+    """Several robots move through a level at once, each with an agent of its own.
+
+    Agents have the names of the robots. An action is 0 stay, 1 north, 2 east, 3 south or 4 west. An
+    observation is int64: x and y of the agent's own robot, then of the others in their order; in
+    the same order 1 for each that has arrived; and the value of each other thing. `infos` has
+    `action_mask`, int8 `[5]`. An agent terminates when its robot arrives, or the episode ends;
+    those that are left go on. It is truncated after `max_steps` of the level.
+
+    Attributes:
+        level: the level.
+        possible_agents: the names of all robots.
+        agents: the names of those whose episode goes on.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "babyrobot_levels_v0",
+        "render_modes": ["rgb_array", "ansi", "svg"],
+        "is_parallelizable": True,
+        "render_fps": 4,
+    }
+
+    def __init__(
+        self,
+        level: LevelLike,
+        *,
+        rewards: str = "own",
+        max_cycles: int | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        """Make the environment of a level with several robots.
+
+        Args:
+            level: a name, a path, a mapping or a `Level`.
+            rewards: what an agent gets: `"own"`, what its robot gets, or `"team"`, the sum of all.
+            max_cycles: the time limit in steps; by default `max_steps` of the level, if it has one.
+            render_mode: None, `"rgb_array"`, `"ansi"` or `"svg"`.
+
+        Raises:
+            LevelNotFoundError: there is no such level.
+            LevelError: the level is not valid.
+            ValueError: another argument is invalid, or the level has one robot.
+        """
+        check_choice("rewards", rewards, REWARDS)
+        given = load(level)
+        self._env = TeamEnv(given, render_mode=render_mode)
+        self._is_grown = given.has_random_maze
+        self._for_team = rewards == "team"
+        self._limit = given.max_steps if max_cycles is None else max_cycles
+        self._steps = 0
+        self.render_mode = render_mode
+        self.possible_agents = list(self._env.robot_names)
+        self.agents: list[str] = []
+        count = len(self.possible_agents)
+        self._order = {
+            name: [number, *(other for other in range(count) if other != number)]
+            for number, name in enumerate(self.possible_agents)
+        }
+        # Robots share the size of the grid, so that the space is the same for all.
+        space = self._env.observation_space
+        assert isinstance(space, spaces.MultiDiscrete)
+        self.observation_spaces = {
+            name: spaces.MultiDiscrete(space.nvec) for name in self.possible_agents
+        }
+        self.action_spaces = {name: spaces.Discrete(NUM_ACTIONS) for name in self.possible_agents}
+
+    @property
+    def level(self) -> Level:
+        """The level of the current episode."""
+        return self._env.level
+
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        """Return the space of an agent's observations."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Space[Any]:
+        """Return the space of an agent's actions."""
+        return self.action_spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, NDArray[np.int64]], dict[str, dict[str, Any]]]:
+        """Start an episode.
+
+        Args:
+            seed: seeds the environment's own generator, the only source of randomness.
+            options: `{"maze_seed": n}` for a level with `seed: random`; others are ignored.
+
+        Returns:
+            Observations and infos by agent.
+        """
+        # Programs may give options that are meant for others.
+        known = {"maze_seed"} if self._is_grown else set()
+        own = {name: value for name, value in (options or {}).items() if name in known}
+        row, info = self._env.reset(seed=seed, options=own)
+        self.agents, self._steps = self.possible_agents.copy(), 0
+        return self._observations(row), self._infos(info)
+
+    def step(
+        self, actions: dict[str, Any]
+    ) -> tuple[
+        dict[str, NDArray[np.int64]],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
+        """Take an action of each agent whose episode goes on.
+
+        Returns:
+            Observations, rewards, terminations, truncations and infos by agent.
+        """
+        if not self.agents:
+            return {}, {}, {}, {}, {}
+        joint = [
+            int(actions[name]) if name in self.agents else int(Action.STAY)
+            for name in self.possible_agents
+        ]
+        row, reward, over, _, info = self._env.step(np.array(joint))
+        self._steps += 1
+        acting = self.agents
+        arrived = dict(zip(self.possible_agents, self._env.arrived(), strict=True))
+        late = self._limit is not None and self._steps >= self._limit
+        shares = dict(zip(self.possible_agents, info["rewards"].tolist(), strict=True))
+        rewards = {name: float(reward) if self._for_team else shares[name] for name in acting}
+        terminations = {name: over or arrived[name] for name in acting}
+        truncations = {name: late and not terminations[name] for name in acting}
+        observations, infos = self._observations(row), self._infos(info)
+        self.agents = [name for name in acting if not (terminations[name] or truncations[name])]
+        return observations, rewards, terminations, truncations, infos
+
+    def state(self) -> NDArray[np.int64]:
+        """Return what the whole team sees, int64: as the observation of the first robot."""
+        row: NDArray[np.int64] = self._env._observer.at(self._env.state)()
+        return row
+
+    def render(self) -> Any:
+        """Return a picture, as `render_mode` says."""
+        return self._env.render()
+
+    def close(self) -> None:
+        """Close the environment."""
+        self._env.close()
+
+    def _observations(self, row: NDArray[np.int64]) -> dict[str, NDArray[np.int64]]:
+        count = len(self.possible_agents)
+        places, arrived = row[: 2 * count].reshape(count, 2), row[2 * count : 3 * count]
+        rest = row[3 * count :]
+        return {
+            name: np.concatenate([places[order].ravel(), arrived[order], rest])
+            for name, order in self._order.items()
+            if name in self.agents
+        }
+
+    def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
+        masks = zip(self.possible_agents, info["action_mask"], strict=True)
+        return {name: {"action_mask": mask} for name, mask in masks if name in self.agents}
+
+
+def parallel_env(level: LevelLike, **options: Any) -> LevelParallelEnv:
+    """Return a level with several robots as PettingZoo's `ParallelEnv`, an agent for each robot.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        options: the other arguments of `LevelParallelEnv`: `rewards`, `max_cycles`, `render_mode`.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid.
+        ValueError: another argument is invalid, or the level has one robot.
+        ImportError: PettingZoo is not installed.
+    """
+    return LevelParallelEnv(level, **options)

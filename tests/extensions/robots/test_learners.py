@@ -1,0 +1,20 @@
+"""The example of learners: what it prints is what the page shows."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+from support.places import DOCS, ROOT
+
+
+@pytest.mark.slow
+def test_learners_find_what_the_page_says() -> None:
+    page = (DOCS / "robots.md").read_text(encoding="utf-8")
+    shown = re.search(r"<!-- learners -->\n```text\n(.*?)```", page, re.S)
+    assert shown is not None
+    command = [sys.executable, str(ROOT / "examples" / "robots" / "learners.py")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
+    assert done.stdout == shown[1]

@@ -1,0 +1,74 @@
+"""Several robots as PettingZoo's environments, tried by its own tests."""
+
+from __future__ import annotations
+
+import warnings
+from random import Random
+from typing import Any
+
+import pytest
+from oracles.random_teams import random_team
+from pettingzoo.utils import parallel_to_aec
+from support.places import ROOT
+
+import babyrobot_levels as brl
+
+PASSING = ROOT / "examples" / "robots" / "passing-place.yaml"
+TEAMS = [fields for seed in range(30) if (fields := random_team(Random(seed))) is not None]
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_pettingzoo_finds_no_fault() -> None:
+    with warnings.catch_warnings():
+        # Its tests import environments in a way that it calls deprecated itself (1.27).
+        warnings.simplefilter("ignore", DeprecationWarning)
+        from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+    levels: list[Any] = [PASSING, ROOT / "examples" / "robots" / "two-pads.yaml", *TEAMS]
+    for level in levels:
+        parallel_api_test(brl.parallel_env(level), num_cycles=20)
+    parallel_seed_test(lambda: brl.parallel_env(PASSING), num_cycles=20)
+    parallel_seed_test(lambda: brl.parallel_env(TEAMS[3]), num_cycles=20)
+    api_test(parallel_to_aec(brl.parallel_env(PASSING)), num_cycles=50)
+
+
+def test_each_agent_sees_its_own_robot_first() -> None:
+    env = brl.parallel_env(PASSING)
+    observations, infos = env.reset(seed=1)
+    assert {name: row.tolist() for name, row in observations.items()} == {
+        "red": [0, 0, 4, 0, 0, 0],
+        "blue": [4, 0, 0, 0, 0, 0],
+    }
+    assert infos["blue"]["action_mask"].tolist() == [1, 0, 0, 0, 1]
+    assert env.state().tolist() == [0, 0, 4, 0, 0, 0]
+
+
+def test_who_arrives_is_done_and_the_others_go_on() -> None:
+    env = brl.parallel_env(PASSING)
+    env.reset(seed=1)
+    way = {"red": (0, 2, 2, 2, 2), "blue": (4, 4, 3, 0, 0)}
+    for red, blue in zip(*way.values(), strict=True):
+        observations, rewards, terminations, truncations, _ = env.step({"red": red, "blue": blue})
+    assert terminations == {"red": True, "blue": False}
+    assert (env.agents, rewards, truncations["blue"]) == (["blue"], {"red": 0, "blue": -1}, False)
+    assert observations["blue"].tolist() == [2, 1, 4, 0, 0, 1]
+    for action in (1, 4, 4):
+        _, rewards, terminations, _, _ = env.step({"blue": action})
+    assert (rewards, terminations, env.agents) == ({"blue": 0}, {"blue": True}, [])
+    assert env.step({}) == ({}, {}, {}, {}, {})
+
+
+def test_agents_can_get_what_the_team_gets_and_are_truncated() -> None:
+    env = brl.parallel_env(PASSING, rewards="team", max_cycles=2)
+    env.reset(seed=1)
+    env.step({"red": 0, "blue": 0})
+    _, rewards, terminations, truncations, _ = env.step({"red": 2, "blue": 0})
+    assert rewards == {"red": -2, "blue": -2}
+    assert (terminations, truncations) == (
+        {"red": False, "blue": False},
+        {"red": True, "blue": True},
+    )
+    assert env.agents == []
+    with pytest.raises(ValueError, match="rewards must be"):
+        brl.parallel_env(PASSING, rewards="all")
+    with pytest.raises(ValueError, match="one robot"):
+        brl.parallel_env("final-maze")
