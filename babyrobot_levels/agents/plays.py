@@ -12,6 +12,7 @@ from gymnasium.wrappers import TimeLimit
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import MAX_LINE, MAX_STEPS, PlayError, PlayFields, program
 from babyrobot_levels.library.level import Level, load_code
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.text.files import append_line, open_regular
 
 SUFFIX = ".brlplay"
@@ -202,6 +203,7 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
             raise TypeError(
                 f"RecordPlay records environments of levels, not {type(env.unwrapped).__name__}"
             )
+        check_one_robot(env.unwrapped.level, "recorded plays")
         self._base: LevelEnv = env.unwrapped
         self._limit: int | None = None
         while isinstance(env, gymnasium.Wrapper):

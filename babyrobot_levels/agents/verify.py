@@ -193,6 +193,8 @@ def verify_play(play: Play) -> Verification:
     except LevelError as error:
         reason = error.message or "; ".join(each.message for each in error.diagnostics)
         return _refused(play, f"its level cannot be read: {reason}")
+    if level.robots:
+        return _refused(play, "its level has several robots, of which plays do not tell")
     space = space_of(level, play.action_set)
     fault = _start_fault(play, space)
     if fault is not None:

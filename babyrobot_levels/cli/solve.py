@@ -458,6 +458,7 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
     from babyrobot_levels.analysis.endings import ending_of
     from babyrobot_levels.analysis.solver.results import action_names
 
+    names = action_names(solution.actions, level.compile().num_robots)
     data = {
         "name": level.name,
         "digest": level.digest,
@@ -470,7 +471,7 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
         "method": solution.method,
         "iterations": solution.iterations,
         "residual": _number(solution.residual),
-        "actions": action_names(solution.actions)[solution.first_action :],
+        "actions": names[solution.first_action :],
         "values": _nested(solution.values.tolist()),
         "action_values": _nested(solution.action_values.tolist()),
         "policy": solution.policy.tolist(),

@@ -10,6 +10,7 @@ from babyrobot_levels.language.kinds import KIND, LISTED, NAMED, NEEDED
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.drawn import inner_walls
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.mazes.lattice import below
 
 Entry = dict[str, Any]
@@ -29,6 +30,7 @@ def flat_fields(level: Level) -> Fields:
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
     """
+    check_one_robot(level, "edits at random")
     left_out = {*_OF_THE_FORM, *_OF_THE_ORIGINAL}
     fields = {
         name: value for name, value in level.to_dict(whole=True).items() if name not in left_out
@@ -235,5 +237,5 @@ _ADDED: Mapping[str, Callable[[Edits], Fields]] = {
 EDITED = ("wall", "puddle", "wind", "item", "door", "mover", "start", "exit")
 """The kinds that are edited by default."""
 
-EDITABLE = tuple(name for name in KIND if name != "opening")
+EDITABLE = tuple(name for name in KIND if name not in ("opening", "robot"))
 """The kinds that can be edited: a wall that is removed is an opening."""

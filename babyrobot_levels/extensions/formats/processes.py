@@ -8,10 +8,10 @@ from itertools import chain, count
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.extensions.formats.conversion import Lost, fields_lost, shown
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.states import ends_by_hit, exit_states
 from babyrobot_levels.mdp.tables import Flags, Ints, Mdp
 
@@ -58,7 +58,7 @@ class Process:
     @property
     def actions(self) -> list[str]:
         """The names of the actions, in the order of their numbers."""
-        return [action.name.lower() for action in Action]
+        return action_names("all", self.mdp.num_robots)
 
 
 def process_of(level: Level) -> Process:

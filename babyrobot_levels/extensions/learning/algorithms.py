@@ -21,7 +21,7 @@ from babyrobot_levels.analysis.solver.evaluation import action_values, chain_val
 from babyrobot_levels.analysis.solver.model import Model, surely_ending
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy
-from babyrobot_levels.analysis.solver.results import check_seed, num_actions
+from babyrobot_levels.analysis.solver.results import check_seed
 from babyrobot_levels.extensions.learning.results import (
     Learning,
     Problem,
@@ -427,7 +427,7 @@ class _Agent:
         space = problem.space
         if not math.isfinite(initial):
             raise ValueError(f"initial must be a finite number, not {initial!r}")
-        shape = space.mdp.num_states, num_actions(space.actions)
+        shape = space.mdp.num_states, space.num_actions
         self.values = np.full(shape, float(initial))
         self._reached = space.reached
         self._seen: dict[tuple[int, int], int] = {}

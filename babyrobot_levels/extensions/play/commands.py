@@ -17,6 +17,7 @@ from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_leve
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.extensions.play.keyboard import NextKey, keyboard
 from babyrobot_levels.mdp.actions import Action, Turn
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.render.terminal import colors_of
 from babyrobot_levels.render.words.happenings import bump, changes, hitter
 from babyrobot_levels.render.words.phrases import counted, with_limit
@@ -180,6 +181,7 @@ class _Game:
         from babyrobot_levels.render.text import TextPainter
         from babyrobot_levels.render.words.describe import goal_of
 
+        check_one_robot(level, "games in the terminal")
         self._goal, self._best = goal_of(level), ""
         self._policy: list[int] | None = None
         self._level, self._painter = level, TextPainter(level, plain=not self._unicode)

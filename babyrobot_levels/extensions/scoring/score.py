@@ -29,6 +29,7 @@ from babyrobot_levels.extensions.scoring.conversations import converse
 from babyrobot_levels.extensions.scoring.results import LevelScore, Played, Scores, extremes, share
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.render.sights import SIGHTS
 from babyrobot_levels.suites.suite import Suite, named_levels
@@ -195,6 +196,8 @@ def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level]
     found = [load(level) for level in named]
     if not found:
         raise ValueError("there are no levels to score")
+    for level in found:
+        check_one_robot(level, "scores of agents")
     return found, Extent.of(found, turns=turns)
 
 

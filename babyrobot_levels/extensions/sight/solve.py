@@ -20,6 +20,7 @@ from babyrobot_levels.extensions.sight.search import FIRST_ROUND, Search
 from babyrobot_levels.extensions.sight.sights import Sensor, sight_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.suites.suite import Suite, named_levels
 from babyrobot_levels.text import budget
 
@@ -187,6 +188,8 @@ def solve_sight(
     limit = _limit(members, within)
     chosen = sight_of(sight, extent, mask=mask, reward=reward, within=limit, **options)
     discounts = [check_discount(discount, level.discount) for level in members]
+    for level in members:
+        check_one_robot(level, "optima of a sight")
     spaces = [space_of(level, actions) for level in members]
     model = build_model(spaces, chosen, shares, discounts)
     full = _full(spaces, shares, discounts, limit)

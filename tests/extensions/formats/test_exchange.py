@@ -60,6 +60,7 @@ KEY: World = {"items": [{"name": "key", "at": [1, 1]}]}
 GUARD: World = {"movers": [{"path": [[2, 0], [2, 1]]}]}
 WATER: World = {"puddles": [{"at": [1, 1], "size": "small"}]}
 SLOPE: World = {"walls": [{"at": [1, 1], "side": "E"}]}
+PAIR: World = {"robots": [{"name": "a"}, {"name": "b", "start": [1, 0]}]}
 CHANGES: dict[str, tuple[World, World]] = {
     "size": ({}, {"size": [5, 3]}),
     "start": ({}, {"start": [[0, 0], [1, 0]]}),
@@ -77,6 +78,8 @@ CHANGES: dict[str, tuple[World, World]] = {
     "openings": ({"maze": {"seed": 1}}, {"openings": [{"at": [1, 1], "side": "E"}]}),
     "doors": (KEY, {"doors": [{"at": [2, 1], "side": "E", "needs": ["key"]}]}),
     "items": ({}, KEY),
+    "robots": ({}, PAIR),
+    "team": (PAIR, {"team": {"meet": "pass"}}),
     "switches": ({}, {"switches": [{"name": "lever", "at": [1, 1]}]}),
     "movers": ({}, GUARD),
     "hit": (GUARD, {"hit": {"reward": -5}}),
