@@ -84,7 +84,7 @@ sweep)
     ;;
 libraries)
     make_libraries
-    beside_pages .venv-libraries editor,exact,fast,mcp,minari,minigrid,parquet,rllib,sb3,tianshou,torchrl,trl,umb with_libraries "not sweep"
+    beside_pages .venv-libraries editor,exact,fast,mcp,minari,minigrid,parquet,pettingzoo,rllib,sb3,tianshou,torchrl,trl,umb with_libraries "not sweep"
     exit
     ;;
 jax)

@@ -6,10 +6,12 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
 import umbi
+from oracles.random_teams import random_team
 from support.places import DOCS
 from support.second_opinion import (
     QUESTIONS,
@@ -49,6 +51,16 @@ def test_optimal_returns_are_the_same_fractions(name: str, tmp_path: Path) -> No
     text = 'R{"reward"}max=? [C]' if gains else 'R{"cost"}min=? [F "end"]'
     storm = Fraction(str(value(read(path, exact=True), text, exact=True)))
     assert (storm if gains else -storm) == ours
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 359, 387, 418, 528, 578])
+def test_several_robots_have_the_same_optimum(seed: int, tmp_path: Path) -> None:
+    fields = random_team(Random(seed))
+    assert fields is not None
+    level = brl.load(fields)
+    found = [*answers(level, written(level, tmp_path))]
+    assert found
+    assert [each for each in found if not each.is_agreed] == []
 
 
 def test_what_no_policy_ends_is_infinite_for_both(tmp_path: Path) -> None:
