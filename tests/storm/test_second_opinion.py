@@ -53,7 +53,7 @@ def test_optimal_returns_are_the_same_fractions(name: str, tmp_path: Path) -> No
     assert (storm if gains else -storm) == ours
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 359, 387, 418, 528, 578])
+@pytest.mark.parametrize("seed", [3, 6, 8, 359, 387, 418, 528, 578])
 def test_several_robots_have_the_same_optimum(seed: int, tmp_path: Path) -> None:
     fields = random_team(Random(seed))
     assert fields is not None
