@@ -1,5 +1,6 @@
 """Pydantic's errors as messages for people who write levels."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeGuard, get_args, get_origin
 
@@ -317,6 +318,10 @@ def _is_cell(value: Any) -> bool:
     return isinstance(value, list) and [*map(type, value)] == [int, int]
 
 
+_RANGE = re.compile(r"\d+ *(\.\.+|[-:]|to) *\d+")
+"""What is meant for several columns or rows."""
+
+
 def _special_help(
     field: str, names: Sequence[str], value: Any, fields: Mapping[str, FieldInfo]
 ) -> str | None:
@@ -336,6 +341,12 @@ def _special_help(
             return "give several cells as `one_of: [[x, y], [x, y]]`"
         entries = ", ".join(f"{{at: {flow(each)}}}" for each in value[:3])
         return f"write an entry for each cell: `{entries}`"
+    if field == "at" and isinstance(value, str) and _RANGE.fullmatch(value.strip()):
+        if "size" in fields:
+            return "give the first cell, and how many: `{at: [x, y], size: [width, height]}`"
+        if "length" in fields:
+            return "give the first cell, and how many: `{at: [x, y], side: S, length: n}`"
+        return "write an entry for each cell"
     if field in ("start", "exit") and _is_word(value, "random"):
         other = "start: " if field == "start" else "exit_one_of: "
         return f"list the cells of which each reset draws one: `{other}[[x, y], [x, y]]`"

@@ -267,6 +267,8 @@ def find(name: str, first: Sequence[Place] = ()) -> Path:
     folder, _, stem = name.rpartition("/")
     files = [str(path) for path in yaml_files(Path(folder)) if path.stem == stem]
     known = {file.name: file.path for file in level_files()}
+    if name in ("levels", "all", "gallery") and not files:
+        raise LevelNotFoundError(name, help_text="`brl.levels()` returns all levels")
     near = [each for each in _nearest_names(name, [*known]) if not is_suite_file(known[each])]
     raise LevelNotFoundError(name, files or near)
 
@@ -340,6 +342,8 @@ def find_suite(suite: str | os.PathLike[str], first: Sequence[Place] = ()) -> Pa
     for path in _named(suite, first):
         if is_suite_file(path):
             return path
+    if next(_named(suite, first), None) is not None:
+        raise SuiteNotFoundError(suite, help_text=f"it is a level: `brl.load({suite!r})`")
     raise SuiteNotFoundError(suite, _nearest_names(suite, [*suite_files()]))
 
 

@@ -97,16 +97,21 @@ class LevelNotFoundError(BabyRobotError, LookupError, public=True):
     what = "level"
     listing = "babyrobot list"
 
-    def __init__(self, name: str, nearest: Sequence[str] = (), is_file: bool = False):
+    def __init__(
+        self, name: str, nearest: Sequence[str] = (), is_file: bool = False, help_text: str = ""
+    ):
         self.name = name
         self.nearest = tuple(nearest)
         self.is_file = is_file
-        super().__init__(name, self.nearest, is_file)
+        self.help_text = help_text
+        super().__init__(name, self.nearest, is_file, help_text)
 
     def __str__(self) -> str:
         name = self.name if len(self.name) <= 100 else self.name[:99] + "…"
         what = "file" if self.is_file else f"{self.what} called"
         text = f"there is no {what} {name!r}"
+        if self.help_text:
+            return f"{text}; {self.help_text}"
         if self.nearest:
             text += f"; did you mean {' or '.join(map(repr, self.nearest))}?"
         return text if self.is_file else text + f" (`{self.listing}` shows all {self.what}s)"

@@ -34,7 +34,11 @@ def test_rules_are_selected_and_ignored() -> None:
     told = codes(brl.lint(WET))
     assert brl.lint(WET, ignore=told) == []
     assert codes(brl.lint(WET, select=told[:1])) == told[:1]
-    with pytest.raises(UnknownRuleError, match="BR999"):
+    with pytest.raises(
+        UnknownRuleError, match=r"`BR5XX`; there are BR501 to .*, all of them by `BR5`"
+    ):
+        select(["BR5XX"])
+    with pytest.raises(UnknownRuleError, match=r"BR999.*codes are BR501 to"):
         brl.lint(WET, select=["BR999"])
 
 

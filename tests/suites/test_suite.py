@@ -284,6 +284,10 @@ def test_a_suite_is_no_level_and_says_so() -> None:
         brl.load("small-mazes")
     with pytest.raises(brl.SuiteNotFoundError, match="no suite called 'small-maze'; did you mean"):
         load_suite("small-maze")
+    with pytest.raises(brl.SuiteNotFoundError, match=r"it is a level: `brl\.load"):
+        brl.load_suite("first-key")
+    with pytest.raises(brl.LevelNotFoundError, match=r"`brl.levels\(\)` returns all levels"):
+        brl.load("levels")
     with pytest.raises(brl.SuiteNotFoundError, match="there is no file"):
         load_suite(Path("nowhere.yaml"))
     with pytest.raises(TypeError, match="not int"):

@@ -16,6 +16,9 @@ from babyrobot_levels.text.words import did_you_mean
 
 _NAME = re.compile(r"[a-z0-9-]+")
 
+_CODE = re.compile(r"(BR\d)(\d\d?|[xX*]{1,2})", re.IGNORECASE)
+"""What is written as a code: the beginning of a series, and its rest or what stands for any."""
+
 _ADDED: Entries[Callable[..., object]] = Entries("rules", {})
 """The functions of the rules of extensions, by code."""
 
@@ -71,8 +74,7 @@ def rule(code: str | None = None) -> Rule | tuple[Rule, ...]:
         return all_pages()
     found = find(code)
     if found is None:
-        words = [word for each in all_pages() for word in (each.code, each.name)]
-        raise UnknownRuleError(f"unknown rule {code!r}{did_you_mean(code, words)}")
+        raise UnknownRuleError(f"unknown rule {code!r}{_meant(code, all_pages())}")
     return found
 
 
@@ -97,13 +99,32 @@ def _selected(select: tuple[str, ...] | None, ignore: tuple[str, ...]) -> tuple[
         rules += added_rules()
     for word in words:
         if not _is_known(word, rules):
-            known = [each for rule in rules for each in (rule.code, rule.name)]
-            raise UnknownRuleError(f"unknown rule `{word}`{did_you_mean(word, known)}")
+            raise UnknownRuleError(f"unknown rule `{word}`{_meant(word, rules, prefixes=True)}")
     return tuple(
         rule
         for rule in rules
         if _selection(rule, select) > max((_match(word, rule) for word in ignore), default=0)
     )
+
+
+def _meant(word: str, rules: Sequence[Rule], *, prefixes: bool = False) -> str:
+    """Return what an unknown code or name may stand for.
+
+    Codes are told by their neighbours, and not by how they look.
+
+    Args:
+        word: the code or the name.
+        rules: the rules that there are.
+        prefixes: whether the beginning of codes stands for all of them.
+    """
+    if not (code := _CODE.fullmatch(word)):
+        return did_you_mean(word, [each for rule in rules for each in (rule.code, rule.name)])
+    series = code[1].upper()
+    known = [rule.code for rule in rules if rule.code.startswith(series)]
+    if not known:
+        return f"; codes are {rules[0].code} to {rules[-1].code}"
+    told = f"; there are {known[0]} to {known[-1]}"
+    return f"{told}, all of them by `{series}`" if prefixes else told
 
 
 def _is_known(word: str, rules: Sequence[Rule]) -> bool:
