@@ -23,7 +23,7 @@ cat >"$work/site/index.html" <<'HTML'
 <p><a href="docs/index.html">The documentation of babyrobot-levels</a></p>
 </html>
 HTML
-.venv-site/bin/babyrobot gallery gallery --title "The babyrobot gallery" --home ../docs/index.html --editor ../editor/ -o "$work/site/gallery"
+.venv-site/bin/babyrobot gallery gallery --home ../docs/index.html --editor ../editor/ -o "$work/site/gallery"
 .venv-site/bin/babyrobot edit --site "$work/site/editor"
 mkdir -p "$output"
 cp -r "$work/site/." "$output"

@@ -86,7 +86,7 @@ def gallery(
 
     Examples:
 
-      babyrobot gallery levels -o site
+      babyrobot gallery gallery -o site
 
       babyrobot gallery small-mazes --split test --count 100 -o site
 
@@ -105,7 +105,7 @@ def gallery(
         fail("a gallery is a folder, and cannot be piped", "name the folder: -o DIR")
     try:
         check_place(output, force=force)
-        found: brl.Suite | list[Any] = levels_named(levels, split)[:count]
+        found, title = _found(levels, split, count, title)
         broken = 0
         if isinstance(found, list):
             found, broken = valid_levels(found, "gallery was", jobs=jobs, keep_going=keep_going)
@@ -113,7 +113,7 @@ def gallery(
             made = brl.gallery(
                 found,
                 output,
-                title=title if title is not None else _title(levels),
+                title=title,
                 answers=not no_answers,
                 key=key,
                 home=home,
@@ -138,13 +138,16 @@ def gallery(
         raise typer.Exit(FINDINGS)
 
 
-def _title(words: list[str]) -> str | None:
-    """Return the name of the only argument, if it is a folder or a pack."""
-    from babyrobot_levels.suites.suite import folder_named, suite_named
+def _found(
+    words: list[str], split: str | None, count: int | None, title: str | None
+) -> tuple[brl.Suite | list[Any], str]:
+    """Return the levels that arguments name, in their order, and the title of all of them."""
+    from babyrobot_levels.extensions.publish.gallery import in_order, title_of
 
-    if len(words) > 1 or suite_named(words[0]) is not None or folder_named(words[0]) is None:
-        return None
-    return Path(words[0]).resolve().name
+    named: Any = words[0] if len(words) == 1 else words
+    found = levels_named(words, split)
+    found = in_order(named, found) if isinstance(found, list) else found
+    return found[:count], title if title is not None else title_of(named, found)
 
 
 def dataset(
@@ -186,14 +189,14 @@ def dataset(
     if output == STANDARD_OUTPUT:
         fail("a data set is a folder, and cannot be piped", "name the folder: -o DIR")
     try:
-        found: brl.Suite | list[Any] = levels_named(levels, split)[:count]
+        found, title = _found(levels, split, count, title)
         if isinstance(found, list):
             found, _ = valid_levels(found, "data set was", jobs=jobs)
         with working("writing") as report:
             made = brl.dataset(
                 found,
                 output,
-                title=title if title is not None else _title(levels),
+                title=title,
                 license=data_license,
                 force=force,
                 jobs=jobs_for(len(found), jobs, WORTH_IT),

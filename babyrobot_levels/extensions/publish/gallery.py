@@ -50,6 +50,9 @@ FORMAT = 1
 LIST, INDEX = GALLERY_FILES
 ASSETS_FOLDER = "assets"
 
+GALLERY_TITLE = "The babyrobot gallery"
+"""The title of the package's own gallery."""
+
 MAX_LIST = 1 << 28
 """The most bytes of the `gallery.json` of a gallery that is replaced."""
 
@@ -137,7 +140,7 @@ def gallery(
     path = Path(folder)
     check_place(path, force=force)
     named = named_levels(levels)
-    found = named if isinstance(named, Suite) else _in_order(levels, [*named])
+    found = named if isinstance(named, Suite) else in_order(levels, [*named])
     title = title if title is not None else title_of(levels, found)
     shown = GalleryPages(title=title, answers=answers, key=key, editor=editor)
     facts: list[Facts] = []
@@ -201,15 +204,21 @@ def title_of(levels: Levels, found: Suite | list[LevelLike]) -> str:
     """Return the title of many levels, from what was asked for and the levels that it is."""
     if isinstance(found, Suite):
         return found.fields.title or found.name or "Levels"
+    if _is_package_gallery(levels):
+        return GALLERY_TITLE
     if isinstance(levels, str | os.PathLike) and folder_named(levels) is not None:
         return Path(levels).resolve().name
     return "Levels"
 
 
-def _in_order(levels: Levels, found: list[LevelLike]) -> list[LevelLike]:
-    """Return the levels of the package's gallery in the order chosen for them, others as found."""
+def _is_package_gallery(levels: Levels) -> bool:
     folder = folder_named(levels) if isinstance(levels, str | os.PathLike) else None
-    if folder is None or folder.resolve() != gallery_folder().resolve():
+    return folder is not None and folder.resolve() == gallery_folder().resolve()
+
+
+def in_order(levels: Levels, found: list[LevelLike]) -> list[LevelLike]:
+    """Return the levels of the package's gallery in the order chosen for them, others as found."""
+    if not _is_package_gallery(levels):
         return found
     places = {name: place for place, name in enumerate(gallery_order())}
     return sorted(found, key=lambda level: places.get(Path(str(level)).stem, len(places)))

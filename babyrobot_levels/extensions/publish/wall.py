@@ -34,6 +34,7 @@ MAX_TEXT = 500
 """The most characters of each text that a search looks through."""
 
 CONTENTS = (
+    "keys",
     *(kind.field for kind in THINGS),
     *("areas", "ends", "glass", "maze", "puddles", "warps", "wind"),
 )
@@ -117,9 +118,7 @@ FACETS = (
         ("deterministic", "stochastic"),
         has_icons=True,
     ),
-    Facet(
-        "has", "Contains", lambda facts: (*facts.things, *facts.features), CONTENTS, has_icons=True
-    ),
+    Facet("has", "Contains", lambda facts: _contents(facts), CONTENTS, has_icons=True),
     Facet("split", "Split", lambda facts: filter(None, [facts.split])),
     Facet("tag", "Tags", lambda facts: facts.tags),
 )
@@ -165,7 +164,8 @@ def wall_html(
         title=title,
         key=key,
         answers=answers,
-        lead=_lead(len(facts), key=key),
+        lead=_lead(len(facts), answers=answers, key=key),
+        first=facts[0] if facts else None,
         home=home,
         facets=facets,
         options=options,
@@ -184,11 +184,12 @@ def wall_html(
     )
 
 
-def _lead(count: int, *, key: bool) -> str:
+def _lead(count: int, *, answers: bool, key: bool) -> str:
     levels = "1 level" if count == 1 else f"{count:,} levels"
     if key:
         return f"{levels}, with state values and optimal actions: the teacher's copy."
-    return f"{levels} to play in the browser."
+    best = ", and compare with the best way there is" if answers else ""
+    return f"{levels} to play in the browser: bring the robot to the exit{best}."
 
 
 def _difficulty(facts: Facts) -> str | None:
@@ -212,6 +213,11 @@ def _hardships(facts: Facts) -> Iterator[str]:
         yield "distractors"
     if known.get("success", 1) < 1 - SURE:
         yield "luck"
+
+
+def _contents(facts: Facts) -> tuple[str, ...]:
+    keys = ("keys",) if "key" in facts.words else ()
+    return (*keys, *facts.things, *facts.features)
 
 
 def _outcomes(facts: Facts) -> str:
@@ -244,7 +250,7 @@ def _numbers(facts: Facts, *, answers: bool) -> list[float | None]:
 
 
 def _icons(facts: Facts) -> list[str]:
-    contents = {*facts.things, *facts.features}
+    contents = _contents(facts)
     return [_outcomes(facts), *(each for each in CONTENTS if each in contents)]
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from PIL import Image
+from support.sessions import run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.publish import gallery as writing
@@ -89,6 +90,11 @@ def test_the_packages_levels_come_in_their_chosen_order(
         monkeypatch.setattr(module, "gallery_folder", lambda: folder)
     found = brl.gallery(folder, tmp_path / "site", answers=False).levels
     assert [each["id"] for each in found] == ["c", "a", "b"]
+    told = ["gallery", str(folder), "--count", "2", "-o", str(tmp_path / "told")]
+    assert run_here(told, {}).status == 0
+    data = listed(tmp_path / "told")
+    assert [each["id"] for each in data["levels"]] == ["c", "a"]
+    assert data["title"] == "The babyrobot gallery"
 
 
 @pytest.mark.slow

@@ -61,7 +61,8 @@ def test_each_tile_is_a_link_with_a_picture_that_is_loaded_late() -> None:
     page = wall(facts)
     links = [each for each in page.find("a") if "aria-labelledby" in each]
     assert [each["href"] for each in links] == ["a/index.html", "b/index.html"]
-    assert [page.text_of[str(each["aria-labelledby"])] for each in links] == ["First", "Second"]
+    named = [str(each["aria-labelledby"]).split()[0] for each in links]
+    assert [page.text_of[name] for name in named] == ["First", "Second"]
     first, second = (each for each in page.find("img") if "loading" in each)
     assert (first["src"], first["loading"], first["alt"]) == (
         "a/tile.png",
@@ -135,6 +136,14 @@ def test_filters_are_what_some_levels_have_but_not_all() -> None:
     named = [{boxes[place] for place in row[0]} for row in page.rows()]
     assert named[0] == {("size", "small"), ("split", "train"), ("tag", "easy")}
     assert named[1] == {("size", "medium"), ("has", "items")}
+
+
+def test_levels_with_a_key_can_be_asked_for() -> None:
+    coin, key = (facts_of_wall(name, things=("items",)) for name in ("a", "b"))
+    page = wall([coin, replace(key, words=("items", "key"))])
+    assert ("has", "keys") in page.boxes()
+    assert ("has", "items") not in page.boxes()
+    assert [len(row[0]) for row in page.rows()] == [0, 1]
 
 
 def test_only_the_most_common_tags_are_offered_and_few_are_seen_at_once() -> None:

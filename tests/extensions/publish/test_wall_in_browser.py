@@ -117,6 +117,28 @@ def test_filters_of_one_facet_add_and_those_of_two_narrow(wall: Wall) -> None:
     assert wall.count == "1 of 4 levels"
 
 
+def test_a_range_of_difficulty_is_chosen_linked_and_cleared(wall: Wall) -> None:
+    wall.page.fill("#least", "3")
+    assert wall.titles == ["The garden", "Cliff"]
+    wall.page.fill("#most", "5.5")
+    assert wall.titles == ["The garden"]
+    assert wall.number_at("hard") == "0", "a box promises what the range leaves out"
+    wall.page.keyboard.press("Enter")
+    assert wall.page.url.endswith("#least=3&most=5.5")
+    wall.page.reload()
+    assert wall.titles == ["The garden"]
+    wall.page.get_by_role("button", name="Clear all").click()
+    assert wall.count == "4 levels"
+    assert wall.page.input_value("#least") == ""
+
+
+def test_a_visitor_is_told_where_to_start(wall: Wall) -> None:
+    start = wall.page.locator("#next")
+    assert start.inner_text() == "Start here: The garden"
+    start.click()
+    assert wall.page.url.endswith(FACTS[0].files.page)
+
+
 def test_counts_follow_the_other_facets_and_the_search(wall: Wall) -> None:
     assert [wall.number_at(each) for each in ("easy", "hard", "textbook", "areas")] == [
         *["1", "1", "2", "2"]
@@ -259,8 +281,8 @@ def test_progress_is_shown_filtered_and_forgotten(wall: Wall) -> None:
     solve(wall, json.dumps(progress))
     assert wall.page.inner_text("#solved") == "1 of 4 solved"
     assert wall.page.locator(".done").all_inner_texts() == ["★★☆"]
-    link = wall.page.get_by_role("link", name="The garden", exact=True)
-    expect(link).to_have_accessible_description(re.compile("5.5.*Solved with 2 of 3 stars"))
+    link = wall.page.get_by_role("link", name=re.compile("The garden Medium 5.5"))
+    expect(link).to_have_accessible_description("Solved with 2 of 3 stars")
     following = wall.page.locator("#next")
     assert following.inner_text() == f"Next: {FACTS[1].title}"
     assert (following.get_attribute("href") or "").endswith(FACTS[1].files.page)
@@ -268,6 +290,7 @@ def test_progress_is_shown_filtered_and_forgotten(wall: Wall) -> None:
     assert wall.titles == ["The garden"]
     wall.page.on("dialog", lambda dialog: dialog.accept())
     wall.page.click("#forget")
+    assert following.inner_text() == f"Start here: {FACTS[0].title}"
     assert len(wall.titles) == 4
     assert wall.page.locator(".done").count() == 0
     stored = wall.page.evaluate("JSON.parse(localStorage.getItem('babyrobot:progress'))")

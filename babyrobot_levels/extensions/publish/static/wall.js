@@ -14,7 +14,8 @@ const wall = byId("wall");
 const form = byId("filters");
 const query = byId("query");
 const order = byId("order");
-const boxes = [...form.querySelectorAll("input")];
+const boxes = [...form.querySelectorAll("input[type='checkbox']")];
+const ends = [...form.querySelectorAll("input[type='number']")]; // Of a range of difficulty.
 const numbersAt = boxes.map((box) => box.parentElement.querySelector(".n"));
 const facetOf = boxes.map((box) => box.name);
 const [solvedPlace, openPlace] = ["solved", "open"].map((value) =>
@@ -37,6 +38,7 @@ function chosen() {
   const state = new URLSearchParams();
   if (query.value.trim()) state.set("q", query.value.trim());
   boxes.filter((box) => box.checked).forEach((box) => state.append(box.name, box.value));
+  ends.filter((end) => end.value).forEach((end) => state.set(end.id, end.value));
   if (order.value) state.set("sort", order.value);
   return state.toString();
 }
@@ -58,6 +60,7 @@ function recall() {
   const state = new URLSearchParams(location.hash.slice(1));
   query.value = state.get("q") ?? "";
   boxes.forEach((box) => (box.checked = state.getAll(box.name).includes(box.value)));
+  ends.forEach((end) => (end.value = state.get(end.id) ?? ""));
   order.value = state.get("sort") ?? "";
   if (order.selectedIndex < 0) order.value = "";
   form.querySelectorAll("details:has(:checked)").forEach((each) => (each.open = true));
@@ -74,8 +77,11 @@ function update() {
   const facets = new Set([...wanted].map((place) => facetOf[place]));
   const counts = boxes.map(() => 0);
   const shown = [];
+  const [least, most] = ends.map((end) => end.value && Number(end.value));
   for (const tile of tiles) {
     if (!words.every((word) => tile.text.includes(word))) continue;
+    const difficulty = tile.numbers[1] ?? NaN;
+    if ((least && !(difficulty >= least)) || (most && !(difficulty <= most))) continue;
     const met = new Set(tile.places.filter((place) => wanted.has(place)).map((place) => facetOf[place]));
     const missed = [...facets].filter((facet) => !met.has(facet));
     if (missed.length === 0) shown.push(tile.element);
@@ -115,7 +121,7 @@ function tell(wanted, shown) {
     chip.setAttribute("aria-label", `Remove the filter ${name}`);
     return chip;
   });
-  if (wanted.size || query.value.trim()) {
+  if (chosen().replace(/&?sort=.*/, "")) {
     const all = button("Clear all", clear);
     all.className = "plain";
     chips.push(all);
@@ -135,8 +141,8 @@ function button(text, act) {
 }
 
 function clear() {
+  form.reset();
   query.value = "";
-  boxes.forEach((box) => (box.checked = false));
   choose();
 }
 
@@ -201,16 +207,16 @@ function readProgress() {
   byId("next").hidden = open === undefined;
   if (open !== undefined) {
     byId("next").href = open.element.querySelector("a").href;
-    byId("next").textContent = `Next: ${open.title}`;
+    byId("next").textContent = `${solved ? "Next" : "Start here"}: ${open.title}`;
   }
   if (solved === 0) boxes.filter((box) => box.name === "progress").forEach((box) => (box.checked = false));
 }
 
 function mark(tile, stars) {
   const link = tile.element.querySelector("a");
-  const [facts, id] = [`f${tile.index}`, `d${tile.index}`];
+  const id = `d${tile.index}`;
   tile.element.querySelector(".done")?.remove();
-  link.setAttribute("aria-describedby", tile.isSolved ? `${facts} ${id}` : facts);
+  link.toggleAttribute("aria-describedby", tile.isSolved);
   if (!tile.isSolved) return;
   const done = document.createElement("span");
   done.className = "done";
@@ -219,6 +225,7 @@ function mark(tile, stars) {
   done.setAttribute("aria-label", stars ? `Solved with ${stars} of 3 stars` : "Solved");
   done.textContent = stars ? starSigns(stars) : "✓";
   tile.element.querySelector(".shot").append(done);
+  link.setAttribute("aria-describedby", id);
 }
 
 function forget() {
@@ -258,6 +265,7 @@ order.addEventListener("change", () => {
   choose();
 });
 query.addEventListener("input", () => choose(true));
+ends.forEach((end) => end.addEventListener("input", () => choose(true)));
 document.querySelectorAll("[data-clear]").forEach((each) => each.addEventListener("click", clear));
 byId("forget").addEventListener("click", forget);
 document.addEventListener("keydown", (event) => {
