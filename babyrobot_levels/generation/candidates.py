@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import random
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
@@ -22,7 +21,7 @@ from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
-from babyrobot_levels.language.things import Hit
+from babyrobot_levels.language.things import Hit, hit_reward
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph, Successors, distances
 from babyrobot_levels.mdp.mazes.lattice import below
@@ -39,9 +38,6 @@ SHARED = [
 
 PLACED = (*(kind.field for kind in THINGS), "hit", "wind")
 """The fields of levels that are drawn after their mazes, besides puddles, or follow from that."""
-
-HIT_STEPS = 2
-"""A hit costs as much as so many steps for each cell: more than a way with detours and waiting."""
 
 SIZES_KEPT = 256
 
@@ -251,7 +247,7 @@ class Candidate:
             )
         fields |= self._things or {}
         if "movers" in fields:
-            fields["hit"] = suite.hit or Hit(reward=hit_reward(suite, self.size))
+            fields["hit"] = suite.hit or Hit(reward=hit_reward(suite.rewards, self.size))
         if self._wind:
             fields["wind"] = Wind.model_validate(self._wind)
         level = self._grown.model_copy(update=fields)
@@ -371,15 +367,6 @@ def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
         if plain_maze.grid().open_bits == level.grid().open_bits:
             return plain_maze
     return level
-
-
-def hit_reward(rules: SuiteFields | Level, size: tuple[int, int]) -> float:
-    """Return a reward that is worse than any way to the exit: a round number, by the size alone."""
-    rewards = rules.rewards
-    step = max(abs(rewards.step), abs(rewards.closer or 0), abs(rewards.farther or 0))
-    cost = HIT_STEPS * size[0] * size[1] * step + abs(rewards.exit) or 1.0
-    power = 10.0 ** math.floor(math.log10(cost))
-    return -next(digit * power for digit in (1, 2, 5, 10) if digit * power >= cost)
 
 
 def _without_door(level: Level, number: int) -> Level:

@@ -1,11 +1,12 @@
 """Things, whose state changes during an episode: items, doors, switches, boxes, movers."""
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from babyrobot_levels.language.base import Cell, Cells, Flag, Model, Number, Slug, Text, form, forms
-from babyrobot_levels.language.cells import Opening, Rectangle, Traits
+from babyrobot_levels.language.cells import Opening, Rectangle, Rewards, Traits
 from babyrobot_levels.language.looks import Color
 
 SHAPES = ("key", "coin", "gem", "star", "box")
@@ -211,6 +212,18 @@ class Hit(Model):
     """The reward of the step."""
     ends: Flag = True
     """Whether the episode ends."""
+
+
+HIT_STEPS = 2
+"""A hit costs as much as so many steps for each cell: more than a way with detours and waiting."""
+
+
+def hit_reward(rewards: Rewards, size: tuple[int, int]) -> float:
+    """Return a reward that is worse than any way to the exit: a round number, by the size alone."""
+    step = max(abs(rewards.step), abs(rewards.closer or 0), abs(rewards.farther or 0))
+    cost = HIT_STEPS * size[0] * size[1] * step + abs(rewards.exit) or 1.0
+    power = 10.0 ** math.floor(math.log10(cost))
+    return -next(digit * power for digit in (1, 2, 5, 10) if digit * power >= cost)
 
 
 DRAWN_NAMES = ("item", "switch", "target")

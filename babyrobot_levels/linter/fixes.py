@@ -1,5 +1,6 @@
 """Fixes: edits of a level file that leave comments, quotes and the order of fields unchanged."""
 
+import copy
 from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
@@ -12,6 +13,7 @@ from babyrobot_levels.text.diagnostics import Edit, Fix, Route
 from babyrobot_levels.text.document import Document, Node, comments
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.source import Position, SourceFile, Span
+from babyrobot_levels.text.splice import common_ends, spliced
 
 
 def replace(document: Document, route: Route, text: str) -> Edit:
@@ -82,6 +84,28 @@ def removal(document: Document, message: str, *routes: Route, safe: bool = True)
     if any(_is_shared(document, route) for route in routes):
         return None
     return Fix(message, edits, safe)
+
+
+def setting(document: Document, route: Route, value: int | float) -> Fix | None:
+    """Return the fix that gives a field another value, with what it is in; it changes the MDP.
+
+    Returns None if the text around it cannot stay as it is.
+    """
+    data = copy.deepcopy(document.data)
+    *above, name = route
+    inner = data
+    for segment in above:
+        inner = inner.setdefault(segment, {}) if isinstance(segment, str) else inner[segment]
+    inner[name] = value
+    after = spliced(document, data, [*Level.model_fields])
+    if after is None:
+        return None
+    source, text = document.source, after.source.text
+    first, same = common_ends(source.text, text)
+    span = Span(source.position(first), source.position(len(source.text) - same))
+    dotted = ".".join(str(each) for each in route if isinstance(each, str))
+    edit = Edit(span, text[first : len(text) - same])
+    return Fix(f"set `{dotted}` to {value}", (edit,), safe=False)
 
 
 def door_removal(document: Document, level: Level, number: int, *, safe: bool) -> Fix | None:

@@ -48,6 +48,24 @@ def spliced(document: Document, data: dict[str, Any], order: Sequence[str]) -> D
     return None
 
 
+def common_ends(old: str, new: str) -> tuple[int, int]:
+    """Return with how many characters both texts begin, and with how many further ones they end."""
+    first = _common(old, new)
+    return first, _common(old[first:][::-1], new[first:][::-1])
+
+
+def _common(left: str, right: str) -> int:
+    """Return with how many characters both texts begin."""
+    least, most = 0, min(len(left), len(right))
+    while least < most:
+        middle = (least + most + 1) // 2
+        if left[least:middle] == right[least:middle]:
+            least = middle
+        else:
+            most = middle - 1
+    return least
+
+
 def _read(source: SourceFile) -> Document | None:
     try:
         document = read(source)

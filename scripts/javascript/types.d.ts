@@ -160,6 +160,7 @@ interface EditorState {
   can_redo: boolean;
   lacks: string;
   maze_regrown: boolean;
+  lost: string;
   findings: Finding[];
   findings_pending: boolean;
   unreachable: Cell[];

@@ -5,6 +5,8 @@ import secrets
 from itertools import takewhile
 from typing import Any
 
+from babyrobot_levels.text.splice import common_ends
+
 
 class LastShown:
     """The state of a session that was shown last.
@@ -79,21 +81,3 @@ def _is_same(old: Any, new: Any) -> bool:
     if isinstance(new, dict | list):
         return bool(old == new) and json.dumps(old) == json.dumps(new)
     return type(old) is type(new) and bool(old == new)
-
-
-def common_ends(old: str, new: str) -> tuple[int, int]:
-    """Return with how many characters both texts begin, and with how many further ones they end."""
-    first = _common(old, new)
-    return first, _common(old[first:][::-1], new[first:][::-1])
-
-
-def _common(left: str, right: str) -> int:
-    """Return with how many characters both texts begin."""
-    least, most = 0, min(len(left), len(right))
-    while least < most:
-        middle = (least + most + 1) // 2
-        if left[least:middle] == right[least:middle]:
-            least = middle
-        else:
-            most = middle - 1
-    return least

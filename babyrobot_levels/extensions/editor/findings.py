@@ -19,15 +19,19 @@ from babyrobot_levels.linter.rules import find, select
 from babyrobot_levels.linter.rules.expectations import BROKEN_EXPECTATION
 from babyrobot_levels.linter.runner import Report, applicable, findings_in, names_of
 from babyrobot_levels.render.page import MAX_CELLS
-from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.source import Position, Span
+from babyrobot_levels.text.words import nearest
 
 PLACED = {field for kind in KINDS for field in kind.fields}
 """The fields that say where something stands."""
 
 MOST_PLACES = 400
 """The most cells or sides at which a finding is shown."""
+
+_MEANT = re.compile(r"; did you mean `([\w.-]+)`\?$")
+"""The question of a message that one other word answers."""
 
 _CELL = re.compile(r"\[(\d{1,4}), (\d{1,4})\]")
 
@@ -59,10 +63,11 @@ def findings_of(linting: Linting, size: tuple[int, int]) -> list[dict[str, Any]]
             for x, y, side in dict.fromkeys(places or named)
             if x < size[0] and y < size[1]
         ]
-        rule = find(each.code)
+        rule, fix = find(each.code), fix_of(each)
         shown.append(
             {
                 **each.to_dict(),
+                "fix": None if fix is None else fix.to_dict(),
                 "title": "" if rule is None else rule.summary,
                 "is_outdated": is_outdated,
                 "cells": [[x, y] for x, y, side in inside if not side],
@@ -70,6 +75,19 @@ def findings_of(linting: Linting, size: tuple[int, int]) -> list[dict[str, Any]]
             }
         )
     return shown
+
+
+def fix_of(found: Diagnostic) -> Fix | None:
+    """Return the fix of a finding; of a misspelt word, the word that its message asks for."""
+    meant = _MEANT.search(found.message)
+    if found.fix is not None or meant is None or found.source is None:
+        return found.fix
+    source, span = found.source, found.span
+    word = source.text[source.index(span.start) : source.index(span.end)]
+    # What is called otherwise, and not only misspelt, has another form as well.
+    if f"`{word}`" not in found.message or not nearest(word, [meant[1]], 1, 0.75):
+        return None
+    return Fix(f"write `{meant[1]}`", (Edit(span, meant[1]),), safe=False)
 
 
 def _places(document: Document, span: Span) -> Iterator[Place]:

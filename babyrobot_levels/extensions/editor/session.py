@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from babyrobot_levels.extensions.editor.answers import Answers
 from babyrobot_levels.extensions.editor.changes.dispatch import change, is_regrown
 from babyrobot_levels.extensions.editor.changes.draft import Draft, RefusedError
 from babyrobot_levels.extensions.editor.changes.fields import fixed
-from babyrobot_levels.extensions.editor.differences import LastShown, common_ends
+from babyrobot_levels.extensions.editor.differences import LastShown
 from babyrobot_levels.extensions.editor.findings import Linter, Linting
 from babyrobot_levels.extensions.editor.gestures import Fix, Gesture, Resolve
 from babyrobot_levels.library.level import Level
@@ -22,7 +23,7 @@ from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import read_source, write_text
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import BOM, MAX_BYTES, SourceFile
-from babyrobot_levels.text.splice import spliced
+from babyrobot_levels.text.splice import common_ends, spliced
 
 
 class Session:
@@ -42,6 +43,7 @@ class Session:
         linting: the findings in the text.
         answers: the optimum of the level.
         shown: the state that was shown last.
+        lost: how many of which kinds the last gesture removed that it did not point at.
     """
 
     def __init__(
@@ -56,6 +58,7 @@ class Session:
         self.shown = LastShown()
         self.linting: Linting
         self._linter = Linter()
+        self.lost: Counter[str] = Counter()
         self._regrown_by: Gesture | None = None
         self._history = History(text)
         self._saved = text
@@ -148,6 +151,7 @@ class Session:
             raise RefusedError(report.diagnostics[0].message)
         self._history.change(after.source.text, gesture.do, joined=joined)
         self._take(report)
+        self.lost = draft.lost
         if is_regrown(before, report.level, gesture):
             self._regrown_by = gesture
 
@@ -227,6 +231,7 @@ class Session:
         """Take the text at hand, of which a report has the errors."""
         self.revision += 1
         self._regrown_by = None
+        self.lost = Counter()
         if report.level is not None:
             self.level, self.document = report.level, report.document
             self.answers.follow(report.level)

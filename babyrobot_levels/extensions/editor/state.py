@@ -11,7 +11,7 @@ from babyrobot_levels.extensions.editor.forms import expanded, own_fields
 from babyrobot_levels.extensions.editor.places import places_of
 from babyrobot_levels.extensions.editor.session import Session
 from babyrobot_levels.language.documents import read_theme, theme_folders, theme_names
-from babyrobot_levels.language.kinds import KINDS, NEEDED
+from babyrobot_levels.language.kinds import KIND, KINDS, NEEDED
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, contrast
@@ -28,6 +28,7 @@ def state_of(session: Session) -> dict[str, Any]:
     `is_valid`, `is_saved`, `can_undo`, `can_redo`;
     `lacks`, why nothing is solved or played here, empty where it is;
     `maze_regrown`, whether the last gesture made the maze grow anew, which `keep_maze` undoes;
+    `lost`, what it removed that it did not point at, such as `a door`, in words;
     `findings`, see `findings_of`; `findings_pending`, whether some are still to be looked for,
     which the question `answers` does; and of the level of the text or, if the text is invalid, of
     the last valid one:
@@ -68,6 +69,13 @@ def state_of(session: Session) -> dict[str, Any]:
         "can_redo": session.can_redo,
         "lacks": "" if is_numeric() else NEEDS_NUMPY,
         "maze_regrown": session.is_maze_regrown,
+        "lost": listed(
+            [
+                KIND[name].one if count == 1 else f"{count} {KIND[name].plural}"
+                for name, count in session.lost.items()
+                if count
+            ]
+        ),
         "findings": findings_of(session.linting, size),
         "findings_pending": bool(session.linting.waiting),
         "unreachable": answers.unreachable,

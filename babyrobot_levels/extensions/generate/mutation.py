@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from babyrobot_levels.generation.candidates import Candidate, Maker, hit_reward
+from babyrobot_levels.generation.candidates import Candidate, Maker
 from babyrobot_levels.generation.edits import (
     EDITABLE,
     EDITED,
@@ -22,7 +22,7 @@ from babyrobot_levels.language.documents import grown_from_mapping
 from babyrobot_levels.language.kinds import LISTED, NAMED
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.things import as_names
+from babyrobot_levels.language.things import as_names, hit_reward
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.drawn import inner_walls, wall_entries
@@ -238,7 +238,7 @@ class Mutants(Descendants):
             raise ValueError(f"edits must be from 1 to {MOST_EDITS:,}, not {edits}")
         super().__init__(level, suite, **more)
         self._edits, self._kinds, self._fields = (least, most), [*kinds], flat_fields(level)
-        self._hit = {"reward": hit_reward(level, level.size)}
+        self._hit = {"reward": hit_reward(level.rewards, level.size)}
 
     def _made(self, rng: random.Random) -> tuple[Fields, Level]:
         least, most = self._edits

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.things import hit_reward
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, cells_text
-from babyrobot_levels.linter.fixes import removal
+from babyrobot_levels.linter.fixes import removal, setting
 from babyrobot_levels.linter.rule import rule
-from babyrobot_levels.text.diagnostics import Key, Location, Mark
+from babyrobot_levels.text.diagnostics import Fix, Key, Location, Mark, Route
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.endings import Ending
@@ -195,11 +196,25 @@ def exit_given_up(context: LintContext) -> Iterator[Finding]:
     if ending is None or ending.goes_on or ending.reward > 0:
         return
     whence = f"from {cells_text([context.cell(int(starts[worst]))])} " if own.size > 1 else ""
+    place, level = _place_of(context, ending), context.level
     yield Finding(
-        _place_of(context, ending),
+        place,
         f"{whence}{ending.text}; another policy reaches one in {percent(float(best[worst]))}",
         "give this end a reward that is worse than any way to the exit, or the exit a higher one",
+        fix=_dearer(context, place, hit_reward(level.rewards, level.size)),
     )
+
+
+def _dearer(context: LintContext, place: Location, reward: float) -> Fix | None:
+    """Return the fix that gives an end a reward; None if a drawing or an alias gives the end."""
+    match place:
+        case ("hit" | "movers", *_):
+            route: Route = ("hit", "reward")
+        case ("areas", int()):
+            route = (*place, "reward")
+        case _:
+            return None
+    return setting(context.document, route, int(reward) if reward.is_integer() else reward)
 
 
 def _place_of(context: LintContext, ending: Ending) -> Location:

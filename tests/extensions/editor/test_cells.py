@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from support.gestures import done, drawn, refused, send
 
+import babyrobot_levels as brl
 from babyrobot_levels.extensions.editor.session import Session
 
 pytestmark = pytest.mark.usefixtures("put_off")
@@ -455,6 +456,30 @@ def test_warp_is_added_or_led_elsewhere() -> None:
     assert "warps:\n  - {at: [1, 1], to: [3, 3]}\n" in done(session, "warp", at=[1, 1], to=[3, 3])
     assert "warps:\n  - {at: [1, 1], to: [2, 0]}\n" in done(session, "warp", at=[1, 1], to=[2, 0])
     assert refused(session, "warp", at=[4, 3], to=[1, 0])
+
+
+def test_to_meet_the_first_guard_costs_more_than_any_way() -> None:
+    session = Session(PLAIN)
+    assert session.level is not None
+    before = brl.solve(session.level).expected_return
+    done(session, "path", cells=[[1, 1], [2, 1]])
+    assert brl.solve(session.level).expected_return <= before
+    assert session.level.hit.reward < before
+    hit = "hit: {reward: -5}"
+    text = done(Session(f"{PLAIN}{hit}\n"), "path", cells=[[1, 1], [2, 1]])
+    assert hit in text, "a level's own reward was changed"
+
+
+def test_what_goes_with_something_erased_is_told() -> None:
+    session = Session(
+        f"{PLAIN}items:\n  - {{name: key, at: [1, 1]}}\n"
+        "doors:\n  - {at: [2, 2], side: E, needs: key}\n"
+    )
+    state = send(session, "paint", brush="erase", cells=[[1, 1]])["state"]
+    assert state["lost"] == "a door"
+    assert session.level is not None
+    assert not session.level.doors
+    assert send(session, "undo")["state"]["lost"] == ""
 
 
 def test_path_leads_there_and_back() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -432,3 +433,27 @@ def test_gestures_wait_until_the_text_is_valid_again() -> None:
     session = Session(FAULTY)
     send(session, "text", text=FAULTY + "walls: 3\n")
     assert "errors" in refused(session, "remove", route=["openings", 0])
+
+
+def test_a_misspelt_field_has_a_fix() -> None:
+    session = Session("version: 1\nsize: [4, 3]\npuddels:\n  - {at: [1, 1], size: lrge}\n")
+    send(session, "fix", **finding(session, "BR201"))
+    text = done(session, "fix", **finding(session, "BR204"))
+    assert text == "version: 1\nsize: [4, 3]\npuddles:\n  - {at: [1, 1], size: large}\n"
+
+
+def test_a_field_that_others_give_in_another_way_has_no_fix() -> None:
+    session = Session("version: 1\nsize: [4, 3]\nstep_reward: -1\n")
+    (found,) = send(session, "state")["state"]["findings"]
+    assert "did you mean" in found["message"]
+    assert found["fix"] is None, "renamed, the value would not fit"
+
+
+@pytest.mark.parametrize("name", ["bad-guard", "bad-hole"])
+def test_an_end_that_is_better_than_the_exit_is_made_dearer(name: str) -> None:
+    folder = Path("tests/linter/rules/exit-given-up")
+    session = Session((folder / f"{name}.yaml").read_text("utf-8"))
+    session.catch_up()
+    done(session, "fix", **finding(session, "BR537"))
+    session.catch_up()
+    assert "BR537" not in {each.code for each in session.report.diagnostics}

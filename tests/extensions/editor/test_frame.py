@@ -118,13 +118,29 @@ def test_wall_that_comes_to_lie_on_the_rim_goes() -> None:
     assert "walls:\n  - {at: [2, 0], side: E, length: 3, color: red}\nswitches" in text
 
 
-@pytest.mark.parametrize(
-    ("size", "shift", "what"),
-    [([4, 1], [0, 0], "start"), ([2, 3], [0, 0], "exit"), ([4, 3], [-2, 0], "start")],
-)
-def test_start_and_exit_must_stay_inside(size: list[int], shift: list[int], what: str) -> None:
-    error = refused(Session(THINGS), "resize", size=size, shift=shift)
-    assert error == f"the {what} would lie outside: move it first"
+def test_start_and_exit_move_along_to_the_nearest_free_cell() -> None:
+    session = Session("version: 1\nsize: [6, 4]\nstart: [5, 3]\nexit: [5, 0]\n")
+    assert resize(session, 4, 4) == "version: 1\nsize: [4, 4]\nstart: [3, 3]\nexit: [3, 0]\n"
+    assert resize(session, 4, 1, 0, -3) == "version: 1\nsize: [4, 1]\nstart: [3, 0]\nexit: [2, 0]\n"
+    session = Session("version: 1\nsize: [4, 1]\nexit: [3, 0]\nblocked:\n  - {at: [2, 0]}\n")
+    assert "exit: [1, 0]\n" in resize(session, 3, 1), "the exit was put into a blocked cell"
+
+
+def test_a_level_keeps_a_start_beside_its_default_exit() -> None:
+    session = Session("version: 1\nsize: [4, 3]\nstart: [1, 1]\n")
+    assert resize(session, 2, 2) == "version: 1\nsize: [2, 2]\nstart: [1, 0]\n"
+
+
+def test_a_size_without_a_cell_for_start_and_exit_is_refused() -> None:
+    error = refused(Session(THINGS), "resize", size=[4, 1])
+    assert error == "start and exit would have no free cell there"
+
+
+def test_what_lies_outside_is_told() -> None:
+    session = Session(THINGS + "exit_needs: [key, lever]\n")
+    lost = send(session, "resize", size=[3, 2])["state"]["lost"]
+    assert lost == "an item, a switch, a mover, a warp and a puddle"
+    assert send(session, "undo")["state"]["lost"] == ""
 
 
 def test_default_exit_stays_in_the_corner_and_the_default_start_moves() -> None:
@@ -155,8 +171,8 @@ legend:
 exit_needs: key
 """
     )
-    error = refused(session, "resize", size=[3, 1], shift=[0, -1])
-    assert error == "the start would lie outside: move it first"
+    send(session, "resize", size=[3, 1], shift=[0, -1])
+    assert session.text.startswith("version: 1\nmap: |\n  +---+---+---+\n  |     S   E |\n")
 
 
 # -- wind ----------------------------------------------------------------------------------

@@ -150,7 +150,11 @@ def test_a_gesture_changes_nothing_elsewhere(text: str, seed: int) -> None:
         after = standing(places_in(session))
         note(session.text)
         if message["do"] == "resize":
-            assert in_cells(after) == in_cells(resized(before, message))
+            expected, found = in_cells(resized(before, message)), in_cells(after)
+            if not any(kind == "start" for kind, *_ in expected):
+                # The last one comes along.
+                assert sum(found.pop(each) for each in [*found] if each[0] == "start") == 1
+            assert found == expected
             continue
         changed, may = (before - after) + (after - before), may_change(message)
         assert [thing for thing in changed if not may(thing)] == []

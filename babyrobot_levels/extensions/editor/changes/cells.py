@@ -34,7 +34,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.geometry import Cell, blocked_cells, is_inside, show_cell
 from babyrobot_levels.language.kinds import KIND, NEEDED
-from babyrobot_levels.language.things import SHAPES
+from babyrobot_levels.language.things import SHAPES, hit_reward
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.mdp.grid import BIT, grid_with_doors
@@ -357,7 +357,9 @@ def add_warp(draft: Draft, gesture: Warp) -> None:
 
 
 def add_mover(draft: Draft, gesture: Path) -> None:
-    """Add a guard on a path, or a wanderer in a rectangle."""
+    """Add a guard on a path, or a wanderer in a rectangle. To meet the first costs something."""
+    if not draft.level.movers and "hit" not in draft.data:
+        draft.data["hit"] = {"reward": hit_reward(draft.level.rewards, draft.level.size)}
     if gesture.rectangle:
         x, y, columns, rows = Box.between(gesture.cells[0], gesture.cells[-1])
         within = {"at": [x, y], "size": [columns, rows]}

@@ -1,5 +1,6 @@
 """A level that a gesture is changing: its fields, its drawing, its names, and what is erased."""
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import count
 from typing import Any
@@ -27,12 +28,14 @@ class Draft:
         level: the level before the gesture.
         document: the text before the gesture.
         canvas: the drawing of `map`, which gestures change in place; None if there is none.
+        lost: how many of which kinds are gone that the gesture did not point at.
     """
 
     def __init__(self, document: Document, level: Level) -> None:
         self.document, self.level = document, level
         self.data: dict[str, Any] = _copied(document.data)
         self.canvas = None if level.drawing is None else Canvas(level.drawing)
+        self.lost: Counter[str] = Counter()
 
     def entries(self, field: str) -> list[Any]:
         """Return the entries of a list, to be changed in place; a new list if there is none."""
@@ -153,11 +156,9 @@ class Canvas:
 
 def put_starts(draft: Draft, cells: Sequence[Cell]) -> None:
     """Make some cells the starts. There has to be one."""
-    if [*cells] == [*draft.level.starts]:
-        return
     if draft.canvas is not None:
         _draw(draft, d.START, cells)
-    else:
+    elif [*cells] != [*draft.level.starts]:
         draft.data["start"] = _one_or_several(cells)
 
 
@@ -170,7 +171,10 @@ def put_exits(draft: Draft, cells: Sequence[Cell], *, is_drawn_by_lot: bool = Fa
         is_drawn_by_lot: whether one of several is drawn at each reset (`exit_one_of`).
     """
     is_drawn_by_lot = is_drawn_by_lot and len(cells) > 1
-    if [*cells] == [*draft.level.exits] and is_drawn_by_lot == ("exit_one_of" in draft.data):
+    before = draft.level.exits
+    if draft.canvas is not None and "exit_one_of" not in draft.data:
+        before = tuple(draft.canvas.find(d.EXIT))
+    if [*cells] == [*before] and is_drawn_by_lot == ("exit_one_of" in draft.data):
         return
     draft.data.pop("exit_one_of", None)
     if is_drawn_by_lot:
@@ -210,6 +214,7 @@ def replace_names(draft: Draft, names: Mapping[str, str | None]) -> None:
         replaced = [_replace(door, field, names) for field in ("needs", "unless")]
         if any(replaced) and "needs" not in door and "unless" not in door:
             draft.data["doors"].remove(door)
+            draft.lost["door"] += 1
             if draft.canvas is not None:
                 draft.canvas.mark(Run.of_entry(door), d.OPEN)
 
@@ -252,6 +257,9 @@ STANDING = frozenset(kind.field for kind in LISTED if kind.where in ("cell", "pa
 GROUND = frozenset(kind.field for kind in LISTED if kind.where == "rectangle")
 """What covers rectangles, of which a part can be taken away."""
 
+KIND_OF_FIELD = {kind.field: kind for kind in LISTED}
+"""The kinds of lists of entries, by their fields."""
+
 _DRAWN = {mark: kind.field for kind in LISTED for mark in kind.marks}
 """The field whose entry would say what a mark of drawings says."""
 
@@ -279,10 +287,14 @@ def erase(
             cut_boxes(entries, gone, where)
         else:
             kept = [_without(each, gone) if where(each) else each for each in entries]
+            pairs = zip(entries, kept, strict=True)
+            # A part of what it stands on was erased.
+            parts = [each for each, left in pairs if left is None and {*cells_of(each)} - gone]
+            draft.lost[KIND_OF_FIELD[field].name] += len(parts)
             entries[:] = [each for each in kept if each is not None]
     if draft.canvas is not None:
         for cell in gone:
-            if _drawn_kind(draft, cell) in fields:
+            if drawn_field(draft, cell) in fields:
                 draft.canvas.put(cell, d.PLAIN)
     forget_missing(draft)
 
@@ -291,7 +303,7 @@ def _without(entry: Entry, cells: set[Cell]) -> Entry | None:
     """Return an entry without some cells; None if nothing is left of it."""
     if entry.get("one_of"):
         return lying_in(entry, [c for c in map(as_cell, entry["one_of"]) if c not in cells])
-    return entry if cells.isdisjoint(_cells_of(entry)) else None
+    return entry if cells.isdisjoint(cells_of(entry)) else None
 
 
 def lying_in(item: Entry, cells: list[Cell]) -> Entry | None:
@@ -304,7 +316,7 @@ def lying_in(item: Entry, cells: list[Cell]) -> Entry | None:
     return {names.get(name, name): value for name, value in item.items()} | {"at": places[0]}
 
 
-def _cells_of(entry: Entry) -> list[Cell]:
+def cells_of(entry: Entry) -> list[Cell]:
     """Return the cells in which an entry stands."""
     if entry.get("within") is not None:
         return [*Box.of(entry["within"]).cells]
@@ -318,7 +330,7 @@ def as_cell(value: Any) -> Cell:
     return int(x), int(y)
 
 
-def _drawn_kind(draft: Draft, cell: Cell) -> str | None:
+def drawn_field(draft: Draft, cell: Cell) -> str | None:
     """Return the field whose entry would say what the drawing shows in a cell."""
     assert draft.canvas is not None
     character = draft.canvas.at(cell)

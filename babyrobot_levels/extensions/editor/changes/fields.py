@@ -15,6 +15,7 @@ from babyrobot_levels.extensions.editor.changes.draft import (
 )
 from babyrobot_levels.extensions.editor.changes.routes import Route
 from babyrobot_levels.extensions.editor.changes.shapes import Entry, Run
+from babyrobot_levels.extensions.editor.findings import fix_of
 from babyrobot_levels.extensions.editor.gestures import Fix, Move, Remove, Set
 from babyrobot_levels.extensions.editor.places import Place, drawn_places
 from babyrobot_levels.language import drawing as d
@@ -84,9 +85,10 @@ def fixed(report: Report, gesture: Fix) -> str:
     """
     for found in report.diagnostics:
         place = (found.code, found.line, found.column)
-        if place == (gesture.code, gesture.line, gesture.column) and found.fix is not None:
+        fix = fix_of(found)
+        if place == (gesture.code, gesture.line, gesture.column) and fix is not None:
             assert report.source is not None
-            return apply(found.fix.edits, report.source)
+            return apply(fix.edits, report.source)
     raise RefusedError("this finding is no longer there, or has no fix")
 
 

@@ -6,9 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from babyrobot_levels.extensions.editor.changes.draft import (
+    GROUND,
+    KIND_OF_FIELD,
+    STANDING,
     Draft,
     RefusedError,
     as_cell,
+    cells_of,
+    drawn_field,
     forget_missing,
     lying_in,
     put_exits,
@@ -16,40 +21,76 @@ from babyrobot_levels.extensions.editor.changes.draft import (
 )
 from babyrobot_levels.extensions.editor.changes.shapes import Box, Entry, Run, placed
 from babyrobot_levels.extensions.editor.gestures import Resize, Wind
+from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.kinds import LISTED
 from babyrobot_levels.mdp.drawn import resolved_fields
 from babyrobot_levels.mdp.grid import OPPOSITE
-
-_WHERE = {kind.field: kind.where for kind in LISTED}
-"""What the entries of each list stand on."""
 
 _NAMES = {side: name for name, side in SIDE_NAMES.items()}
 
 
 def resize(draft: Draft, gesture: Resize) -> None:
-    """Give the level another size. What would lie outside is removed; starts and exits must not."""
+    """Give the level another size.
+
+    What would lie outside is removed, but for the last start and the last exit, which come to lie
+    in the nearest cells that are free.
+    """
     level = draft.level
     change = _Change(level.size, gesture.size, gesture.shift)
     starts, exits = change.cells(level.starts), change.cells(level.exits)
     is_default = not {"exit", "exit_one_of", "map"} & {*draft.data}
-    for what, before, after in (("start", level.starts, starts), ("exit", level.exits, exits)):
-        if before and not after and not (what == "exit" and is_default):
-            raise RefusedError(f"the {what} would lie outside: move it first")
+    if is_default:
+        exits = [(change.new[0] - 1, change.new[1] - 1)] if level.exits else []
+        starts = [cell for cell in starts if cell not in exits]
     if draft.canvas is not None:
+        cells = [(x, y) for y, row in enumerate(draft.canvas.cells) for x in range(len(row))]
+        outside = [drawn_field(draft, cell) for cell in cells if change.cell(cell) is None]
+        draft.lost.update(KIND_OF_FIELD[field].name for field in outside if field in STANDING)
         draft.canvas.resize(*change.new, *change.shift)
     else:
         draft.data["size"] = [*change.new]
+    for field in KIND_OF_FIELD:
+        if field in draft.data:
+            moved = [change.entry(field, entry) for entry in draft.data[field]]
+            draft.data[field] = [entry for entry in moved if entry is not None]
+            if field in STANDING or field == "doors":
+                draft.lost[KIND_OF_FIELD[field].name] += moved.count(None)
+    ends = [*starts, *exits]
+    if not starts:
+        starts = [_nearest_free(draft, change, level.starts[0], ends)]
+    if level.exits and not exits:
+        exits = [_nearest_free(draft, change, level.exits[0], [*ends, *starts])]
     put_starts(draft, starts)
     if not is_default:
         put_exits(draft, exits, is_drawn_by_lot=level.exit_one_of is not None)
-    for field in _WHERE:
-        if field in draft.data:
-            moved = (change.entry(field, entry) for entry in draft.data[field])
-            draft.data[field] = [entry for entry in moved if entry is not None]
     _move_wind(draft, change)
     forget_missing(draft)
+
+
+def _nearest_free(draft: Draft, change: _Change, cell: Cell, ends: Iterable[Cell]) -> Cell:
+    """Return the cell nearest to one outside in which nothing stands, for a start or an exit."""
+    width, height = change.new
+    standing = (entry for field in STANDING for entry in draft.data.get(field, ()))
+    taken = {*ends, *(at for entry in standing for at in cells_of(entry))}
+    closed = [
+        Box.of(entry)
+        for field in GROUND
+        for entry in draft.data.get(field, ())
+        if field == "blocked" or entry.get("ends")
+    ]
+    canvas, (x, y) = draft.canvas, (cell[0] + change.shift[0], cell[1] + change.shift[1])
+    free = (
+        at
+        for at in Box(0, 0, width, height).cells
+        if at not in taken
+        and not any(box.has(at) for box in closed)
+        and (canvas is None or canvas.at(at) == d.PLAIN)
+    )
+    found = min(free, key=lambda at: (at[0] - x) ** 2 + (at[1] - y) ** 2, default=None)
+    if found is None:
+        raise RefusedError("start and exit would have no free cell there")
+    return found
 
 
 def blow(draft: Draft, gesture: Wind) -> None:
@@ -149,10 +190,10 @@ class _Change:
 
     def entry(self, field: str, entry: Entry) -> Entry | None:
         """Return an entry with its new place, None if that is outside."""
-        if _WHERE[field] == "side":
+        if KIND_OF_FIELD[field].where == "side":
             run = self.run(Run.of_entry(entry))
             return None if run is None else placed(entry, run)
-        if _WHERE[field] == "rectangle":
+        if KIND_OF_FIELD[field].where == "rectangle":
             box = self.box(Box.of(entry))
             return None if box is None else box.put(entry)
         return self._thing(entry)

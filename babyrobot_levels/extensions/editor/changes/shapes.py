@@ -134,6 +134,11 @@ class Box(NamedTuple):
             for x in range(self.x, self.x + self.columns):
                 yield x, y
 
+    def has(self, cell: Cell) -> bool:
+        """Tell whether a cell is one of it."""
+        x, y = cell[0] - self.x, cell[1] - self.y
+        return 0 <= x < self.columns and 0 <= y < self.rows
+
     def within(self, other: Box) -> Box | None:
         """Return what two rectangles have in common; None if they have no cell."""
         x, y = max(self.x, other.x), max(self.y, other.y)

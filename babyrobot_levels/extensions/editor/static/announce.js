@@ -132,8 +132,10 @@ export class Announcer {
     const { editor } = this;
     const { length: count } = editor.state.findings;
     const done = DONE[editor.done.do]?.(editor, editor.done);
-    const grown = editor.state.maze_regrown ? "The maze has grown anew" : undefined;
-    const words = [done, grown, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
+    const { maze_regrown, lost } = editor.state;
+    const grown = maze_regrown ? "The maze has grown anew" : undefined;
+    const gone = lost ? `This also removed ${lost}` : undefined;
+    const words = [done, gone, grown, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
     if (done !== undefined)
       editor.say(
         words

@@ -15,8 +15,11 @@ function openingsOf({ fields = {}, places = [] }) {
   return fields.maze === undefined ? null : places.filter(({ kind }) => kind === "opening").length;
 }
 
-/** Offers to write the maze out as soon as one of its walls is opened, or as it has grown anew. */
-export class MazeOffer {
+/**
+ * Offers to write the maze out as soon as one of its walls is opened, or as it has grown anew; and to
+ * undo what removed more than it pointed at.
+ */
+export class Offers {
   constructor(editor, place) {
     const opening = button("Write the maze out", {
       title: "A wall of the maze was opened, by an entry of openings. Written out, each wall is an entry of its own.",
@@ -27,7 +30,8 @@ export class MazeOffer {
         "The maze has grown anew, since it begins at the first start and leaves out blocked cells. Written out as walls, it stays as it was.",
       onclick: () => editor.send({ do: "keep_maze" }),
     });
-    place.prepend(opening, growing);
+    const undo = button("Undo", { onclick: () => editor.send({ do: "undo" }) });
+    place.prepend(undo, opening, growing);
     let before = null;
     const show = (offer, isShown) => offer.classList.toggle("hidden", !isShown);
     show(opening, false);
@@ -36,9 +40,11 @@ export class MazeOffer {
       const isNew = before !== null && opened > before;
       if (isNew || !opened) show(opening, isNew);
       show(growing, editor.state.maze_regrown);
+      show(undo, editor.state.lost);
       before = opened;
     });
     show(growing, false);
+    show(undo, false);
   }
 }
 

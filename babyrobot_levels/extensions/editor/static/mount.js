@@ -14,7 +14,7 @@ import { Inspector } from "./inspector.js";
 import { KeyBindings } from "./keys.js";
 import { LearningPanel } from "./learning.js";
 import { MarksOverlay } from "./marks_layer.js";
-import { MazeOffer } from "./maze.js";
+import { Offers } from "./maze.js";
 import { Overlay } from "./overlay.js";
 import { Playing } from "./playing.js";
 import { Pointer } from "./pointer.js";
@@ -105,7 +105,7 @@ export function mount(place, connection, style = "") {
   new Divider(find("editor"), find("panels"));
   new Inspector(editor, find("inspector"));
   new World(editor, find("world"));
-  new MazeOffer(editor, find("zoom").parentElement);
+  new Offers(editor, find("zoom").parentElement);
   new Findings(editor, find("findings"), find("problem"));
   new TextPane(editor, find("file"));
   new FileButtons(editor, find("files"), find("editor"));
