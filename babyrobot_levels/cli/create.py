@@ -63,7 +63,8 @@ def new_level(
         str,
         typer.Option(
             metavar="THEME",
-            help="Theme: default, black_orange, blue_green, green, high_contrast or print.",
+            help="Theme: default, babyrobot, black_orange, blue_green, dark, green, high_contrast "
+            "or print.",
         ),
     ] = "default",
     template: Annotated[

@@ -279,7 +279,7 @@ def _rest(options: StarterOptions) -> str:
 
 # rewards: {{step: -1, exit: 0}}  # the defaults
 # max_steps: 100  # episodes are truncated after so many steps
-{theme}  # default, black_orange, blue_green, green, high_contrast, print
+{theme}  # default, babyrobot, black_orange, blue_green, dark, green, high_contrast, print
 """
 
 

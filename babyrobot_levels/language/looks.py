@@ -75,31 +75,31 @@ ThemeName = Annotated[StrictStr, StringConstraints(pattern=THEME_NAME, max_lengt
 class Colors(Model):
     """The colours of a theme. Those that are left out are those of the theme `default`."""
 
-    base: Color = "orange"
+    base: Color = "#f4f0e7"
     """The ground."""
-    lines: Color = "#777777"
+    lines: Color = "rgba(110,100,84,0.42)"
     """The dashed lines between the cells."""
-    start: Color = "#c61414"
+    start: Color = "#3d5ab8"
     """The ground of a start."""
     start_text: Color = "#ffffff"
     """The text on a start."""
-    exit: Color = "#007200"
+    exit: Color = "#187a53"
     """The ground of an exit."""
     exit_text: Color = "#ffffff"
     """The text on an exit."""
-    border: Color = "black"
+    border: Color = "#2b3540"
     """The outer wall."""
-    walls: Color = "black"
+    walls: Color = "#2b3540"
     """The walls."""
-    arrows: Color = "#00008b"
+    arrows: Color = "#27357e"
     """Arrows: warps, wind, policies."""
-    text_bg: Color = "rgba(60,60,60,0.75)"
+    text_bg: Color = "rgba(43,53,64,0.88)"
     """The ground of a panel."""
     text_fg: Color = "#ffffff"
     """The text of a panel, and texts on the grid."""
-    blocked: Color = "#5b4a3f"
+    blocked: Color = "#6a7480"
     """Blocked cells."""
-    puddle: Color = "#1f63b0"
+    puddle: Color = "#2f88bd"
     """Puddles."""
     robot: Color = "#586370"
     """The robot."""
@@ -204,5 +204,6 @@ BUILTIN_THEMES: dict[str, Theme] = {
     ),
     **{name: _theme(**theme) for name, theme in _KNOWN["themes"].items()},
 }
-"""The built-in themes: four in the colours of PyPI `babyrobot`, one of high contrast, for
-projectors, and one for paper, in greys."""
+"""The built-in themes: the default and a dark one, four in the colours of PyPI `babyrobot`, one of
+high contrast, for projectors, and one for paper, in greys. In all but `babyrobot` and `print`, a
+start is blue and an exit green."""

@@ -77,9 +77,9 @@ def test_a_picture_shows_what_is_asked_for() -> None:
         return babyrobot("preview", "default", "--format", "svg", *options).out
 
     plain = picture()
-    assert "orange" in plain
+    assert "#f4f0e7" in plain
     assert picture("--theme", "default") == plain
-    assert "orange" not in picture("--theme", "green")
+    assert "#f4f0e7" not in picture("--theme", "green")
     assert plain.count("<text") < picture("--coordinates").count("<text")
 
 

@@ -78,7 +78,7 @@ MISTAKES = (
     ("brl.generate(cout=2)", "argument 'cout'; did you mean `count`?"),
     ("brl.preview('maze', 'x.jpg')", "no format 'jpg', but svg, pdf, png, gif, html"),
     ("brl.load('maze').to_png(scale=-1)", "scale must be above 0 and at most 100, not -1"),
-    ("brl.load('maze').to_svg(theme='dark')", "known themes: default, black_orange"),
+    ("brl.load('maze').to_svg(theme='night')", "known themes: default, babyrobot"),
     ("brl.load('maze').to_svg(values=[1, 2])", "`values` has the shape (2,)"),
     ("brl.load('maze').to_svg(policy='greedy')", "no agent 'greedy'; an agent is `best`"),
     ("brl.solve('maze', gama=0.9)", "argument 'gama'; did you mean `discount`?"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Collection, Iterable, Iterator
 from functools import cache
-from itertools import cycle, product
+from itertools import combinations, cycle, product
 from typing import Any
 
 import numpy as np
@@ -305,3 +305,68 @@ def test_high_contrast_is_what_it_says() -> None:
     assert contrast(colors.lines, colors.base) >= TEXT
     # The outer wall is seen on the page as well.
     assert min(contrast(colors.border, page) for page in ("white", "black")) >= GRAPHICS
+
+
+# -- colour blindness ------------------------------------------------------------------------------
+
+BLINDNESS = {
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "tritanopia": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
+}
+"""What linear RGB becomes to people who lack one kind of cone (Machado et al. 2009)."""
+
+TO_XYZ = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+
+UNLIKE = 7.0
+"""The least difference of two grounds in CIELAB; of 2.3, half of all people see one."""
+
+
+def lab(color: str, matrix: Any) -> Any:
+    """Return a colour in CIELAB, as it is seen through a matrix of linear RGB."""
+    shares = np.array(rgba(color)[:3]) / 255
+    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    seen = np.clip(matrix @ linear, 0, 1)
+    xyz = np.array(TO_XYZ) @ seen / [0.9505, 1.0, 1.089]
+    x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("name", [name for name in BUILTIN_THEMES if name != "print"])
+@pytest.mark.parametrize("kind", BLINDNESS)
+def test_grounds_are_told_apart_by_people_who_are_colour_blind(name: str, kind: str) -> None:
+    colors = BUILTIN_THEMES[name].colors
+    parts = ["base", "start", "exit", "blocked"]
+    parts += ["puddle"] if name in ("default", "dark") else []
+    seen = {part: lab(getattr(colors, part), np.array(BLINDNESS[kind])) for part in parts}
+    alike = [
+        (one, other, float(np.linalg.norm(seen[one] - seen[other])))
+        for one, other in combinations(seen, 2)
+        if np.linalg.norm(seen[one] - seen[other]) < UNLIKE
+    ]
+    assert alike == []
+
+
+@pytest.mark.parametrize("name", [*{*BUILTIN_THEMES} - {"babyrobot", "print"}])
+def test_starts_are_blue_and_exits_green_in_all_themes(name: str) -> None:
+    colors = BUILTIN_THEMES[name].colors
+    assert max(range(3), key=rgba(colors.start).__getitem__) == 2
+    assert max(range(3), key=rgba(colors.exit).__getitem__) == 1
+
+
+def test_the_orange_of_the_articles_is_a_theme() -> None:
+    colors = BUILTIN_THEMES["babyrobot"].colors
+    assert (colors.base, colors.start, colors.exit) == ("orange", "#c61414", "#007200")
+    assert brl.load("default").replace(theme="babyrobot").digest == brl.load("default").digest

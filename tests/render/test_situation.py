@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -192,8 +193,6 @@ MARKS = {
     "chest": {"ends": True, "reward": 5},
     "hole": {"ends": True, "reward": 0},
     "trap": {"ends": True, "reward": -5},
-    "plus": {"reward": 5},
-    "minus": {"reward": -5},
 }
 
 
@@ -210,6 +209,45 @@ def test_marks_have_a_rim_and_an_outline_of_which_one_stands_out_on_any_ground(k
     assert (rim.stroke, outline.stroke or outline.fill) == (RIM, INK)
     grays = [f"#{gray:02x}{gray:02x}{gray:02x}" for gray in range(256)]
     assert all(max(contrast(RIM, ground), contrast(INK, ground)) >= 3 for ground in grays)
+
+
+def grains(*rewards: float) -> Iterator[list[Any]]:
+    """Yield the lines of the grain of each cell of a row with these rewards."""
+    areas = [{"at": [x, 1], "label": " "} for x in range(len(rewards))]
+    paid = [{**area, "reward": reward} for area, reward in zip(areas, rewards, strict=True)]
+    rules: Any = {"size": [len(rewards), 3], "rewards": {"step": -1, "exit": 1}}
+    (grain,) = (
+        shape
+        for shape in added(level(areas=paid, **rules), level(areas=areas, **rules))
+        if isinstance(shape, Path)
+    )
+    assert contrast(grain.stroke or "", level().resolved_theme.colors.base) >= 3
+    lines = [line for line, _ in polylines(grain.commands)]
+    for x in range(len(rewards)):
+        yield [line for line in lines if (line[0][0] - MARGIN) // CELL == x]
+
+
+def test_ground_that_costs_has_a_grain_of_dashes_more_of_them_for_more() -> None:
+    cells = [*grains(-50, -150, -300)]
+    assert all(first[1] == last[1] for lines in cells for first, last in lines)
+    counts = [len(lines) for lines in cells]
+    assert counts == sorted({*counts}), counts
+
+
+def test_ground_that_pays_has_a_grain_of_crosses() -> None:
+    (lines,) = grains(5)
+    assert {first[0] == last[0] for first, last in lines} == {True, False}
+
+
+def test_beside_answers_ground_that_costs_has_a_sign() -> None:
+    world = level(areas=[{"at": [1, 1], "reward": -5}])
+    answers = Overlay(actions=[[(Action.EAST,)] * 5] * 5)
+    known = {*build_scene(level(), overlay=answers, robot=False).shapes}
+    shapes = build_scene(world, overlay=answers, robot=False).shapes
+    rim, outline, *_ = (each for each in shapes if each not in known)
+    assert isinstance(rim, Path)
+    assert isinstance(outline, Path)
+    assert (rim.stroke, outline.stroke) == (RIM, INK)
 
 
 def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:

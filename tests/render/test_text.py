@@ -219,7 +219,7 @@ def test_values_stand_on_the_colours_of_their_scale() -> None:
     assert row[1] == ("S", code(colors.start))
     assert row[2] == ("↓", code(scale.color(-12.5)))
     assert {ground for _, ground in row[2:9]} == {code(scale.color(-12.5))}
-    assert row[11] == ("∘", "31;99;176")
+    assert row[11] == ("∘", code(colors.puddle))
     assert {ground for _, ground in row[13:20]} == {code(scale.color(0.25))}
     legend = grounds_of(lines[-1])
     assert legend[7][1] == code(scale.strip(24)[0])

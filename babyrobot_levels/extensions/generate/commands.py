@@ -98,7 +98,7 @@ _CONDITIONS: dict[str, tuple[Any, str | None, str]] = {
     "theme": (
         str,
         "THEME",
-        "Theme: default, black_orange, blue_green, green, high_contrast or print.",
+        "Theme: default, babyrobot, black_orange, blue_green, dark, green, high_contrast or print.",
     ),
     "seed": (int, "S", "Random seed: the same seed generates the same files.  [default: 0]"),
     "split": (

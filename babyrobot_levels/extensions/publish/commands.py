@@ -86,7 +86,7 @@ def gallery(
 
     Examples:
 
-      babyrobot gallery gallery -o site
+      babyrobot gallery levels -o site
 
       babyrobot gallery small-mazes --split test --count 100 -o site
 

@@ -20,6 +20,8 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     circle,
     curve,
+    outline,
+    placed,
     polyline,
     rectangle,
     smooth,
@@ -104,10 +106,11 @@ def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str
 
 
 def pad_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
-    """Yield the pad of a start: a glow with a ring in it, which is unlike a hole."""
+    """Yield the pin of a start that the robot does not stand on."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-    yield Ellipse(x, y + 11, 20, 6, color, 0.2)
-    yield Path(circle(x, y + 11, 15, 4.5), stroke=color, width=2)
+    pin = outline("M0 13 C-3 6 -11 3 -11 -6 C-11 -21 11 -21 11 -6 C11 3 3 6 0 13 Z")
+    yield Path(placed(pin, x, y, 1.0), stroke=color, width=2.8)
+    yield Path(circle(x, y - 6, 3.6), fill=color)
 
 
 def flag_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:

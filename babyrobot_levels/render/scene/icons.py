@@ -230,16 +230,17 @@ def figure_shapes(kind: str, color: str, spot: Spot, look: Cell = (0, 0)) -> Ite
 
 
 def _guard(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
-    """Yield a ghost with two large eyes."""
-    body = outline(
-        "M-15 15.5 L-15 -2 C-15 -22.5 15 -22.5 15 -2 L15 15.5"
-        " C12.5 15.5 12 10.5 10 10.5 C8 10.5 7.5 15.5 5 15.5 C2.5 15.5 2 10.5 0 10.5"
-        " C-2 10.5 -2.5 15.5 -5 15.5 C-7.5 15.5 -8 10.5 -10 10.5 C-12 10.5 -12.5 15.5 -15 15.5 Z"
-    )
-    yield from spot.body(body, color)
-    shine = curve((-11.4, -4.0), (-10.6, -11.4), (-4.4, -13.6))
+    """Yield a sentry on two tracks, with a visor that looks where it goes."""
+    for side in (-1, 1):
+        yield from spot.body(rounded(9.5 * side - 5.5, 9, 11, 9, 3.5), INK)
+    yield from spot.body(rounded(-16, -16, 32, 29, 9), color)
+    yield spot.line(polyline([(-13, 8), (13, 8)]), BLACK, 2.4, 0.35)
+    shine = curve((-12.4, -6.0), (-12.4, -12.4), (-6.0, -12.4))
     yield spot.line(shine, WHITE, 2.2, 0.6)
-    yield from _eyes(spot, -2.5, 5.6, 4.4, 5.2, look)
+    yield spot.fill(rounded(-12.5, -8, 25, 12, 6), INK)
+    for side in (-1, 1):
+        eye = circle(5.2 * side + 3.0 * look[0], -2 + 1.8 * look[1], 2.5, 3.2)
+        yield spot.fill(eye, WHITE)
 
 
 def _wanderer(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:

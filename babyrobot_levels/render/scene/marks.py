@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.render.colors import rim_on
+from babyrobot_levels.render.colors import BLACK, GRAPHICS, WHITE, contrast, mixed, rim_on
+from babyrobot_levels.render.scene.ground import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, RIM, Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
@@ -17,6 +18,7 @@ from babyrobot_levels.render.scene.shapes import (
     Ellipse,
     Path,
     Point,
+    Rect,
     Scene,
     Shape,
     circle,
@@ -45,6 +47,7 @@ def effect_shapes(
     level: GridWorld, layout: Layout, slots: Slots, effects: Effects
 ) -> Iterator[Shape]:
     """Yield what the cells of a level do: glints, wind, warps, and marks."""
+    yield from grain_shapes(level, layout, slots, effects)
     yield from sheen_shapes(effects.skids, layout, slots)
     yield from wind_shapes(effects.winds, slots, level.resolved_theme.colors.arrows)
     yield from warp_shapes(level, layout, slots, effects)
@@ -54,16 +57,20 @@ def effect_shapes(
 def mark_shapes(level: GridWorld, slots: Slots, effects: Effects) -> Iterator[Shape]:
     """Yield the marks of what cells do; those of one kind and size are painted as one.
 
-    A sign is small in the ring of a warp, and beside wind and the path of a guard.
+    Signs stand in rings of warps, and where the ground has no room for its grain. There and beside
+    wind and the path of a guard they are small.
 
     Args:
         level: the level.
         slots: where the marks are.
         effects: what the cells do.
     """
-    beside = {cell for mover in level.movers for cell in mover.path or ()}.union(effects.winds)
+    beside = _beside(level, effects)
+    grained = {*_grained(level, slots, effects)}
     placed: dict[tuple[Figure, float], list[Spot]] = {}
     for cell, figure, wide, strength in _marks(effects):
+        if cell in grained and figure in (_plus, _minus):
+            continue
         box = slots.icon(cell)
         (x, y), scale = box.centre, round(_SIZES[strength - 1] * box.width / wide, 3)
         if cell in slots.rings or cell in beside:
@@ -87,6 +94,11 @@ def _marks(effects: Effects) -> Iterator[tuple[Cell, Figure, float, int]]:
     for figure, cells in ((_plus, effects.pays), (_minus, effects.costs)):
         for cell, strength in cells.items():
             yield cell, figure, 32.0, strength
+
+
+def _beside(level: GridWorld, effects: Effects) -> set[Cell]:
+    """Return the cells with wind, or the path of a guard, beside which signs are small."""
+    return {cell for mover in level.movers for cell in mover.path or ()}.union(effects.winds)
 
 
 def _chest(spot: Spot) -> Iterator[Path]:
@@ -132,6 +144,90 @@ def _plus(spot: Spot) -> Iterator[Path]:
 
 def _minus(spot: Spot) -> Iterator[Path]:
     return spot.wire(_BAR, _COSTS, 4.0)
+
+
+# -- what the ground pays and costs ---------------------------------------------------------------
+
+_COST_INK, _PAY_INK = "#a3271f", "#12643f"
+"""The colours of grains, where the ground is not too much like them."""
+
+_GRAIN, _GRAIN_WIDTH = 3.0, 2.0
+"""Half the length of a grain, and its width, in pixels."""
+
+_MOST_GRAINED = 400
+"""The most cells with several grains: in larger grounds they would be finer than a pixel."""
+
+_EDGE = 3.0
+"""The width of the edge by which costly ground lies lower, in pixels."""
+
+
+def grain_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, effects: Effects
+) -> Iterator[Shape]:
+    """Yield the grain of ground that pays or costs: signs like sand, more of them for more.
+
+    Ground that costs lies lower: its upper edge is in the shade.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: what else stands there.
+        effects: what the cells do.
+    """
+    grained, grounds = _grained(level, slots, effects), CellGrounds(level)
+    for cell, is_cost in grained.items():
+        (x, y), (left, top) = cell, layout.corner(*cell)
+        if is_cost and not grained.get((x, y - 1)):
+            yield Rect(left, top, CELL, _EDGE, BLACK, opacity=0.3)
+        if is_cost and not grained.get((x, y + 1)):
+            yield Rect(left, top + CELL - _EDGE, CELL, _EDGE, WHITE, opacity=0.3)
+    grains: dict[str, list[Command]] = {}
+    for cell, is_cost in grained.items():
+        ink = _grain_ink(grounds[cell], _COST_INK if is_cost else _PAY_INK)
+        strength = (effects.costs if is_cost else effects.pays)[cell]
+        count = strength + 1 if len(grained) <= _MOST_GRAINED else 1
+        left, top = layout.corner(*cell)
+        step, grain, texts = (
+            CELL / count,
+            grains.setdefault(ink, []),
+            [*_texts(cell, layout, slots)],
+        )
+        for row in range(count):
+            shift = 0.2 * step * (1 if row % 2 else -1) if count > 1 else 0.0
+            for column in range(count):
+                across, down = left + (column + 0.5) * step + shift, top + (row + 0.5) * step
+                if any(_is_in((across, down), box) for box in texts):
+                    continue
+                grain += polyline([(across - _GRAIN, down), (across + _GRAIN, down)])
+                if not is_cost:
+                    grain += polyline([(across, down - _GRAIN), (across, down + _GRAIN)])
+    for ink, commands in grains.items():
+        yield Path(tuple(commands), stroke=ink, width=_GRAIN_WIDTH, cap="round")
+
+
+def _texts(cell: Cell, layout: Layout, slots: Slots) -> Iterator[Box]:
+    """Yield the boxes of texts in a cell, with room for a grain around them."""
+    plan, corner = slots.plan(cell), layout.corner(*cell)
+    own = [box.moved(*corner) for box in (plan.coordinates, plan.word) if box is not None]
+    for box in (*own, *slots.near(cell)):
+        yield Box(box.left - 5, box.top - 3, box.right + 5, box.bottom + 3)
+
+
+def _grain_ink(ground: str, preferred: str) -> str:
+    """Return the colour of grains: that of their kind, or a shade of the ground that is seen."""
+    rim = rim_on([ground])
+    shades = (mixed(rim, ground, share) for share in (0.5, 0.6, 0.7, 0.8))
+    inks = (preferred, *shades)
+    return next((ink for ink in inks if contrast(ink, ground) >= GRAPHICS), rim)
+
+
+def _grained(level: GridWorld, slots: Slots, effects: Effects) -> dict[Cell, bool]:
+    """Return the cells whose ground shows that it pays or costs, and whether it costs."""
+    if slots.shown.fills_cells:
+        return {}
+    others = slots.rings | _beside(level, effects) | {*effects.ends}
+    told = {**dict.fromkeys(effects.pays, False), **dict.fromkeys(effects.costs, True)}
+    return {cell: is_cost for cell, is_cost in told.items() if cell not in others}
 
 
 # -- slippery cells ------------------------------------------------------------------------------
