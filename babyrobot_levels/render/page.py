@@ -22,6 +22,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Unpack
 
 from babyrobot_levels.language.base import SIDES
@@ -351,7 +352,8 @@ def common_data() -> dict[str, Any]:
     """Return what is the same for all levels: the robot's pictures, and the meaning of codes.
 
     Each shape of the robot is there once; its picture in a pose and a phase, of a cell at (0, 0),
-    is a list of the shapes' numbers (`sprites`, `[poses][phases]`).
+    is a list of the shapes' numbers (`sprites`, `[poses][phases]`), each less the number at its
+    place two pictures before.
     """
     names = (*_ROBOT_COLORS, *_OWN_COLORS)
     palette = Palette(names)
@@ -385,9 +387,21 @@ def common_data() -> dict[str, Any]:
         "robot": names,
         "palette": palette.colors,
         "shapes": list(map(json.loads, shapes)),
-        "sprites": sprites,
+        "sprites": _differences(sprites),
         "made_by": program(),
     }
+
+
+def _differences(sprites: list[list[list[int]]]) -> list[list[list[int]]]:
+    """Return lists of numbers, each number less the one at its place two lists before."""
+    every = [[], [], *(numbers for phases in sprites for numbers in phases)]
+    rest = iter(zip(every[2:], every, strict=False))
+
+    def less(numbers: list[int], before: list[int]) -> list[int]:
+        known = [*before, *[0] * len(numbers)]
+        return [number - known[place] for place, number in enumerate(numbers)]
+
+    return [[less(*pair) for pair in islice(rest, len(phases))] for phases in sprites]
 
 
 def _played(level: GridWorld) -> dict[str, Any]:

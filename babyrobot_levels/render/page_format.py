@@ -213,6 +213,9 @@ def _commands(commands: Sequence[Command], origin: Point) -> str:
     for letter, numbers in commands:
         points = list(zip(numbers[::2], numbers[1::2], strict=True))
         places = [(length(x), length(y)) for x, y in points]
+        # A line of no length is seen only where it is all of the path.
+        if letter == "L" and {*places} == {last} and len(commands) > 3:
+            continue
         parts.append(letter.lower() + _joined((x - last[0], y - last[1]) for x, y in places))
         last = places[-1] if places else last
     return "".join(parts)

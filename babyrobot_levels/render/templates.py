@@ -36,10 +36,12 @@ _NAMES = re.compile(r"^(?:const|let|class|(?:async )?function) (?:(\w+)|[\[{]([^
 _LEFT = re.compile(r"^(?:import\b|export (?!default )|@import\b).*", re.M)
 _NEEDLESS = re.compile(r"^((?:(?!//).)*),\n(?=[)\]}])", re.M)
 """A comma and a break after the last of several lines."""
-_BREAKS = re.compile(r"^((?:(?!//).)*)(?:(?<=[{(\[;,])\n|\n(?=\}))", re.M)
+_BREAKS = re.compile(r"^((?:(?!//).)*)(?:(?<=[{}()\[;,=>?:&|+])\n|\n(?=\}))", re.M)
 """Breaks after signs with which a statement ends or goes on, and before the end of a block."""
+_DECLARED = re.compile(r"^(const\b[^\n]*);\nconst\b ?(?=[^\n]*;$)", re.M)
+"""A declaration on one line that another one follows."""
 _COMMENTS = re.compile(
-    r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$|(?<=[;,{([]) // [^\n\"`]*$"
+    r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$|(?<=[;,{([]) (?:// [^\n\"`]*|/\* [^\n*]*\*/)$"
     r"|/\*\* @type (?:(?!\*/).)*\*/ ?",
     re.M | re.S,
 )
@@ -47,8 +49,8 @@ _COMMENTS = re.compile(
 
 
 _TEXT = r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|`(?:[^`\\]|\\.)*`)"""
-_KEPT = re.compile(r"/\S|\$\{[^}]*`")
-"""What is in lines with texts of other kinds: regular expressions, comments, nested templates."""
+_NESTED, _SLASH = re.compile(r"\$\{[^}]*`"), re.compile(r"/\S")
+"""What lines have with texts that are no strings: nested templates; regular expressions."""
 _ZERO = r"(?<![\w.])0(?=\.\d)"
 _SPACES = {
     ".js": re.compile(
@@ -119,15 +121,23 @@ def _read(path: str, text: str) -> _Module:
     if left := _LEFT.search(code):
         raise ValueError(f"{path}: this form is not understood: {left[0]}")
     names = frozenset[str]().union(*map(_words, map(" ".join, _NAMES.findall(code))))
-    spaces = _SPACES[posixpath.splitext(path)[1]]
+    kind = posixpath.splitext(path)[1]
+    spaces = _SPACES[kind]
     lines = [
         line
-        if _KEPT.search(line)
+        if kind == ".js" and _is_kept(line)
         else spaces.sub(lambda found: "".join(filter(None, found.groups())), line)
         for line in filter(None, map(str.strip, code.splitlines()))
     ]
     code = _NEEDLESS.sub(r"\1", "\n".join(lines))
+    while (joined := _DECLARED.sub(r"\1,", code)) != code:
+        code = joined
     return _Module(imports, exports, names, _BREAKS.sub(r"\1", code))
+
+
+def _is_kept(line: str) -> bool:
+    """Tell whether a line of a script has texts that are no strings, which may have spaces."""
+    return bool(_NESTED.search(line) or _SLASH.search(re.sub(_TEXT, "", line)))
 
 
 def _check_names(modules: Mapping[str, _Module]) -> None:

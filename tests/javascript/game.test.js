@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { formatted, Game, swiped } from "../../babyrobot_levels/render/static/game.js";
 import { checksum, playOf, signed } from "../../babyrobot_levels/render/static/play.js";
 import { decisionsOf } from "../../babyrobot_levels/render/static/regret.js";
-import { resultFacts, ruleOf, starsOf } from "../../babyrobot_levels/render/static/result.js";
+import { resultFacts, ruleOf, starsOf, verdictOf } from "../../babyrobot_levels/render/static/result.js";
 import { surroundings } from "../../babyrobot_levels/render/static/speech.js";
 import { corridor } from "./page.js";
 
@@ -119,7 +119,7 @@ test("a result tells decisions and luck apart, and help only where there was som
   game.hints = 1;
   assert.deepEqual(resultFacts(game).at(-1), ["Help", "1 hint"]);
   assert.deepEqual(resultFacts(lucky([], [0], { returns: undefined })), [["Return", "\u22121"]]);
-  assert.match(ruleOf(game), /cost at most 0.6, 10 %/);
+  assert.match(ruleOf(game), /at most 0.6, 10 %/);
   assert.doesNotMatch(ruleOf(lucky([], [], { returns: free({ random: null }) })), /Two/);
 });
 
@@ -188,4 +188,26 @@ test("what can be held and on is told in words, fewer first", () => {
 test("marks are those of a configuration", () => {
   const game = new Game(corridor(things()));
   assert.deepEqual([game.marks("values"), game.marks("values", 2), game.marks("policy")], [[0, 1, 2], [6, 7, 8], []]);
+});
+
+test("a watched episode has no stars, and no verdict", () => {
+  const game = finished();
+  assert.notEqual(starsOf(game), null);
+  game.watched = 1;
+  assert.deepEqual([starsOf(game), verdictOf(game)], [null, null]);
+});
+
+test("the verdict tells how many steps were wasted", () => {
+  const plain = { rows: corridor().rows.map((row) => row.map((each) => (each === 10 ? -1 : each))) };
+  assert.equal(verdictOf(lucky([0.1], [EAST, EAST], plain)), "Best possible!");
+  assert.match(verdictOf(lucky([0.1], [1, EAST, EAST], plain)), /more than needed$/);
+  assert.equal(verdictOf(finished({ max_steps: 1 })), null);
+});
+
+test("a way leads towards a cell, and nowhere through walls", () => {
+  const game = new Game(corridor());
+  assert.equal(game.towards(2), EAST);
+  assert.equal(game.towards(0), -1);
+  const shut = new Game(corridor({ possible: [1, 1, 1] }));
+  assert.equal(shut.towards(2), -1);
 });

@@ -326,6 +326,54 @@ export class Game {
     return ways[this.end] ?? `${capital(name)} at [${this.place(cell).join(", ")}]`;
   }
 
+  /**
+   * Return the action towards a cell along a shortest way on which nothing else happens; -1 if there
+   * is none. Where movers come and go, the way may be closed later.
+   *
+   * @param {number} goal
+   */
+  towards(goal) {
+    const here = this.state % this.cells;
+    const steps = [0, -this.data.width, 1, this.data.width, -1];
+    /** @type {Map<number, number>} The first action of the way to each cell. */
+    const first = new Map([[here, -1]]);
+    for (const cell of first.keys()) {
+      for (const action of [1, 2, 3, 4]) {
+        const next = cell + steps[action];
+        if (!first.has(next) && this.leads(cell, action, next, next === goal))
+          first.set(next, cell === here ? action : first.get(cell));
+      }
+    }
+    return first.has(goal) && goal !== here ? this.turnedTo(first.get(goal)) : -1;
+  }
+
+  /** Whether an action leads from a cell to its neighbour, and nothing else happens but at the goal. */
+  leads(cell, action, next, isGoal) {
+    const { cells, data, configuration } = this;
+    const isMoving = this.things.of("mover").length > 0;
+    // Where movers are now, a cell may be out of reach.
+    const isFar = isMoving && cell !== this.state % cells;
+    const all = isFar ? [...Array(data.possible.length / cells).keys()] : [configuration];
+    return all.some((number) => {
+      const state = number * cells + cell;
+      const isPossible = ((data.possible[state] >> action) & 1) === 1;
+      const outcomes = isPossible ? data.rows[data.table[5 * state + action]] : [];
+      for (let at = 0; at < outcomes.length; at += OUTCOME_LENGTH) {
+        const [, shift, , isOver, code] = outcomes.slice(at, at + OUTCOME_LENGTH);
+        const isFree = !isOver && (isMoving || this.configurationOf(state + shift) === configuration);
+        if ((state + shift) % cells === next && (isFree || isGoal) && this.eventOf(code).hit === null) return true;
+      }
+      return false;
+    });
+  }
+
+  /** Return what a robot does to move to a side: one that turns may have to turn first. */
+  turnedTo(side) {
+    if (!this.isTurning) return side;
+    const turn = (side + 3 - this.heading) % 4;
+    return turn === 0 ? FORWARD : Number(turn !== 3);
+  }
+
   /** Describe how the episode ended. */
   describeEnd() {
     const after = `after ${this.steps} step${this.steps === 1 ? "" : "s"}`;

@@ -6,13 +6,15 @@ import { ZOOM_STEP } from "./view.js";
 /**
  * Listen to the pointers over the stage of a view.
  *
- * A finger that swipes calls `swipe` with the number of a side, once until it is lifted. Two
- * fingers zoom and scroll, and so do a mouse that drags and a wheel with the control key.
+ * A finger that swipes calls `swipe` with the number of a side, once until it is lifted; one that
+ * taps, or a click, calls `tap` with the event. Two fingers zoom and scroll, and so do a mouse that
+ * drags and a wheel with the control key.
  */
-export function listenToGestures(view, swipe) {
+export function listenToGestures(view, swipe, tap) {
   const { stage } = view;
   const fingers = new Map();
   let start = null; // Where the swipe began; null after it has been taken.
+  let pressed = [0, 0]; // Where a finger, or the mouse, went down last.
 
   const spread = () => {
     const [[ax, ay], [bx, by]] = [...fingers.values()];
@@ -22,6 +24,7 @@ export function listenToGestures(view, swipe) {
   stage.addEventListener("pointerdown", ({ pointerType, pointerId, button, clientX, clientY }) => {
     if (button !== 0) return;
     fingers.set(pointerId, [clientX, clientY]);
+    pressed = [clientX, clientY];
     start = pointerType !== "mouse" && fingers.size === 1 ? [clientX, clientY] : null;
   });
   addEventListener("pointermove", ({ pointerType, pointerId, clientX, clientY }) => {
@@ -45,6 +48,9 @@ export function listenToGestures(view, swipe) {
       start = null;
       swipe(side);
     }
+  });
+  stage.addEventListener("click", (event) => {
+    if (swiped(event.clientX - pressed[0], event.clientY - pressed[1]) === 0) tap(event);
   });
   for (const name of ["pointerup", "pointercancel"]) {
     addEventListener(name, (/** @type {any} */ { pointerId }) => fingers.delete(pointerId));

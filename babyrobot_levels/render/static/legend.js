@@ -52,27 +52,32 @@ export class Legend {
     return item;
   }
 
-  /** Tell what is in the cell under the pointer. */
-  point({ clientX, clientY }) {
-    const { svg, stage } = this.view;
+  /** Return the number of the cell at a point of the window; -1 for none. */
+  cellAt({ clientX, clientY }) {
+    const { svg } = this.view;
     const { left, top, width } = svg.getBoundingClientRect();
     const { data } = this.game;
     const scale = svg.viewBox.baseVal.width / width;
     const [x, y] = [clientX - left, clientY - top].map((pixels) =>
       Math.floor((scale * pixels - data.margin) / COMMON.cell),
     );
-    if (x < 0 || y < 0 || x >= data.width || y >= data.height) {
+    return x < 0 || y < 0 || x >= data.width || y >= data.height ? -1 : y * data.width + x;
+  }
+
+  /** Tell what is in the cell under the pointer. */
+  point(event) {
+    const cell = this.cellAt(event);
+    if (cell < 0) {
       this.leave();
       return;
     }
-    const cell = y * data.width + x;
     const isHere = this.all.map(({ cells }) => cells.includes(cell));
     const told = this.all.filter((_, index) => isHere[index]).map(({ words }) => words);
     const things = this.game.things.at(this.game.configuration, cell).map(({ name }) => name);
-    this.line.textContent = [`[${x}, ${y}]`, ...things, ...told].join(" \u00b7 ");
+    this.line.textContent = [`[${this.game.place(cell).join(", ")}]`, ...things, ...told].join(" \u00b7 ");
     this.line.hidden = false;
-    const frame = stage.getBoundingClientRect();
-    this.line.classList.toggle("high", clientY > frame.top + frame.height / 2);
+    const frame = this.view.stage.getBoundingClientRect();
+    this.line.classList.toggle("high", event.clientY > frame.top + frame.height / 2);
     [...this.rules.children].forEach((item, index) => item.classList.toggle("here", isHere[index]));
     this.outline([cell]);
   }

@@ -12,6 +12,8 @@ const SHIFTS = [
   [0, 1],
   [-1, 0],
 ];
+const CONFETTI = 16;
+const CONFETTI_TIME = 900; // Milliseconds.
 const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
 
 /** Return the picture of a level as an SVG element; `symbols` are those of the robot. */
@@ -78,11 +80,14 @@ function isDark(given) {
 export function sprites(robot) {
   const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
   const painter = new Painter(palette);
-  const group = (numbers) => [0, 0, numbers.map((number) => COMMON.shapes[number])];
+  const all = [[], []]; // Each picture is told by what differs from the one two before.
   return COMMON.sprites.flatMap((phases, pose) =>
-    phases.map((numbers, phase) =>
-      element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer([group(numbers)])),
-    ),
+    phases.map((steps, phase) => {
+      const numbers = steps.map((step, at) => step + (all.at(-2)[at] ?? 0));
+      all.push(numbers);
+      const group = [0, 0, numbers.map((number) => COMMON.shapes[number])];
+      return element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer([group]));
+    }),
   );
 }
 
@@ -144,6 +149,19 @@ export class Picture {
     this.things.stand(state);
     this.marks.stand();
     this.view.follow();
+  }
+
+  /** Throw confetti where the robot is, unless less motion is wanted. */
+  celebrate() {
+    if (this.calm.matches) return;
+    const [x, y] = this.game.corner(...this.game.place(this.game.state).map((at) => at + 0.5));
+    for (let at = 0; at < CONFETTI; at++) {
+      const bit = element("circle", { cx: x, cy: y, r: 3 + (at % 3), class: "confetti" });
+      this.svg.append(bit);
+      const transform = `rotate(${at / CONFETTI}turn) translate(${COMMON.cell * (0.7 + 0.3 * (at % 3))}px)`;
+      const flight = bit.animate({ opacity: [1, 1, 0], transform: ["none", transform] }, CONFETTI_TIME);
+      flight.onfinish = () => bit.remove();
+    }
   }
 
   stop() {

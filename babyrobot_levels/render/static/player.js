@@ -9,7 +9,7 @@ import { Learning } from "./learn.js";
 import { Legend } from "./legend.js";
 import { element, pixels } from "./paint.js";
 import { levelPicture, Picture } from "./picture.js";
-import { resultFacts, ruleOf, starsOf } from "./result.js";
+import { resultFacts, ruleOf, starsOf, verdictOf } from "./result.js";
 import { ShownSets } from "./shown.js";
 import { closedSides, surroundings } from "./speech.js";
 import { lookElement } from "./things.js";
@@ -30,6 +30,7 @@ let picture = null;
 let trail = null;
 let isWatching = false;
 let timer = null;
+let goal = -1; // The cell to which the robot walks; -1 for none.
 
 const WATCHED = {
   best: "Watch the optimal policy",
@@ -148,7 +149,7 @@ function showResult() {
   byId("result").hidden = game.end === null;
   if (game.end === null) return;
   const stars = starsOf(game);
-  byId("result-title").textContent = game.cause + (game.isGood ? "!" : "");
+  byId("result-title").textContent = verdictOf(game) ?? game.cause + (game.isGood ? "!" : "");
   byId("stars").hidden = byId("result-help").parentElement.hidden = stars === null;
   showStars(byId("stars"), stars ?? 0);
   byId("result-help").textContent = stars === null ? "" : ruleOf(game);
@@ -215,6 +216,7 @@ function heldElement(title, found) {
 
 function watch(wanted) {
   isWatching = wanted;
+  goal = -1;
   clearTimeout(timer);
   byId("watch").setAttribute("aria-pressed", wanted);
   if (!wanted) return;
@@ -234,6 +236,22 @@ function takeAdvice() {
   take(action);
 }
 
+/** Walk to the cell at a point of the window, step by step, until something else happens. */
+function walkTo(event) {
+  const cell = legend.cellAt(event);
+  if (cell < 0 || cell === game.state % game.cells || game.end !== null) return;
+  watch(false);
+  goal = cell;
+  if (!walkOn()) show(`There is no free way to [${game.place(cell).join(", ")}].`);
+}
+
+function walkOn() {
+  const action = goal < 0 || game.end !== null ? -1 : game.towards(goal);
+  if (action < 0) goal = -1;
+  else take(action);
+  return action >= 0;
+}
+
 function take(action) {
   if (game.end !== null) {
     show(`${game.describeEnd()} Retry or take new luck to play again.`, game.end);
@@ -243,12 +261,15 @@ function take(action) {
   const step = game.step(action);
   const isEnd = game.end !== null;
   show(
-    isEnd ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
+    [...(game.isGood ? [] : [game.describeStep(step)]), ...(isEnd ? [game.describeEnd()] : [])].join(". "),
     isEnd ? game.end : step.event,
   );
   if (isEnd) document.dispatchEvent(new CustomEvent("episodeend", { detail: game }));
   picture.go(step, () => {
     trail.stand();
+    if (game.isGood && game.watched === 0) picture.celebrate();
+    if (step.event === "bump" || step.hit !== null) goal = -1;
+    walkOn();
     if (isWatching) timer = setTimeout(takeAdvice, picture.calm.matches ? 400 : 90);
   });
 }
@@ -323,7 +344,7 @@ function learn() {
 }
 
 function byHand(action) {
-  if (isWatching) watch(false);
+  watch(false);
   take(action);
 }
 
@@ -347,6 +368,8 @@ const CONTROLS = {
   learn,
   look: lookAround,
   download: () => downloadPlays(game),
+  stop: () => watch(false),
+  onwards: () => /** @type {any} */ (document.querySelector(".onwards:not([hidden])"))?.click(),
   fit: () => view.fit(),
   larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),
@@ -372,6 +395,8 @@ const KEYS = {
   t: "turning",
   e: "learn",
   l: "look",
+  escape: "stop",
+  enter: "onwards",
   0: "fit",
   "+": "larger",
   "=": "larger",
@@ -391,7 +416,7 @@ document.addEventListener("keydown", (event) => {
   const { target } = event;
   if (target.matches("[type=text]")) return;
   if (target.matches("[type=radio]") && /^Arrow| /.test(event.key)) return;
-  if (event.key === " " && target.matches("button, input, summary")) return;
+  if (/^( |Enter)$/.test(event.key) && target.matches("a, button, input, summary")) return;
   if (event.key.length === 1 && !byId("shortcuts").checked) return;
   if (learning.isOn && learning.press(event)) return;
   const control = KEYS[event.key.toLowerCase()];
@@ -403,7 +428,12 @@ document.addEventListener("keydown", (event) => {
   if (isMove) move(control);
   else CONTROLS[control]();
 });
-listenToGestures(view, (side) => game !== null && !learning.isOn && move(SIDES[side]));
+const isPlayed = () => game !== null && !learning.isOn;
+listenToGestures(
+  view,
+  (side) => isPlayed() && move(SIDES[side]),
+  (event) => isPlayed() && walkTo(event),
+);
 for (const button of document.querySelectorAll("[data-control]")) {
   button.addEventListener("click", () => CONTROLS[button.dataset.control]());
 }

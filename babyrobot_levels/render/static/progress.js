@@ -47,7 +47,9 @@ export function reachedIn(digest, line) {
       ...(stars !== null && { stars: Math.max(stars, reached?.stars ?? 0) }),
     };
     try {
-      storeProgress({ ...storedProgress(), [digest]: reached });
+      // The last one that was reached stands last.
+      const { [digest]: _, ...others } = storedProgress();
+      storeProgress({ ...others, [digest]: reached });
     } catch {
       // Without storage, the result is shown until the page is left.
     }
@@ -80,6 +82,7 @@ export function goOn(link, textContent, keep) {
     textContent,
     hidden: true,
   });
+  onwards.append(" ", Object.assign(document.createElement("kbd"), { textContent: "Enter" }));
   if (link !== null) onwards.href = link.href;
   byId("result").querySelector(".quick").prepend(onwards);
   document.addEventListener("episodeend", (/** @type {any} */ { detail: game }) => {

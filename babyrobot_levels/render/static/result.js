@@ -1,6 +1,6 @@
 // The result of an episode: how it ended, what one's own decisions cost, and how lucky it was.
 
-import { formatted } from "./game.js";
+import { formatted, rounded } from "./game.js";
 import { decisionsOf } from "./regret.js";
 
 const SHARE_OF_TWO_STARS = 0.1;
@@ -9,13 +9,14 @@ const SHARE_OF_TWO_STARS = 0.1;
 const isBad = ({ end }) => end === "hit" || end === "over";
 
 /**
- * Return how many of three stars the decisions of an episode earn; null if that is not known.
+ * Return how many of three stars the decisions of an episode earn; null if that is not known, and of
+ * one that was watched.
  *
  * @param {Game} game
  * @returns {number | null}
  */
 export function starsOf(game) {
-  const decisions = decisionsOf(game);
+  const decisions = game.watched > 0 ? null : decisionsOf(game);
   if (decisions === null) return null;
   const { cost, optimum } = decisions;
   if (cost === 0) return 3;
@@ -26,6 +27,24 @@ export function starsOf(game) {
 }
 
 /**
+ * Say how good the decisions of a good episode were; null if that is not known.
+ *
+ * @param {Game} game
+ */
+export function verdictOf(game) {
+  if (!game.isGood || starsOf(game) === null) return null;
+  const { cost } = decisionsOf(game);
+  if (cost === 0) return "Best possible!";
+  const { taken, data } = game;
+  const [{ reward }] = taken;
+  // Where each step costs the same, the cost tells the steps.
+  const isEven = (data.discount ?? 1) === 1 && reward < 0 && taken.slice(0, -1).every((step) => step.reward === reward);
+  const steps = isEven ? rounded(-cost / reward) : 0;
+  if (steps < 1 || !Number.isInteger(steps)) return `${formatted(cost)} more than needed`;
+  return `${steps} step${steps > 1 ? "s" : ""} more than needed`;
+}
+
+/**
  * Describe how stars are given.
  *
  * @param {Game} game
@@ -33,11 +52,8 @@ export function starsOf(game) {
 export function ruleOf({ known }) {
   const { best, random } = known.returns;
   const most = random === null ? 0 : SHARE_OF_TWO_STARS * (best - random);
-  const two = `Two: together they cost at most ${formatted(most)}, ${100 * SHARE_OF_TWO_STARS} % of what the best average is above that of random actions (${formatted(random ?? 0)}). `;
-  return (
-    `Luck does not count. Three stars: no decision costs anything. ${random === null ? "" : two}` +
-    "One: a good end. None for a bad end that one's own decisions helped to bring about."
-  );
+  const two = `Two: together at most ${formatted(most)}, ${100 * SHARE_OF_TWO_STARS} % of what the best average is above that of random actions. `;
+  return `Luck does not count. Three stars: no decision costs anything. ${random === null ? "" : two}One: a good end.`;
 }
 
 /**

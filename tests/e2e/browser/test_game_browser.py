@@ -18,6 +18,7 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import link_fragment, page_data
 from babyrobot_levels.render.page_format import CHEER
+from babyrobot_levels.render.scene.layout import CELL
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -186,7 +187,8 @@ def test_the_optimal_policy_has_all_stars_whatever_chance_does(ground: Playgroun
         assert told["Return"] == ground.page.locator("#return").inner_text()
         assert told["Decisions"] == "cost 0"
         assert told["Luck"] == f"{luck:+g}".replace("-", MINUS)
-        assert stars(ground) == "3 of 3 stars"
+        # The robot has earned them, and not who watched.
+        expect(ground.page.locator("#stars")).to_be_hidden()
         seen.add(total)
     assert len(seen) > 1
 
@@ -210,8 +212,70 @@ def test_stars_are_given_as_the_card_says(ground: Playground) -> None:
     # No star for waiting until the time is over.
     ground.press("r", *[" "] * 20)
     assert (ground.kind, stars(ground)) == ("time", "0 of 3 stars")
-    ground.page.get_by_text("How stars are given").click()
+    ground.page.get_by_text("three for nothing wasted").click()
     expect(ground.page.locator("#result-help")).to_contain_text("Luck does not count.")
+
+
+def test_a_win_is_told_in_one_sentence(ground: Playground) -> None:
+    play(ground, level(size=[3, 1]))
+    title = ground.page.locator("#result-title")
+    ground.press("d", "d")
+    expect(title).to_have_text("Best possible!")
+    assert ground.message == f"Exit reached after 2 steps! Return {MINUS}1."
+    ground.press("r", "d", "a", "d", "d")
+    expect(title).to_have_text("2 steps more than needed")
+    play(ground, level(size=[3, 1], rewards={"step": -1, "exit": 5}, discount=0.5))
+    ground.press("a", "d", "d")
+    expect(title).to_have_text("1.75 more than needed")
+
+
+def tap(ground: Playground, x: int, y: int) -> None:
+    """Click the middle of a cell."""
+    box = ground.page.locator("#stage > svg").bounding_box()
+    assert box is not None
+    data = json.loads(ground.page.locator("#data").inner_text())
+    scale = box["width"] / data["picture"]["width"]
+    at = (data["margin"] + CELL * (place + 0.5) for place in (x, y))
+    left, top = (scale * each for each in at)
+    ground.page.mouse.click(box["x"] + left, box["y"] + top)
+
+
+def test_a_click_leads_along_a_free_way(ground: Playground) -> None:
+    walls: Any = [{"at": [0, 0], "side": "E", "length": 2}]
+    hole = {"at": [2, 2], "ends": True, "reward": -9}
+    world = level(size=[4, 3], walls=walls, areas=[hole], exit=[3, 0], display=FAST)
+    play(ground, world)
+    tap(ground, 0, 0)
+    assert ground.number("steps") == 0
+    tap(ground, 3, 2)
+    expect(ground.page.locator("#robot")).to_have_attribute("data-state", "11")
+    # Round the wall, and not through the hole.
+    assert ground.number("steps") == 7
+    tap(ground, 3, 0)
+    expect(ground.page.locator("#result-title")).to_contain_text("steps more than needed")
+
+
+def test_nothing_is_walked_where_no_way_is_free(ground: Playground) -> None:
+    key = {"items": [{"name": "key", "at": [0, 1]}]}
+    doors = [{"at": [1, 0], "side": "E", "length": 2, "needs": "key"}]
+    play(ground, level(size=[4, 2], exit=[3, 0], doors=doors, **key))
+    tap(ground, 3, 1)
+    assert ground.message == "There is no free way to [3, 1]."
+    assert ground.number("steps") == 0
+    tap(ground, 0, 1)
+    assert "Took the key" in ground.message
+
+
+def test_escape_stops_the_walk(ground: Playground) -> None:
+    play(ground, level(size=[40, 1]))
+    tap(ground, 30, 0)
+    expect(ground.page.locator("#steps")).to_have_text("2")
+    ground.press("Escape")
+    ground.wait_until_still()
+    steps = ground.number("steps")
+    assert steps < 30
+    ground.page.wait_for_timeout(600)
+    assert ground.number("steps") == steps
 
 
 LAKE = {"areas": [{"label": "hole", "at": [2, 0], "ends": True, "reward": -9}], "start": [1, 0]}

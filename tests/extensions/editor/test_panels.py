@@ -317,7 +317,7 @@ def test_a_theme_is_chosen_and_its_contrasts_are_told(editor_page: OpenEditor) -
     level = editor.session.level
     assert level is not None
     # The other colours stay those of the theme that was chosen.
-    assert level.resolved_theme.colors.exit == "#1e3234"
+    assert level.resolved_theme.colors.exit == "#00352a"
     section.get_by_role("button", name="default").click()
     until(lambda: "theme" not in editor.session.text, "the theme is the default one")
 

@@ -297,6 +297,14 @@ def test_progress_is_shown_filtered_and_forgotten(wall: Wall) -> None:
     assert stored == {"other": other}, "progress of other galleries was lost"
 
 
+def test_the_next_level_is_the_one_after_the_last_that_was_solved(wall: Wall) -> None:
+    solved = {"solved": True}
+    solve(wall, json.dumps({FACTS[0].digest: solved, FACTS[2].digest: solved}))
+    assert wall.page.inner_text("#next") == "Next: Endless"
+    solve(wall, json.dumps({FACTS[2].digest: solved, FACTS[3].digest: solved}))
+    assert wall.page.inner_text("#next") == "Next: The garden"
+
+
 def test_a_gallery_that_is_solved_leads_nowhere(wall: Wall) -> None:
     solve(wall, json.dumps({facts.digest: {"solved": True} for facts in FACTS}))
     assert wall.page.inner_text("#solved") == "4 of 4 solved"

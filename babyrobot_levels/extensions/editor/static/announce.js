@@ -135,7 +135,12 @@ export class Announcer {
     const { maze_regrown, lost } = editor.state;
     const grown = maze_regrown ? "The maze has grown anew" : undefined;
     const gone = lost ? `This also removed ${lost}` : undefined;
-    const words = [done, gone, grown, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
+    const words = [
+      done,
+      gone,
+      grown,
+      count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`,
+    ];
     if (done !== undefined)
       editor.say(
         words

@@ -203,7 +203,12 @@ function readProgress() {
   byId("solved").textContent = `${solved.toLocaleString("en")} of ${tiles.length.toLocaleString("en")} solved`;
   byId("solved-bar").max = tiles.length;
   byId("solved-bar").value = solved;
-  const open = tiles.filter((tile) => !tile.isSolved).sort((a, b) => a.index - b.index)[0];
+  // As on the pages: the one after the last that was solved.
+  const places = new Map(tiles.map(({ digest, index }) => [digest, index]));
+  const digests = Object.keys(progress).filter((digest) => progress[digest]?.solved === true);
+  const last = digests.reduce((before, digest) => places.get(digest) ?? before, -1);
+  const after = ({ index }) => (index - last - 1 + tiles.length) % tiles.length;
+  const open = tiles.filter((tile) => !tile.isSolved).sort((a, b) => after(a) - after(b))[0];
   byId("next").hidden = open === undefined;
   if (open !== undefined) {
     byId("next").href = open.element.querySelector("a").href;
