@@ -279,6 +279,7 @@ type Game = import("../../babyrobot_levels/render/static/game.js").Game;
 type Painter = import("../../babyrobot_levels/render/static/paint.js").Painter;
 type View = import("../../babyrobot_levels/render/static/view.js").View;
 type Editor = import("../../babyrobot_levels/extensions/editor/static/editor.js").Editor;
+type Picture = import("../../babyrobot_levels/render/static/picture.js").Picture;
 type Stage = import("../../babyrobot_levels/extensions/editor/static/stage.js").Stage;
 type Overlay = import("../../babyrobot_levels/extensions/editor/static/overlay.js").Overlay;
 type Pointer = import("../../babyrobot_levels/extensions/editor/static/pointer.js").Pointer;

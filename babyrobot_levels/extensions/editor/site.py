@@ -29,6 +29,9 @@ from babyrobot_levels.extensions.editor.runtime import (
 from babyrobot_levels.extensions.editor.session import Session
 from babyrobot_levels.extensions.editor.state import STATIC, playground_script, site_script, style
 from babyrobot_levels.library.search_path import gallery_folder
+from babyrobot_levels.render.page import bare
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.templates import embedded_json, html, static
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import write_bytes
@@ -86,7 +89,12 @@ def write_site(folder: Path, session: Session, runtime: Path | None = None) -> i
         size += len(script)
         told = script.replace("SITE_MEGABYTES", f"{size / 1e6:.0f}").replace("SITE_MORE", more)
         files[name] = told.encode()
-    begin = {"text": session.text, "name": session.path.stem if session.path else session.name}
+    begin = {
+        "text": session.text,
+        "name": session.path.stem if session.path else session.name,
+        # It is shown until Python has one.
+        "picture": "" if session.level is None else to_svg(build_scene(bare(session.level))),
+    }
     files["index.html"] = html(f"{STATIC}/site.html", begin=embedded_json(begin)).encode()
     for name, data in files.items():
         write_bytes(folder / name, data, sync=False)

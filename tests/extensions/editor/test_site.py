@@ -32,6 +32,7 @@ from babyrobot_levels.extensions.editor.runtime import (
 )
 from babyrobot_levels.extensions.editor.site import SiteFolderError, write_site
 from babyrobot_levels.extensions.editor.sources import session_of
+from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.mdp.numeric import LIBRARIES
 
 SIZE = {"width": 390, "height": 844}
@@ -233,6 +234,23 @@ def test_what_was_drawn_before_a_link_was_opened_is_there_again(visit: Visit) ->
     expect(text_of(page)).to_have_value(drawn)
 
 
+def test_a_picture_is_there_before_python_is(visit: Visit) -> None:
+    page = visit()
+    for key in ("4", "ArrowRight", "Space"):
+        page.locator(".stage").press(key)
+    expect(text_of(page)).to_have_value(re.compile(r"^blocked:", re.M))
+    page.reload()
+    picture = page.locator(".stage > img")
+    expect(picture).to_be_visible()
+    expect(page.locator(".notice")).to_contain_text("Starting Python")
+    # It is that of what was drawn.
+    blocked = BUILTIN_THEMES["default"].colors.blocked.removeprefix("#")
+    assert blocked in (picture.get_attribute("src") or "")
+    starts(page)
+    expect(picture).to_have_count(0)
+    expect(page.locator(".notice")).to_be_empty()
+
+
 def pass_time(page: Page) -> None:
     """Let half a minute pass for the page, which has just sent something."""
     page.clock.run_for(1_000)
@@ -357,6 +375,10 @@ def test_a_site_begins_with_a_level_and_is_written_again(folder: Path, tmp_path:
     page = (site / "index.html").read_text("utf-8")
     begin = json.loads(re.findall(r'id="begin">(.*?)</script>', page)[0])
     assert (begin["name"], "The first key" in begin["text"]) == ("first-key", True)
+    # It is seen before Python is there.
+    assert (
+        begin["picture"] == brl.load("first-key").replace(display={"side_panel": "none"}).to_svg()
+    )
     megabytes = re.findall(r"this loads (\d+) MB", (site / "editor.js").read_text("utf-8"))
     assert int(megabytes[0]) in range(10, 25)
 

@@ -14,7 +14,7 @@ const OWN_PANELS = ["algorithm", "file"]; // They stay while one draws, whatever
 export class Bar {
   constructor(editor, { title, modes, history }) {
     this.editor = editor;
-    this.name = html("strong", { class: "name", id: "level-name" });
+    this.name = html("strong", { class: "name", id: "level-name", role: "heading", "aria-level": "1" });
     this.file = html("span", { class: "file-state" });
     title.append(this.name, this.file);
     this.modes = MODES.map(([mode, text]) => toolButton({ text, "data-mode": mode }, () => editor.enter(mode)));

@@ -29,6 +29,8 @@ export class Editor {
     this.state = null;
     /** @type {Game | null} */
     this.game = null;
+    /** @type {Picture | null} */
+    this.picture = null;
     /** @type {Stage | null} */
     this.stage = null;
     /** @type {Pointer | null} */

@@ -15,6 +15,8 @@ export class Python {
     this.count = 0;
     this.sessions = 0;
     this.hasMore = false;
+    /** @type {((bytes: number) => void) | null} */
+    this.onprogress = null;
     this.start();
   }
 
@@ -31,6 +33,7 @@ export class Python {
   }
 
   hear(number, result, error) {
+    if (number === 0) this.onprogress?.(result); // So many bytes have been loaded.
     const { resolve, reject } = this.waiting.get(number) ?? {};
     this.waiting.delete(number);
     if (error === null) resolve?.(result);

@@ -1,5 +1,6 @@
 // The editor as a site: its messages go to Python in a worker of this browser.
 
+import { html } from "./html.js";
 import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { fillWindow } from "./window.js";
 
@@ -52,11 +53,33 @@ function store(name, value) {
 
 /** Keep the text in this browser, and whether anything was drawn or typed in it. */
 function keep() {
+  isThere = true;
   const { text, name, level, is_saved } = editor.state;
   const kept = stored(KEPT);
   const isOwn = !is_saved || (kept?.text === text && kept.isOwn);
   if (!store(KEPT, { text, name, title: level?.title ?? name, isOwn }))
     editor.say("This browser keeps nothing for this page: save the level as a file.", "refused");
+}
+
+/** Keep the picture, for the next visit: it is there before Python is. */
+function keepPicture() {
+  const svg = editor.picture?.svg.cloneNode(true);
+  for (const each of svg?.querySelectorAll(".hidden, .layers") ?? []) each.remove();
+  const kept = stored(KEPT);
+  if (svg && kept !== null) store(KEPT, { ...kept, picture: new XMLSerializer().serializeToString(svg) });
+}
+
+/** Show the picture of the level that is to come, and how much of Python has been loaded. */
+function showStart() {
+  const { picture, text } = beginning.picture || beginning.text !== given.text ? beginning : given;
+  if (picture && text === beginning.text && !location.hash) {
+    const address = `data:image/svg+xml,${encodeURIComponent(picture)}`;
+    editor.stage.place.append(html("img", { src: address, alt: "" }));
+  }
+  const isKept = navigator.serviceWorker?.controller; // Nothing is loaded again.
+  const tell = (told) => isThere || (editor.stage.notice.textContent = `${STARTING} ${told}`);
+  tell(isKept ? "" : FIRST_TIME);
+  connection.python.onprogress = (bytes) => tell(`${(bytes / 1e6).toFixed(1)} of SITE_MEGABYTES MB`);
 }
 
 /** Open the level of the address: a code, a name or a text after its `#`. */
@@ -71,11 +94,12 @@ function openAddress() {
   editor.send({ do: "open", source });
 }
 
+let isThere = false; // The level, in a picture that can be changed.
 const begun = connection.begin();
 const editor = await fillWindow(connection);
 connection.editor = editor;
-const isKept = navigator.serviceWorker?.controller; // Nothing is loaded again.
-editor.stage.notice.textContent = isKept ? STARTING : `${STARTING} ${FIRST_TIME}`;
+showStart();
+window.addEventListener("pagehide", keepPicture);
 begun.catch((error) => (editor.stage.notice.textContent = error.message));
 editor.on("state", keep);
 openAddress();

@@ -6,6 +6,21 @@ import { loadPyodide } from "./python/pyodide.mjs";
 
 const PLACE = "/lib/python3.14/site-packages";
 
+let loaded = 0;
+const load = self.fetch;
+/** Load as browsers do, and tell how many bytes have come so far. */
+self.fetch = async (...given) => {
+  const answer = await load(...given);
+  const count = new TransformStream({
+    transform(part, stream) {
+      loaded += part.byteLength;
+      self.postMessage([0, loaded, null]);
+      stream.enqueue(part);
+    },
+  });
+  return answer.ok && answer.body ? new Response(answer.body.pipeThrough(count), answer) : answer;
+};
+
 async function start() {
   const packages = fetch("python/packages.zip");
   const python = await loadPyodide({ indexURL: "./python/", packageBaseUrl: "MORE_ADDRESS" });
