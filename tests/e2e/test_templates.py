@@ -69,7 +69,7 @@ def test_what_is_only_for_readers_goes() -> None:
 function act(one) {
   const field = /** @type {HTMLInputElement} */ (one);
   // Why.
-  return field.value; // https://example.org
+  return field.value; // https://example.org, as `act` has it
 }
 """
     expected = "function act(one){const field=(one);return field.value;}"

@@ -56,6 +56,12 @@ test("updates are told with their numbers", () => {
   assert.match(told(5, { algorithm: "monte_carlo" }), /^V\(.*\) ← 0 \+ 1\/1 · \(−?\d+ − 0\) = −?\d+$/);
 });
 
+test("a negative number after an operator is in parentheses", () => {
+  const all = Array.from({ length: 40 }, (_, at) => told(at + 1));
+  assert(all.some((text) => /− \(−[\d.]+\)\) =/.test(text)));
+  assert(all.every((text) => !/[·−] −/.test(text)));
+});
+
 test("a sweep ends with its last state, and the sweeps when nothing changes", () => {
   const learner = new Learner(corridor(), { algorithm: "value_iteration", discount: 0.5 });
   learner.step();

@@ -222,6 +222,8 @@ export function toldUpdate(game, { problem, options, actions, isPrediction, numb
   const [was, target, value, ahead] = [update.before, update.target, update.value, update.ahead].map((each) =>
     formatted(each ?? 0),
   );
+  // After an operator, a negative number is in parentheses.
+  const [less, times] = [was, ahead].map((each) => (each.startsWith("\u2212") ? `(${each})` : each));
   const place = (number) => {
     const [at, heading] = problem.split(number);
     const looking = heading === null ? "" : ` looking ${SIDES[heading + 1]}`;
@@ -235,13 +237,16 @@ export function toldUpdate(game, { problem, options, actions, isPrediction, numb
     const told = parts.map((part, index) => `${names[index]} ${formatted(part)}`).filter(isTaken);
     return `V(${place(state)}) ← ${isPrediction ? "mean" : "max"}(${told.join(", ")}) = ${value}`;
   }
-  if (visits) return `V(${place(state)}) ← ${was} + 1/${visits} · (${target} − ${was}) = ${value}`;
+  if (visits) return `V(${place(state)}) ← ${was} + 1/${visits} · (${target} − ${less}) = ${value}`;
   const reward = formatted(step.reward);
   if (state === undefined) return `${place(step.state)}, ${names[step.action]}: reward ${reward}`;
-  const [begin, end] = [`Q(${place(state)}, ${names[action]}) ← ${was} + ${options.step_size}`, `− ${was}) = ${value}`];
+  const [begin, end] = [
+    `Q(${place(state)}, ${names[action]}) ← ${was} + ${options.step_size}`,
+    `− ${less}) = ${value}`,
+  ];
   if (rewards > 1) return `${begin} · (G ${end}, where G = ${target}: ${rewards} rewards, and then ${ahead}`;
   const planned = options.planning_steps > 0 ? `, and ${options.planning_steps} planned` : "";
-  return `${begin} · (${reward} + ${formatted(problem.discount)} · ${ahead} ${end}${planned}`;
+  return `${begin} · (${reward} + ${formatted(problem.discount)} · ${times} ${end}${planned}`;
 }
 
 /**
