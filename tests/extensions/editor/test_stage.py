@@ -336,10 +336,11 @@ def test_an_invalid_text_dims_the_last_picture_and_says_over_it_what_is_wrong(ha
     expect(page.locator(".best-return")).not_to_have_text("none")
 
 
-def test_ways_of_movers_and_what_switches_open_are_always_shown(editor_page: OpenEditor) -> None:
+def test_ways_of_movers_and_what_opens_doors_are_always_shown(editor_page: OpenEditor) -> None:
     things = (
         "switches:\n  - {name: lever, at: [0, 3]}\n"
-        "doors:\n  - {at: [2, 1], side: E, needs: lever}\n"
+        "items:\n  - {name: coin, at: [1, 3], shape: coin}\n"
+        "doors:\n  - {at: [2, 1], side: E, needs: [lever, coin]}\n"
         "movers:\n  - {path: [[4, 0], [5, 0], [5, 1]], back: true}\n"
         "  - {within: {at: [3, 2], size: [2, 2]}}\n"
     )
@@ -350,7 +351,7 @@ def test_ways_of_movers_and_what_switches_open_are_always_shown(editor_page: Ope
     assert [
         len(d.split("M")) - 1
         for d in map(str, [ways.get_attribute("d"), needed.get_attribute("d")])
-    ] == [2, 1]
+    ] == [2, 2]
     hand.page.get_by_role("button", name="Play", exact=True).click()
     expect(ways).to_have_count(0)
 

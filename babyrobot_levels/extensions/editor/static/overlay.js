@@ -156,14 +156,14 @@ export class Overlay {
     ];
   }
 
-  /** Return the ways of movers, and lines from switches to the doors and exits that need them. */
+  /** Return the ways of movers, and lines from things to the doors and exits that need them. */
   links() {
     const { places, fields } = this.editor.state;
     const of = (name) => places.filter(({ kind }) => kind === name);
     const uses = ({ kind, fields: { needs, unless } }) => (kind === "exit" ? [fields.exit_needs] : [needs, unless]);
-    const lines = of("switch").flatMap((from) =>
+    const lines = ["item", "switch", "target"].flatMap(of).flatMap((from) =>
       [...of("door"), ...of("exit")]
-        .filter((to) => uses(to).flat().includes(from.fields.name))
+        .filter((to) => uses(to).flat().includes(from.label))
         .map((to) => `M${this.middle(from)}L${this.middle(to)}`),
     );
     const ways = of("mover").map((mover) => this.way(mover));
