@@ -4,6 +4,7 @@ Answers come as a head, which tells a fault or an array's type and shape, and th
 Whatever else comes is a fault of the student's, and so is what takes too much time or memory.
 """
 
+import ctypes
 import io
 import json
 import math
@@ -18,7 +19,8 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
-from time import monotonic
+from threading import Event
+from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
@@ -35,8 +37,17 @@ MAX_ANSWER = 64 << 20
 MAX_PRINTED = 10_000
 """The most characters of what a function prints that are shown."""
 
+MAX_PROCESSES = 64
+"""The most processes that a function may have at once."""
+
+MAX_WRITTEN = 256 << 20
+"""The most bytes of a file that a function writes."""
+
 _HEAD = 4096
 """The bytes of a head."""
+
+_CHILD_SUBREAPER = 36
+"""Of `prctl(2)`, on Linux."""
 
 _LOOK = 0.1
 """Seconds after which the memory of a process is looked at again."""
@@ -50,7 +61,14 @@ class NoAnswerError(BabyRobotError):
 
 
 def answers(
-    code: Path, name: str, levels: Sequence[Path], seconds: float, memory: float
+    code: Path,
+    name: str,
+    levels: Sequence[Path],
+    seconds: float,
+    memory: float,
+    stop: Event | None = None,
+    *,
+    shown: bool = True,
 ) -> Iterator[Answer]:
     """Yield the answer of a student's function in each level.
 
@@ -60,24 +78,32 @@ def answers(
         levels: the files of the levels.
         seconds: how long it may take in a level.
         memory: how many GiB it may take, with all processes that it starts. Only Linux limits it.
+        stop: tells that answers are no longer wanted.
+        shown: whether the beginning of what it prints is written to standard error.
 
     Raises:
         RuntimeError: the process does not start.
+        InterruptedError: they are no longer wanted.
     """
-    with _started(code, name, levels, memory) as (process, ours):
+    with _started(code, name, levels, memory, shown) as (process, ours):
         last = ""
         for level in levels:
             if last:
                 yield f"it was not run, as {last}"
                 continue
             try:
-                yield _answer(ours, process, monotonic() + seconds, memory)
+                yield _answer(ours, process, monotonic() + seconds, memory, stop or Event())
             except TimeoutError:
                 last = f"it took too long in {level.stem}"
                 yield f"it took longer than {seconds:g} seconds"
             except MemoryError:
                 last = f"it took too much memory in {level.stem}"
                 yield _too_much(memory)
+            except ChildProcessError:
+                last = f"it started too many processes in {level.stem}"
+                yield f"it started more than {MAX_PROCESSES} processes"
+            except InterruptedError:
+                raise
             except (EOFError, OSError):
                 last = f"its process ended in {level.stem}"
                 yield "its process ended, perhaps for want of memory"
@@ -88,11 +114,14 @@ def answers(
 
 @contextmanager
 def _started(
-    code: Path, name: str, levels: Sequence[Path], memory: float
+    code: Path, name: str, levels: Sequence[Path], memory: float, shown: bool
 ) -> Iterator[tuple[Any, socket.socket]]:
     """Start the process, and end it with all that it started."""
     ours, theirs = socket.socketpair()
-    context = get_context("spawn")
+    # Forks of a process that has imported everything begin in no time.
+    context: Any = get_context("spawn" if sys.platform == "win32" else "forkserver")
+    if sys.platform != "win32":
+        context.set_forkserver_preload([__name__, "babyrobot_levels.envs.single"])
     process = context.Process(target=_run, args=(code, name, levels, memory, theirs), daemon=True)
     with ours:
         with theirs, starting():
@@ -103,24 +132,44 @@ def _started(
                     "the process for the student's code did not start; in a script, grade below "
                     '`if __name__ == "__main__":`'
                 )
+            with Path(os.devnull).open("wb") as nowhere:
+                # What forks may have begun elsewhere, and has another standard error.
+                if sys.platform != "win32":
+                    socket.send_fds(ours, [b"!"], [2 if shown else nowhere.fileno()])
             yield process, ours
         finally:
-            process.kill()
-            process.join()
-            for other in _family(process.pid or 0):
-                with suppress(OSError):
-                    os.kill(other, signal.SIGKILL)
+            _end(process)
 
 
-def _answer(ours: socket.socket, process: Any, until: float, memory: float) -> Answer:
+def _end(process: Any) -> None:
+    """End a process with all that it started, and what these did."""
+    with suppress(OSError, AttributeError):
+        # What cannot go on starts nothing more, and keeps what others leave.
+        os.kill(process.pid, signal.SIGSTOP)
+    until = monotonic() + 2
+    while (others := _family(process.pid).keys() - {process.pid}) and monotonic() < until:
+        for other in others:
+            with suppress(OSError):
+                os.kill(other, signal.SIGKILL)
+        sleep(0.001)
+    process.kill()
+    process.join()
+
+
+def _answer(ours: socket.socket, process: Any, until: float, memory: float, stop: Event) -> Answer:
     def read(size: int) -> bytes:
         found, look = bytearray(), monotonic() + _LOOK
         while len(found) < size:
+            if stop.is_set():
+                raise InterruptedError
             if monotonic() > until:
                 raise TimeoutError
             if monotonic() > look:
                 look = monotonic() + _LOOK
-                if _memory(process.pid) > memory * 2**30:
+                family = _family(process.pid)
+                if len(family) > MAX_PROCESSES:
+                    raise ChildProcessError
+                if sum(family.values()) > memory * 2**30:
                     raise MemoryError
             with suppress(TimeoutError):
                 part = ours.recv(min(size - len(found), 1 << 20))
@@ -151,21 +200,28 @@ def _size(kind: str, shape: Sequence[int]) -> int:
     return 0 if 0 in shape else cells * width
 
 
-def _family(session: int) -> Iterator[int]:
-    """Yield the processes of a session; none where the system does not tell."""
+def _family(first: int) -> dict[int, int]:
+    """Return the bytes of memory of a process, of its session, and of all that they started.
+
+    What processes share counts for each. It is empty where the system does not tell.
+    """
+    found: dict[int, tuple[int, int, int]] = {}
     for place in Path("/proc").glob("[0-9]*"):
-        with suppress(OSError):
-            if os.getsid(int(place.name)) == session:
-                yield int(place.name)
-
-
-def _memory(session: int) -> int:
-    """Return the bytes of memory that a session has, also what its processes share."""
-    pages = 0
-    for process in _family(session):
-        with suppress(OSError):
-            pages += int(Path(f"/proc/{process}/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") if pages else 0
+        with suppress(OSError, ValueError, IndexError):
+            # Behind the name, which may have spaces: state, parent, group, session, ...
+            told = (place / "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
+            if told[0] not in "ZX":
+                found[int(place.name)] = int(told[1]), int(told[3]), int(told[21])
+    family, size = {first}, 0
+    while size < len(family):
+        size = len(family)
+        family |= {
+            number
+            for number, (parent, session, _) in found.items()
+            if session == first or parent in family
+        }
+    page = os.sysconf("SC_PAGE_SIZE") if found else 0
+    return {each: found[each][2] * page for each in family if each in found}
 
 
 def _too_much(memory: float) -> str:
@@ -185,6 +241,14 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
 
         # It is told where the memory is asked for; what is shared does not count in it.
         resource.setrlimit(resource.RLIMIT_DATA, (int(memory * 2**30),) * 2)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_WRITTEN,) * 2)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    with suppress(OSError, AttributeError):
+        # What its children leave behind becomes its own child: so it is found, and ended.
+        ctypes.CDLL(None).prctl(_CHILD_SUBREAPER, 1, 0, 0, 0)
+    to.sendall(b"!")
+    if sys.platform != "win32":
+        os.dup2(socket.recv_fds(to, 1, 1)[1][0], 2)
     sys.stdout = sys.stderr = _Output()  # noqa: TID251  (those of the student)
     with Path(os.devnull).open("wb") as nowhere:
         os.dup2(nowhere.fileno(), 1)
@@ -192,7 +256,6 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
     sys.path.insert(0, str(code))
     sys.modules.pop(name, None)
     os.chdir(code)
-    to.sendall(b"!")
     for level in levels:
         head: Any
         data = b""
@@ -215,6 +278,8 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
             head = head[:500]
         text = json.dumps(head, ensure_ascii=False).encode("utf-8", "replace")
         to.sendall(text.ljust(_HEAD) + data)
+    # It is ended with all that it started; what it left behind would have no parent any more.
+    to.recv(1)
 
 
 class _Output(io.TextIOBase):

@@ -19,7 +19,9 @@ LEVEL = ROOT / "course" / "levels" / "first-step.yaml"
 SENDS = """\
 import gc, socket, time
 def f(level):
-    (own,) = [each for each in gc.get_objects() if isinstance(each, socket.socket)]
+    for each in gc.get_objects():
+        if isinstance(each, socket.socket) and each.fileno() >= 0:
+            own = each
     own.sendall({head!r})
     time.sleep(60)
 """
@@ -82,19 +84,42 @@ def test_half_an_answer_is_not_waited_for(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of processes")
-def test_what_a_function_starts_ends_with_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("how", "then"), [("process_group=0", "os._exit(0)"), ("start_new_session=True", "return")]
+)
+def test_what_a_function_starts_ends_with_it(tmp_path: Path, how: str, then: str) -> None:
     text = """\
 import os, subprocess
 def f(level):
-    child = subprocess.Popen(["sleep", "600"], process_group=0)
+    child = subprocess.Popen(["sleep", "600"], {how})
     with open("child", "w") as file:
         file.write(str(child.pid))
-    os._exit(0)
+    {then}
 """
-    assert answered(tmp_path, text) == ["its process ended, perhaps for want of memory"]
+    assert isinstance(answered(tmp_path, text.format(how=how, then=then))[0], str)
     status = Path("/proc", (tmp_path / "child").read_text("utf-8"), "status")
     until = time.monotonic() + 10
     while status.exists() and "zombie" not in status.read_text("utf-8"):
+        assert time.monotonic() < until
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell of processes")
+def test_processes_are_counted_and_what_they_leave_behind_ends(tmp_path: Path) -> None:
+    text = """\
+import os, subprocess, time
+def f(level):
+    for number in range(100):
+        # A child that ends leaves its own one behind, in a session of its own.
+        subprocess.run(["sh", "-c", "setsid sleep 600.25 & exit"])
+    time.sleep(60)
+"""
+    assert answered(tmp_path, text, 2) == [
+        "it started more than 64 processes",
+        "it was not run, as it started too many processes in first-step",
+    ]
+    until = time.monotonic() + 10
+    while any(b"600.25" in each.read_bytes() for each in Path("/proc").glob("[0-9]*/cmdline")):
         assert time.monotonic() < until
 
 
