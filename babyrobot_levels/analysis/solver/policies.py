@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -26,7 +26,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import exit_states, state_text
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
 from babyrobot_levels.text import budget
-from babyrobot_levels.text.words import BEST, NAMED, RANDOM, is_agent
+from babyrobot_levels.text.words import BEST, NAMED, RANDOM, did_you_mean, is_agent
 
 Policy = str | PathLike[str] | Mapping[str, Any] | ArrayLike | Callable[..., Any] | HasPolicy
 """The forms of a policy; see `read_policy`."""
@@ -56,7 +56,8 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
               `env.action_space.sample()` draws them; where none is (an enclosed cell, without
               `stay`), all of them;
             - `"uniform"`: all actions evenly, also those that a wall refuses;
-            - an array of ints `[height, width]`: an action for each cell;
+            - an array `[height, width]` or `[states]` of ints, or of names such as `"north"`: an
+              action for each cell;
             - an array `[height, width, actions]` or `[states, actions]` of probabilities;
             - a `Solution`, or a `Sweep` of learning, or the `policy` of one;
             - another agent without memory that `brl.score` takes: a function from an observation
@@ -85,9 +86,9 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
         )
     if is_agent(policy) or isinstance(policy, str | PathLike | Mapping):
         policy = room.public("policy_table")(space.level, policy, actions=actions)
-    table = np.asarray(policy)
+    table = _numbered(np.asarray(policy), action_names(actions, mdp.num_robots)[first:])
     shape = mdp.shape
-    if table.shape == shape:
+    if table.shape in (shape, (mdp.num_states,)):
         return _chosen(table.ravel(), space, first, things)
     if table.shape in ((*shape, count), (mdp.num_states, count)):
         return _weighed(table.reshape(-1, count), mdp, things)
@@ -99,7 +100,29 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
     other, others = ("moves", NUM_MOVES) if actions == "all" else ("all", NUM_ACTIONS)
     if actions != TURNS and table.shape in ((*shape, others), (mdp.num_states, others)):
         message += f"; {others} probabilities for each cell need actions={other!r}"
+    if shape[-1] != shape[-2] and table.shape == (*shape[:-2], shape[-1], shape[-2]):
+        message += "; rows come first: policy[y, x]"
     raise ValueError(message)
+
+
+def _numbered(table: np.ndarray[Any, Any], names: Sequence[str]) -> np.ndarray[Any, Any]:
+    """Return an array of the names of actions as one of numbers; others as they are.
+
+    Raises:
+        ValueError: there is no such action.
+    """
+    if table.dtype.kind != "U":
+        return table
+    for name in dict.fromkeys(table.ravel().tolist()):
+        if name.lower() not in names:
+            raise ValueError(
+                f"{name!r} is none of the actions {', '.join(names)}, or of their numbers 0 to "
+                f"{len(names) - 1}{did_you_mean(name, names)}"
+            )
+    numbers: np.ndarray[Any, Any] = np.array(
+        [names.index(name.lower()) for name in table.ravel().tolist()], np.int64
+    )
+    return numbers.reshape(table.shape)
 
 
 def _named(name: str, space: StateSpace) -> Floats:
@@ -122,7 +145,7 @@ def _chosen(table: np.ndarray[Any, Any], space: StateSpace, first: int, things: 
     if not np.issubdtype(table.dtype, np.integer):
         axes = ["configurations"] * bool(things.names) + ["headings"] * (mdp.headings > 1)
         shape = ", ".join([*axes, "height", "width"])
-        raise ValueError(f"a policy [{shape}] is an array of integers, the actions")
+        raise ValueError(f"a policy [{shape}] is an array of actions, integers or names")
     count, names = space.num_actions, action_names(actions, mdp.num_robots)
     states = np.flatnonzero(~mdp.is_terminal)
     chosen = table[states].astype(np.int64) + first - check_actions(actions)

@@ -12,6 +12,7 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values
 from babyrobot_levels.analysis.solver.model import Model, attractor, closed_classes
@@ -185,6 +186,8 @@ def grade_agent(
     """
     # What is wrong with the conditions is not the student's mistake.
     score(level, "random", **conditions)
+    if isinstance(agent, np.ndarray):
+        agent = _whole(agent, world_of(level).compile().num_states)
     try:
         (found,) = score(level, agent, **conditions)
     except (TypeError, ValueError) as error:
@@ -211,6 +214,14 @@ def _impossible(policy: Any, level: Any, actions: str) -> str:
     number = int((refused.any(axis=1) & task.counts).sum())
     told = f"; it takes impossible actions in {number} state{'s' * (number != 1)}"
     return f"{told}: leave them out of the maximum" if number else ""
+
+
+def _whole(policy: NDArray[Any], states: int) -> NDArray[Any]:
+    """Return actions as integers that are whole numbers, as `np.zeros` holds them."""
+    if policy.dtype.kind != "f" or policy.size != states:
+        return policy
+    is_whole = (np.nan_to_num(policy, nan=0.5) % 1 == 0).all()
+    return policy.astype(np.int64) if is_whole else policy
 
 
 def _wrong(message: str, points: float) -> GradedAnswer:
@@ -325,7 +336,10 @@ class _Values(_Task):
         space = self.problem.space
         shape = space.mdp.shape
         if table.shape not in (shape, (space.mdp.num_states,)):
-            message = f"the values must be an array {[*shape]}, not one of shape {[*table.shape]}"
+            given = f"one of shape {[*table.shape]}" if table.ndim else "a single number"
+            message = f"the values must be an array {[*shape]}, not {given}"
+            if table.shape[:-1] in (shape, (space.mdp.num_states,)) and table.shape[-1] in (4, 5):
+                message += ": of action values, a state takes the largest"
             is_turned = table.shape == (*shape[:-2], shape[-1], shape[-2])
             return message + "; rows come first: values[y, x]" * is_turned
         counts = self.ends.copy()
@@ -458,9 +472,7 @@ class _Policies(_Task):
                 policy = np.asarray(policy)
             except ValueError:
                 raise ValueError("the policy is not a table: its rows differ in length") from None
-            if policy.dtype.kind == "f" and policy.shape == self.problem.space.mdp.shape:
-                whole = np.nan_to_num(policy, nan=0.5) % 1 == 0
-                policy = policy.astype(np.int64) if whole.all() else policy
+            policy = _whole(policy, self.problem.space.mdp.num_states)
         return self.problem.weights(policy)
 
     @cached_property
@@ -521,6 +533,7 @@ class _Policies(_Task):
         space = self.problem.space
         try:
             table = np.asarray(policy)
+            table = table.reshape(space.mdp.shape) if table.ndim == 1 else table
         except ValueError:
             return None
         if table.dtype.kind in "iu" and space.actions != "turns" and table.shape == space.mdp.shape:

@@ -178,7 +178,7 @@ def test_a_policy_that_never_ends_is_reported() -> None:
     [
         ("randon", "did you mean `random`"),
         (np.zeros((3, 4), int), r"array \[3, 3\] of actions, .* not one of shape \[3, 4\]"),
-        (np.zeros((3, 3)), "array of integers"),
+        (np.zeros((3, 3)), "integers or names"),
         (np.full((3, 3), 5), r"at \[0, 0\] is 5; actions='all' has 0 stay, 1 north, .* 4 west"),
         (np.full((3, 3), -1), r"at \[0, 0\] is -1"),
         (np.full((9, 5), 0.3), r"at \[0, 0\] are \[0.3, .* add up to 1"),

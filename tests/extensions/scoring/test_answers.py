@@ -155,6 +155,8 @@ def test_other_optimal_actions_are_right() -> None:
 
 
 BEST = np.asarray(brl.solve(LAKE).policy)
+BEST_DRY = np.asarray(brl.solve("frozen-lake-dry", actions="moves").policy).clip(0)
+NAMES_DRY = np.array(["north", "east", "south", "west"])[BEST_DRY]
 SAFE = np.asarray(brl.solve(CLIFF).policy).clip(0)
 
 
@@ -177,7 +179,7 @@ SAFE = np.asarray(brl.solve(CLIFF).policy).clip(0)
         ),
         (LAKE, "random", "is not optimal"),
         (LAKE, np.full((4, 4), 7), "the policy's action at [0, 0] is 7"),
-        (LAKE, np.full((4, 4), np.nan), "array of integers"),
+        (LAKE, np.full((4, 4), np.nan), "integers or names"),
         (LAKE, np.full((4, 4, 5), np.nan), "must not be negative and add up to 1"),
         (LAKE, [[1], [1, 2]], "rows differ in length"),
         (LAKE, lambda seen: "north", "at [0, 0]: an agent's answer must be an action from 0"),
@@ -195,6 +197,29 @@ def test_going_on_for_ever_is_no_mistake_where_the_optimum_does() -> None:
     grade = brl.grade_policy("gridworld-3-5", np.full((5, 5), 1))
     assert not grade
     assert "at [0, 0], north is not optimal; it loses" in grade.message
+
+
+NAMES = np.array(["stay", "north", "east", "south", "west"])[BEST]
+
+
+@pytest.mark.parametrize(
+    "policy",
+    [BEST.ravel(), NAMES, NAMES.tolist(), NAMES.ravel(), np.char.title(NAMES), BEST.astype(float)],
+    ids=["flat", "names", "lists", "flat names", "titles", "floats"],
+)
+def test_forms_of_policies(policy: Any) -> None:
+    assert brl.grade_policy(LAKE, policy)
+    assert brl.grade_agent(LAKE, policy)
+
+
+def test_names_have_the_numbers_of_the_set_of_actions() -> None:
+    assert brl.grade_policy("frozen-lake-dry", NAMES_DRY, actions="moves")
+    told = brl.grade_policy("frozen-lake-dry", np.where(BEST_DRY == 0, "stay", "east"),
+                            actions="moves").message  # fmt: skip
+    assert "'stay' is none of the actions north, east, south, west, or of their numbers" in told
+    assert brl.grade_agent(LAKE, np.full((4, 4), "nort")).message.endswith(
+        "numbers 0 to 4; did you mean `north`?"
+    )
 
 
 def test_floats_that_are_whole_are_actions() -> None:
