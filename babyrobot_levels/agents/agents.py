@@ -357,14 +357,29 @@ def load_policy(path: Path) -> Any:
     data = read_bytes(path, MAX_BYTES)
     if len(data) > MAX_BYTES:
         raise AgentError(f"{path}: the file is larger than {MAX_BYTES >> 20} MiB")
-    try:
-        found = _json_policy(data) if path.suffix.lower() == ".json" else _array_policy(data)
-    except _FAULTS:
-        raise AgentError(f"{path} is not a saved policy") from None
+    found = read_tables(data, str(path))
     tables = found.values() if isinstance(found, dict) else [found]
     if not all(table.dtype.kind in "iuf" for table in tables):
         raise AgentError(f"{path}: a policy is an array of actions or of probabilities")
     return found
+
+
+def read_tables(data: bytes, name: str) -> NDArray[Any] | dict[str, NDArray[Any]]:
+    """Return what is in a file such as `load_policy` takes, as one array, or several by names.
+
+    Args:
+        data: what is in it.
+        name: its name; its suffix tells the format.
+
+    Raises:
+        AgentError: it has no arrays.
+    """
+    try:
+        found = _json_policy(data) if name.lower().endswith(".json") else _array_policy(data)
+    except _FAULTS:
+        raise AgentError(f"{name} is not a saved policy") from None
+    tables: NDArray[Any] | dict[str, NDArray[Any]] = found
+    return tables
 
 
 def _json_policy(data: bytes) -> Any:

@@ -45,6 +45,7 @@ _OWN: Mapping[str, Command | str] = {
         "Analyse", "solve:solve", "Compute an optimal policy and its values.", limited=True
     ),
     "score": "scoring",
+    "grade": "scoring",
     "compare": "compare",
     "diff": "compare",
     "share": _core(

@@ -240,8 +240,8 @@ def test_a_hand_in_forges_no_row_and_widens_none() -> None:
     with zipfile.ZipFile("class.zip", "w") as archive:
         for name in (forged, "x" * 60_000, "ben"):
             archive.writestr(f"{name}/a.brlplay", b"{}")
-    for totals, rows in (((), 4), (("--totals",), 9)):
-        out = babyrobot("score", "class.zip", "--level", "first-key", *totals, status=1).out
+    for (command, option), rows in {("score", "--level"): 4, ("grade", "--course"): 9}.items():
+        out = babyrobot(command, "class.zip", option, "first-key", status=1).out
         assert is_harmless(out)
         assert len(out.splitlines()) == rows
         assert not any(line.startswith("ada") for line in out.splitlines())

@@ -1,9 +1,16 @@
-"""A page of a class: the points of all players in all levels, and what does not count."""
+"""Pages of a class: what all have, what does not count, and a page for each student."""
 
 import math
+import os
+from pathlib import Path
 
 from babyrobot_levels.extensions.scoring.grades import Grades
+from babyrobot_levels.language.names import slug
 from babyrobot_levels.render.templates import html
+from babyrobot_levels.text.files import write_text
+
+MAX_MISTAKES = 5
+"""The most mistakes of a function that the page of a class tells."""
 
 _RULES = {
     "regret": "what its decisions cost, as a share of what the optimum is above random actions",
@@ -13,14 +20,63 @@ _RULES = {
 }
 
 
-def class_page(grades: Grades) -> str:
-    """Return the grades of a class as a page that needs nothing else."""
-    worth = {each.level: each.worth for each in grades}
+def class_page(grades: Grades, links: dict[str, str] | None = None) -> str:
+    """Return the grades of a class as a page that needs nothing else.
+
+    Args:
+        grades: the grades.
+        links: the pages of students, by player.
+    """
+    worth = grades.worth
+    notes = {player: each.notes for player, each in grades.submissions.items() if each.notes}
+    mistakes = {
+        task: [*told.items()][:MAX_MISTAKES] for task, told in grades.mistakes.items() if told
+    }
     return html(
         "extensions/scoring/static/class.html",
-        levels=grades.levels,
+        title=grades.title,
+        tasks=[*worth],
         possible=[*worth.values(), math.fsum(worth.values())],
         totals={player: [*points.values()] for player, points in grades.totals.items()},
-        rule=_RULES[grades.rule],
+        rule=_RULES[grades.rule] if len(grades) else None,
         defects=grades.defects,
+        mistakes=mistakes,
+        shared=grades.shared,
+        notes=notes,
+        links=links or {},
     )
+
+
+def student_page(grades: Grades, player: str) -> str:
+    """Return the grades of one student as a page: what is right, and what is not, and no answer."""
+    submission = grades.submissions.get(player)
+    return html(
+        "extensions/scoring/static/student.html",
+        title=grades.title,
+        player=player,
+        total=grades.totals[player]["total"],
+        possible=math.fsum(grades.worth.values()),
+        functions={} if submission is None else submission.by_function,
+        notes=() if submission is None else submission.notes,
+        plays=[each for each in grades if each.player == player],
+        defects=[each for each in grades.defects if each.player == player],
+    )
+
+
+def write_pages(grades: Grades, folder: str | os.PathLike[str]) -> None:
+    """Write `index.html`, the page of a class, and those of the students in `students`.
+
+    Pages of students who are no longer there are removed.
+    """
+    links: dict[str, str] = {}
+    for player in grades.totals:
+        name, number = slug(player[:60]) or "student", 1
+        while (link := f"students/{name}{f'-{number}' * (number > 1)}.html") in links.values():
+            number += 1
+        links[player] = link
+    for player, link in links.items():
+        write_text(Path(folder, link), student_page(grades, player), sync=False)
+    for path in Path(folder, "students").glob("*.html"):
+        if f"students/{path.name}" not in links.values():
+            path.unlink()
+    write_text(Path(folder, "index.html"), class_page(grades, links))

@@ -12,6 +12,12 @@ EXTENSION = Extension(
             "Verify and show recorded episodes.",
             limited=True,
         ),
+        "grade": Command(
+            "Analyse",
+            "babyrobot_levels.extensions.scoring.commands.grade:grade",
+            "Grade all that a class hands in.",
+            limited=True,
+        ),
         "score": Command(
             "Analyse",
             "babyrobot_levels.extensions.scoring.commands.score:score",

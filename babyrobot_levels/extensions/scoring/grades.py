@@ -1,16 +1,18 @@
-"""Grades: the plays of several files in a table, beside the exact optimum."""
+"""Grades: all that a class hands in, plays beside the exact optimum, and functions of a course."""
 
 from __future__ import annotations
 
 import math
 import os
+import re
 import zlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from hashlib import sha256
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from babyrobot_levels.agents.decisions import decisions_of
@@ -19,10 +21,16 @@ from babyrobot_levels.agents.verify import verify_play
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.extensions.packs.archive import PackError
-from babyrobot_levels.extensions.packs.build import read_course
+from babyrobot_levels.extensions.packs.build import Course, read_course
 from babyrobot_levels.extensions.scoring.hand_ins import HandIn, hand_ins, words_of
 from babyrobot_levels.extensions.scoring.results import Table, csv_of
 from babyrobot_levels.extensions.scoring.score import score
+from babyrobot_levels.extensions.scoring.submissions import (
+    GradedFunction,
+    Grader,
+    Limits,
+    Submission,
+)
 from babyrobot_levels.language.plain_data import json_mapping
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -166,56 +174,131 @@ class Defect:
 
 
 class Grades(Table[Grade], public=True):
-    """The plays of several players: one grade for each player and level.
+    """What several players handed in: one grade of plays for each player and level.
 
     Attributes:
-        rule: by what points are given; see `grade`.
+        rule: by what points are given for plays; see `grade`.
         defects: all files and plays that do not count.
+        submissions: the functions of a course, by player.
+        ids: the numbers and addresses by which the school's system knows a player, as far as it
+            tells them.
+        title: the title of the course, or the name of the only level.
     """
 
     ROW = Grade
 
-    def __init__(self, grades: Sequence[Grade], rule: str, defects: Sequence[Defect]) -> None:
+    def __init__(
+        self,
+        grades: Sequence[Grade],
+        rule: str,
+        defects: Sequence[Defect],
+        submissions: Mapping[str, Submission] | None = None,
+        alike: Collection[tuple[str, frozenset[str]]] = (),
+        *,
+        ids: Mapping[str, Collection[str]] | None = None,
+        title: str = "",
+    ) -> None:
         super().__init__(grades)
-        self.rule, self.defects = rule, tuple(defects)
+        self.rule, self.defects, self.submissions = rule, tuple(defects), submissions or {}
+        self._alike, self.ids, self.title = alike, ids or {}, title
 
     def _part(self, rows: slice) -> Grades:
-        return Grades(self._rows[rows], self.rule, self.defects)
+        found = Grades(self._rows[rows], self.rule, self.defects, self.submissions, self._alike)
+        found.ids, found.title = self.ids, self.title
+        return found
 
     @property
     def are_valid(self) -> bool:
-        """Whether nothing is wrong with any file."""
-        return not self.defects and all(grade.fault is None for grade in self)
+        """Whether nothing is wrong with any file, and all could be graded."""
+        ungraded = any(each.ungraded for each in self.submissions.values())
+        return not (self.defects or ungraded) and all(grade.fault is None for grade in self)
 
     @property
     def levels(self) -> list[str]:
-        """The levels, in their order."""
+        """The levels of plays, in their order."""
         return list(dict.fromkeys(grade.level for grade in self))
 
     @property
+    def worth(self) -> dict[str, float]:
+        """The most points of each task: functions as `NAME.py`, and levels to play."""
+        worth = {each.level: each.worth for each in self}
+        for each in (*self.submissions.values(),)[:1]:
+            parts = {f"{name}.py": rows for name, rows in each.by_function.items()}
+            worth = {name: rows.out_of for name, rows in parts.items()} | worth
+        return worth
+
+    @property
     def totals(self) -> dict[str, dict[str, float]]:
-        """The points of each player: in each level, and their sum as `"total"`."""
+        """The points of each player: for each task of `worth`, and their sum as `"total"`.
+
+        What could not be graded is nan, and left out of the sum.
+        """
         found: dict[str, dict[str, float]] = {}
+        players = [*self.submissions, *(each.player for each in self)]
+        for name in dict.fromkeys(players):
+            found[name] = dict.fromkeys(self.worth, 0.0)
+        for name, submission in self.submissions.items():
+            for function, rows in submission.by_function.items():
+                none = rows.ungraded == len(rows)
+                found[name][f"{function}.py"] = math.nan if none else rows.points
         for each in self:
-            row = found.setdefault(each.player, dict.fromkeys(self.levels, 0.0))
+            row = found[each.player]
             row[each.level] = max(row[each.level], each.points)
-        return {name: {**row, "total": math.fsum(row.values())} for name, row in found.items()}
+        return {
+            name: {**row, "total": math.fsum(each for each in row.values() if each == each)}
+            for name, row in found.items()
+        }
+
+    @property
+    def shared(self) -> dict[str, list[list[str]]]:
+        """The players who have the same code, or the same plays, by task."""
+        alike: dict[tuple[str, str], list[str]] = {}
+        for player, submission in self.submissions.items():
+            for name, likeness in submission.likeness.items():
+                alike.setdefault((f"{name}.py", likeness), []).append(player)
+        found: dict[str, list[list[str]]] = {}
+        for (task, _), players in alike.items():
+            if len(players) > 1:
+                found.setdefault(task, []).append(players)
+        for level, several in sorted((level, sorted(several)) for level, several in self._alike):
+            if len(several) > 1:
+                found.setdefault(level, []).append(several)
+        return found
+
+    @property
+    def mistakes(self) -> dict[str, dict[str, list[str]]]:
+        """Whoever made the same mistake, by function and mistake; the commonest come first."""
+        found: dict[str, dict[str, list[str]]] = {}
+        for player, submission in self.submissions.items():
+            for name, rows in submission.by_function.items():
+                for told in dict.fromkeys(_mistake(each) for each in rows if not each.passed):
+                    found.setdefault(f"{name}.py", {}).setdefault(told, []).append(player)
+        return {
+            task: dict(sorted(told.items(), key=lambda each: -len(each[1])))
+            for task, told in found.items()
+        }
 
     def totals_to_csv(self) -> str:
         """Return a table of the points, with a line for each player, as CSV."""
-        rows = [[name, *row.values()] for name, row in self.totals.items()]
-        return csv_of([["player", *self.levels, "total"], *rows])
+        rows = [
+            [name, *("" if each != each else each for each in row.values())]
+            for name, row in self.totals.items()
+        ]
+        return csv_of([["player", *self.worth, "total"], *rows])
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
-        return {
+        told = {
             "grades": [json_mapping(asdict(grade)) for grade in self],
             "totals": {name: json_mapping(points) for name, points in self.totals.items()},
             "defects": [asdict(defect) for defect in self.defects],
         }
+        if self.submissions:
+            told["submissions"] = {name: each.to_dict() for name, each in self.submissions.items()}
+        return told
 
     def __repr__(self) -> str:
-        return f"<Grades of {len({grade.player for grade in self})} players>"
+        return f"<Grades of {len(self.totals)} players>"
 
 
 def grade(
@@ -223,12 +306,21 @@ def grade(
     level: Levels | None = None,
     *,
     points: str = "regret",
+    functions: Sequence[str] | None = None,
+    seconds: float = 60.0,
+    memory: float = 4.0,
+    jobs: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    kept: str | os.PathLike[str] | None = None,
 ) -> Grades:
-    """Verify the plays that players hand in, and compare their returns with the exact optimum.
+    """Grade all that players hand in: plays, and functions of a course.
+
+    Plays are verified, and their returns compared with the exact optimum. Of a course with
+    functions, these are run as `grade_functions` does, those of several students side by side. Call
+    this below `if __name__ == "__main__":` then. Plays count for points if anybody has any.
 
     Args:
-        files: a `.brlplay` file, or a folder or a zip file of them, with a folder for each player;
-            or several.
+        files: a file, or a folder or a zip file of them, with a folder for each player; or several.
         level: the level that was to be played, or the levels: several, a folder, a pack or a
             course, whose levels have points, without those that are hidden. They are to be played
             under their time limit, their discount and from their starts; plays of other levels are
@@ -239,20 +331,64 @@ def grade(
             is above random actions; `"share"`, the share of the way that its return covers;
             `"success"`, whether it reaches an exit; `"tries"`, 1 divided by the number of episodes
             until the first that does.
+        functions: those of the course that are graded; all by default, `[]` for none.
+        seconds: how long a function may take in a level.
+        memory: how many GiB a function may take.
+        jobs: how many students' code is run at the same time; by default as many as there are
+            processors.
+        progress: told how many of how many submissions are graded.
+        kept: a folder in which results of functions are kept: the same files are not run again.
 
     Raises:
         FileNotFoundError: there is no such file or folder.
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid, or its maze has no seed yet.
-        ValueError: there is no such rule, or two levels are the same.
+        RuntimeError: processes for code do not start.
+        ValueError: there is no such rule or function, two levels are the same, a limit is not above
+            0, or there is nothing to grade.
     """
     if points not in RULES:
         raise ValueError(f"there is no rule {points!r}{did_you_mean(points, RULES)}")
-    wanted = None if level is None else _wanted(level)
-    handed = hand_ins([files] if isinstance(files, str | os.PathLike) else files)
+    limits = Limits(seconds, memory)
+    course = _course(level)
+    wanted = None if level is None else _wanted(level, course)
+    has_code = course is not None and bool(course.fields.functions) and functions != []
+    handed = hand_ins([files] if isinstance(files, str | os.PathLike) else files, code=has_code)
     class_ = _Class(wanted, points, handed)
-    grades = [each for hand_in in handed for each in class_.grades_of(hand_in)]
-    return Grades(grades, points, class_.defects)
+    submissions: dict[str, Submission] = {}
+    if has_code and course is not None:
+        submissions = Grader(course, functions, limits).grade_all(
+            handed, jobs=jobs, progress=progress, kept=None if kept is None else Path(kept)
+        )
+    grades: list[Grade] = []
+    if not has_code or any(each.entries for each in handed):
+        grades = [each for hand_in in handed for each in class_.grades_of(hand_in)]
+    else:
+        class_.defects = [Defect(each.player, *told) for each in handed for told in each.faults]
+    return Grades(
+        grades,
+        points,
+        class_.defects,
+        submissions,
+        class_.alike,
+        ids={each.player: each.ids for each in handed},
+        title=_title(course, grades),
+    )
+
+
+def _title(course: Course | None, grades: Sequence[Grade]) -> str:
+    if course is not None:
+        return course.fields.title or course.fields.name
+    names = {each.level for each in grades}
+    return names.pop() if len(names) == 1 else ""
+
+
+def _course(levels: Levels | None) -> Course | None:
+    """Return the course that is named, if it is one."""
+    folder = folder_named(levels) if isinstance(levels, str | os.PathLike) else None
+    with suppress(PackError):
+        return None if folder is None else read_course(folder)
+    return None
 
 
 class _Asked(NamedTuple):
@@ -262,15 +398,12 @@ class _Asked(NamedTuple):
     worth: float
 
 
-def _wanted(levels: Levels) -> dict[str, _Asked]:
+def _wanted(levels: Levels, course: Course | None) -> dict[str, _Asked]:
     """Return the levels that were to be played with what they are worth, by their digests."""
-    folder = folder_named(levels) if isinstance(levels, str | os.PathLike) else None
     found: list[_Asked] = []
-    with suppress(PackError):
-        if folder is not None:
-            course = read_course(folder)
-            played = [each for each in course.fields.levels if not each.hidden]
-            found = [_Asked(load(course.files[each.level]), each.points) for each in played]
+    if course is not None:
+        played = [each for each in course.fields.levels if not each.hidden]
+        found = [_Asked(load(course.files[each.level]), each.points) for each in played]
     found = found or [_Asked(load(each), 1.0) for each in named_levels(levels)]
     by_digest = {asked.level.digest: asked for asked in found}
     names = {asked.level.name or asked.level.digest for asked in found}
@@ -287,6 +420,7 @@ class _Class:
     ) -> None:
         self.wanted, self.rule = wanted, rule
         self.defects: list[Defect] = []
+        self.alike: set[tuple[str, frozenset[str]]] = set()
         self.versions = {asked.level.name: asked.level for asked in (wanted or {}).values()}
         self.words = {each.player: words_of(each.player) for each in handed}
         self.episodes: dict[int, bytes] = {}
@@ -377,6 +511,8 @@ class _Class:
         asked = None if self.wanted is None else self.wanted.get(key[0])
         named = asked.level if asked is not None else plays[0] if plays else None
         others = [self.players[of] - {player} for of in episodes]
+        level = (named and named.name) or key[0]
+        self.alike |= {(level, frozenset(self.players[of])) for of in episodes}
         ended = [play for play in plays if play.end != "unfinished"]
         returns = [play.return_ for play in ended]
         best = max(ended, key=lambda play: play.return_, default=None)
@@ -384,7 +520,7 @@ class _Class:
         mean, worth = _mean(returns), 1.0 if asked is None else asked.worth
         return Grade(
             player=player,
-            level=(named and named.name) or key[0],
+            level=level,
             points=worth * _earned(self.rule, [play for play in ended if not play.watched], bounds),
             worth=worth,
             episodes=len(ended),
@@ -453,6 +589,12 @@ def _condition_fault(play: Play, wanted: Level | Play) -> str | None:
     if play.start == "chosen":
         return "the player chose its start"
     return None
+
+
+def _mistake(graded: GradedFunction) -> str:
+    """Return what is wrong, as it is alike in several levels: without how much is right."""
+    told = re.sub(r"^.*? are right: |^the policy is right in .*?: ", "", graded.message)
+    return re.sub(rf"\b{re.escape(graded.level)}\b", "a level", re.sub(r"\[\d.*?\]", "[…]", told))
 
 
 def _mean(numbers: Sequence[float]) -> float:

@@ -14,7 +14,7 @@ import signal
 import socket
 import sys
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import get_context
@@ -43,6 +43,8 @@ MAX_PROCESSES = 64
 MAX_WRITTEN = 256 << 20
 """The most bytes of a file that a function writes."""
 
+NOT_WRITTEN = "it is not written yet"
+
 _HEAD = 4096
 """The bytes of a head."""
 
@@ -69,7 +71,7 @@ def answers(
     stop: Event | None = None,
     *,
     shown: bool = True,
-) -> Iterator[Answer]:
+) -> Generator[Answer]:
     """Yield the answer of a student's function in each level.
 
     Args:
@@ -266,7 +268,7 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
             table = _table(function(world_of(level)))
             head, data = (table.dtype.str, table.shape), table.tobytes()
         except NotImplementedError:
-            head = "it is not written yet"
+            head = NOT_WRITTEN
         except NoAnswerError as error:
             head = str(error)
         except MemoryError as error:
@@ -295,6 +297,14 @@ class _Output(io.TextIOBase):
             more = "" if self._left else "\n… what else it prints is not shown\n"
             os.write(self._to, (shown + more).encode("utf-8", "backslashreplace"))
         return len(text)
+
+
+def checked_table(answer: Any) -> Answer:
+    """Return an answer as an array, or why it is none."""
+    try:
+        return _table(answer)
+    except NoAnswerError as error:
+        return str(error)
 
 
 def _table(answer: Any) -> NDArray[Any]:

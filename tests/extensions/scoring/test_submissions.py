@@ -179,12 +179,13 @@ def test_what_is_no_folder_of_a_student_is_an_error_and_no_mark(
     for folder in (hand, hand / "ada", hand / ".git", hand / "__MACOSX"):
         folder.mkdir()
     (tmp_path / "ada.zip").write_bytes(b"PK")
+    with pytest.raises(FileNotFoundError, match="nosuch"):
+        brl.grade_functions(small, tmp_path / "nosuch")
     for path, told in {
-        tmp_path / "nosuch": "there is no folder .*nosuch",
-        tmp_path / "ada.zip": "ada.zip is no folder: unpack it first",
-        hand: "hand/ada has no value_iteration.py or policy_iteration.py",
+        tmp_path / "ada.zip": "nothing can be graded in .*ada.zip: the zip file is damaged",
+        hand: "nothing can be graded in .*hand: there is no file to grade",
     }.items():
-        with pytest.raises(NotADirectoryError, match=told):
+        with pytest.raises(ValueError, match=told):
             brl.grade_functions(small, path)
     # What a zip file puts around the files does not matter.
     code(hand / "ada", notes="")
@@ -193,8 +194,8 @@ def test_what_is_no_folder_of_a_student_is_an_error_and_no_mark(
         "there is no value_iter",
         "there is no policy_ite",
     }
-    code(hand / "ben")
-    with pytest.raises(NotADirectoryError, match=r"hand has no value_iteration.py"):
+    code(hand / "ben", notes="")
+    with pytest.raises(ValueError, match=r"hand has no value_iteration.py or .* one student"):
         brl.grade_functions(small, hand)
 
 

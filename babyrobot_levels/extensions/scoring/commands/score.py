@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -38,6 +37,9 @@ from babyrobot_levels.extensions.scoring.commands.replay import help_text
 from babyrobot_levels.render.words.phrases import name_of
 from babyrobot_levels.text.source import printable
 from babyrobot_levels.text.words import AGENTS, BEST, NAMED, RANDOM
+
+LONGEST, LONGEST_NAME = 300, 60
+"""The most characters of a text and of a name of a player in a table."""
 
 Rule = Literal["regret", "share", "success", "tries"]
 """By what points are given."""
@@ -74,9 +76,6 @@ def score(
             "[default: regret]",
         ),
     ] = None,
-    totals: Annotated[
-        bool, flag("--totals", "Of recorded episodes: one row for each player, with all points.")
-    ] = False,
     split: SplitOption = None,
     within: Annotated[
         int | None,
@@ -140,8 +139,7 @@ def score(
         Path | None,
         value_option(
             "FILE",
-            "Write to this file: .csv, .json; of an agent also a picture, .svg, .png; of recorded "
-            "episodes also a page, .html.",
+            "Write to this file: .csv, .json; of an agent also a picture, .svg, .png.",
             "--output",
             "-o",
         ),
@@ -166,14 +164,14 @@ def score(
 
       babyrobot score plays/*.brlplay --level frozen-lake
 
-      babyrobot score class.zip --level robots --totals -o class.html
+      babyrobot score class.zip --level robots -o plays.csv
     """
     are_plays = {word.lower().endswith(PLAYS) for word in what}
-    if (level or points or totals) and not any(_may_hold_plays(word) for word in what):
+    if (level or points) and not any(_may_hold_plays(word) for word in what):
         if len(what) == 1 and not (what[0] in (BEST, RANDOM) or Path(what[0]).exists()):
             fail(f"there is no file or folder {what[0]}")
         fail(
-            "--level, --points and --totals are for recorded episodes",
+            "--level and --points are for recorded episodes",
             f"give files that end in {PLAYS}; an agent: babyrobot score {quoted(what[0])} "
             + (quoted(level) if level else "LEVEL"),
         )
@@ -192,9 +190,7 @@ def score(
                 "played",
             )
         grades = _grades(what, level, points or "regret")
-        _put_grades(
-            grades, table_format, output, totals=totals, has_level=level is None, force=force
-        )
+        _put_grades(grades, table_format, output, has_level=level is None, force=force)
         if not grades.are_valid:
             raise typer.Exit(FINDINGS)
         return
@@ -347,9 +343,6 @@ def _summary(scores: brl.Scores) -> dict[str, str]:
 
 # -- recorded episodes ---------------------------------------------------------------------
 
-_LONGEST, _LONGEST_NAME = 300, 60
-"""The most characters of a text and of a name of a player in a table."""
-
 
 def _may_hold_plays(word: str) -> bool:
     return Path(word).is_dir() or Path(word).suffix.lower() in (PLAYS, ".zip")
@@ -367,44 +360,18 @@ def _grades(files: list[str], level: str | None, rule: Rule) -> brl.Grades:
             )
     with working("verifying"):
         try:
-            return brl.grade(files, level, points=rule)
+            return brl.grade(files, level, points=rule, functions=[])
         except ValueError as error:
             fail(str(error))
 
 
 def _put_grades(
-    grades: brl.Grades,
-    kind: TableFormat,
-    output: Path | None,
-    *,
-    totals: bool,
-    has_level: bool,
-    force: bool,
+    grades: brl.Grades, kind: TableFormat, output: Path | None, *, has_level: bool, force: bool
 ) -> None:
     """Write the grades of plays."""
-    from babyrobot_levels.extensions.scoring.class_page import class_page
-
-    to_csv = grades.totals_to_csv if totals else grades.to_csv
     if output is not None:
-        page = partial(class_page, grades)
-        _save({".csv": to_csv, ".json": grades.to_json, ".html": page}, output, force=force)
-    elif kind is TableFormat.CSV:
-        write(to_csv())
-    elif kind is TableFormat.JSON:
-        write_json(grades.to_dict())
-    elif totals:
-        rows = [[_told(name), *map(short, row.values())] for name, row in grades.totals.items()]
-        write_table(["player", *grades.levels, "total"], rows, grades.levels)
-        if grades.defects:
-            write("\n")
-            write_table(
-                ["player", "place", "does not count"],
-                [
-                    [_told(each.player), _told(each.place), _told(each.reason, _LONGEST)]
-                    for each in grades.defects
-                ],
-            )
-    else:
+        _save({".csv": grades.to_csv, ".json": grades.to_json}, output, force=force)
+    elif not _written(grades, kind):
         _write_grades(grades, has_level=has_level)
 
 
@@ -422,8 +389,8 @@ def _grade_cells(row: brl.Grade) -> dict[str, str]:
     more = f" + {row.unfinished}" if row.unfinished else ""
     verified = "yes" if row.episodes or row.unfinished else "-"
     return {
-        "player": _told(row.player),
-        "level": _told(row.level),
+        "player": told(row.player),
+        "level": told(row.level),
         "points": short(row.points),
         "episodes": f"{row.episodes}{more}",
         "best": short(row.best),
@@ -436,20 +403,20 @@ def _grade_cells(row: brl.Grade) -> dict[str, str]:
         "luck": short(row.luck),
         "help": help_text(row),
         "notes": _notes(row),
-        "verified": f"no: {_told(row.fault, _LONGEST)}" if row.fault else verified,
+        "verified": f"no: {told(row.fault, LONGEST)}" if row.fault else verified,
     }
 
 
-def _told(text: str, longest: int = _LONGEST_NAME) -> str:
+def told(text: str, longest: int = LONGEST_NAME) -> str:
     """Return a text of a player, which may hold anything, for a table."""
     return name_of(text, longest)
 
 
 def _notes(row: brl.Grade) -> str:
     """Return what else there is to know about the plays of a player."""
-    told = {
+    notes = {
         "copies left out": row.copies,
-        f"shared with {_told(row.shared_with, _LONGEST)}": row.shared,
+        f"shared with {told(row.shared_with, LONGEST)}": row.shared,
         "without a seed": row.unseeded,
     }
-    return "; ".join(f"{text}: {count:,}" for text, count in told.items() if count)
+    return "; ".join(f"{text}: {count:,}" for text, count in notes.items() if count)
