@@ -302,9 +302,11 @@ class _Sorter:
         inside = place if owner else ""
         owner = owner or self._owner(files, place)
         for path, read in files:
-            is_own = owner is None and len(path.parts) == 1
             if owner is None and path.name == METADATA:
                 self._read_names(read(_Budget()))
+        for path, read in files:
+            is_own = owner is None and len(path.parts) == 1
+            if owner is None and path.name == METADATA:
                 continue
             unit = owner or (path.stem if is_own else path.parts[0])
             left = budget or budgets.setdefault(unit, _Budget())

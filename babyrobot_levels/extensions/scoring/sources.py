@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
+from symtable import symtable
 from typing import Any
 
 from babyrobot_levels.agents.agents import AgentError, read_tables
@@ -120,7 +121,8 @@ def _find(name: str, files: Mapping[str, bytes], texts: Mapping[str, str]) -> So
             told = f"{name} is in several files: it was read from {path}, not {listed(others)}"
         text, written = texts[path], _is_written(trees[path], name)
         if kind_of(path) == ".ipynb":
-            text = _needed(trees[path], name)
+            with suppress(RecursionError, SyntaxError, ValueError):
+                text = _needed(trees[path], name)
         return Source(name, text, file=path, note=told, is_written=written)
     answers = [path for path in files if kind_of(path) in ANSWERS and _stem(path) == name]
     if answers:
@@ -223,8 +225,22 @@ def _needed(tree: ast.Module | None, name: str) -> str:
         for number, (statement, bound) in enumerate(zip(statements, binding, strict=True)):
             if number not in kept and bound & (wanted | {"*"}):
                 kept.add(number)
-                wanted |= {each.id for each in ast.walk(statement) if isinstance(each, ast.Name)}
+                wanted |= _used(statement)
     return "\n\n".join(ast.unparse(statements[number]) for number in sorted(kept))
+
+
+def _used(statement: ast.stmt) -> set[str]:
+    """Return the names that a statement uses which others give a value."""
+    tables, found = [symtable(ast.unparse(statement), "", "exec")], set[str]()
+    for table in tables:
+        tables += table.get_children()
+        is_outside = table.get_type() == "module"
+        found |= {
+            each.get_name()
+            for each in table.get_symbols()
+            if each.is_global() or (is_outside and each.is_referenced())
+        }
+    return found
 
 
 def _bound(statement: ast.AST) -> set[str]:

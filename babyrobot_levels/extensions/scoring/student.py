@@ -48,6 +48,12 @@ NOT_WRITTEN = "it is not written yet"
 _HEAD = 4096
 """The bytes of a head."""
 
+_ATTEMPTS = 3
+"""How often a process is started, if what forks is ended each time."""
+
+_NOT_KNOWN = 255
+"""The exit status of a process whose own one was lost with what forks."""
+
 _CHILD_SUBREAPER = 36
 """Of `prctl(2)`, on Linux."""
 
@@ -119,21 +125,14 @@ def _started(
     code: Path, name: str, levels: Sequence[Path], memory: float, shown: bool
 ) -> Iterator[tuple[Any, socket.socket]]:
     """Start the process, and end it with all that it started."""
-    ours, theirs = socket.socketpair()
-    # Forks of a process that has imported everything begin in no time.
-    context: Any = get_context("spawn" if sys.platform == "win32" else "forkserver")
-    if sys.platform != "win32":
-        context.set_forkserver_preload([__name__, "babyrobot_levels.envs.single"])
-    process = context.Process(target=_run, args=(code, name, levels, memory, theirs), daemon=True)
+    for _ in range(_ATTEMPTS):
+        process, ours = _start(code, name, levels, memory)
+        if process is not None:
+            break
+    else:
+        raise RuntimeError("the processes for students' code do not start")
     with ours:
-        with theirs, starting():
-            process.start()
         try:
-            if not ours.recv(1):
-                raise RuntimeError(
-                    "the process for the student's code did not start; in a script, grade below "
-                    '`if __name__ == "__main__":`'
-                )
             with Path(os.devnull).open("wb") as nowhere:
                 # What forks may have begun elsewhere, and has another standard error.
                 if sys.platform != "win32":
@@ -141,6 +140,37 @@ def _started(
             yield process, ours
         finally:
             _end(process)
+
+
+def _start(
+    code: Path, name: str, levels: Sequence[Path], memory: float
+) -> tuple[Any, socket.socket]:
+    """Return a process that has begun; None in its place if what forks was ended meanwhile.
+
+    Raises:
+        RuntimeError: it cannot begin.
+    """
+    ours, theirs = socket.socketpair()
+    # Forks of a process that has imported everything begin in no time.
+    context: Any = get_context("spawn" if sys.platform == "win32" else "forkserver")
+    if sys.platform != "win32":
+        context.set_forkserver_preload([__name__, "babyrobot_levels.envs.single"])
+    process = context.Process(target=_run, args=(code, name, levels, memory, theirs), daemon=True)
+    try:
+        with theirs, starting():
+            process.start()
+        if ours.recv(1):
+            return process, ours
+        process.join()
+    except (OSError, EOFError):
+        return None, ours
+    # A student's code can end what forks: it has the same user.
+    if process.exitcode == _NOT_KNOWN:
+        return None, ours
+    raise RuntimeError(
+        "the process for the student's code did not start; in a script, grade below "
+        '`if __name__ == "__main__":`'
+    )
 
 
 def _end(process: Any) -> None:

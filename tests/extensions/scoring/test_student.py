@@ -163,9 +163,9 @@ def f(level):
 @pytest.mark.slow
 def test_a_process_that_cannot_start_is_an_error_and_no_fault(tmp_path: Path) -> None:
     program = tmp_path / "program.py"
-    course = str(ROOT / "course")
+    course, code = str(ROOT / "course"), str(Path(__file__).parent / "solutions")
     program.write_text(
-        f"import babyrobot_levels as brl\nbrl.grade_functions({course!r})\n", "utf-8"
+        f"import babyrobot_levels as brl\nbrl.grade_functions({course!r}, {code!r})\n", "utf-8"
     )
     done = subprocess.run(
         [sys.executable, program], capture_output=True, text=True, timeout=60, check=False
