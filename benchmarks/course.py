@@ -1,19 +1,24 @@
-"""A class that hands in plays, some of them forged: how long grading takes, and what it finds.
+"""A class that hands in plays or code, some of it forged, wrong or hostile: what grading finds.
 
-    python benchmarks/course.py [--students 200] [--plays 3] [--keep FOLDER]
+    python benchmarks/course.py plays [--students 200] [--plays 3] [--keep FOLDER]
+    python benchmarks/course.py code [--students 30] [--seconds 10] [--keep FOLDER]
 
-Each student has a folder with a file for each of 12 levels. Every tenth one forges in a way of a
-list; the script ends with an error if a forgery is not named, or an honest play does not count.
+Of plays, each student has a folder with a file for each of 12 levels. Every tenth one forges in a
+way of a list. Of code, each has three functions of the example course, in one of the forms in which
+they are handed in; every fifth one makes a mistake of a list, and every tenth one is hostile, in
+harmless ways. The script ends with an error if one is not named, or an honest mark is wrong.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
+import resource
 import tempfile
 import time
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -99,13 +104,134 @@ FORGERIES: dict[str, Callable[[str, str], str]] = {
 }
 
 
+# -- code ----------------------------------------------------------------------------------
+
+SOLUTIONS = Path(__file__).parent.parent / "tests" / "extensions" / "scoring" / "solutions"
+FUNCTIONS = {"value_iteration": 32.0, "policy_iteration": 32.0, "q_learning": 18.0}
+"""What students write, and what it is worth."""
+
+MISTAKES: dict[str, str] = {
+    "return None": "it returns nothing",
+    "return 1.0": "must be an array",
+    "return {}": "it returns a dict",
+    "return [[1], [1, 2]]": "rows that differ in length",
+    "return [['north']]": "the values are not numbers",
+    "return np.zeros((3, 3, 3))": "not one of shape [3, 3, 3]",
+    "return np.full(level.compile().shape, np.nan)": "is not a number (nan)",
+    "raise NotImplementedError": "it is not written yet",
+    "return levels": "NameError",
+    "return 1 / 0": "ZeroDivisionError",
+    "import sklearn_of_mine": "ModuleNotFoundError",
+    "return level.probability": "AttributeError",
+    "return open('values.txt').read()": "FileNotFoundError",
+    "return input()": "EOFError",
+    "return sys.exit(0)": "NameError",
+    "import sys; sys.exit(0)": "SystemExit",
+    "return value_iteration(level)": "RecursionError",
+    "return [value for": "SyntaxError",
+}
+"""Bodies of the first function, and what students read."""
+
+HOSTILE: dict[str, str] = {
+    "while True: pass": "it took longer than",
+    "return bytearray(8 << 30)": "GiB of memory",
+    "return np.ones(1 << 32)": "GiB of memory",
+    "return np.zeros((1 << 26, 0))": "its answer is too large",
+    "return np.zeros(1 << 25)": "its answer is too large",
+    "import os; os._exit(0)": "its process ended",
+    "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": "its process ended",
+    "import os, time; os.fork() or time.sleep(600)": "",
+    "import subprocess; subprocess.Popen(['sleep', '600'], start_new_session=True)": "nothing",
+    "import subprocess; [subprocess.Popen(['sleep', '600']) for _ in range(80)]; "
+    "__import__('time').sleep(600)": "more than 64 processes",
+    "import os, signal; os.kill(os.getppid(), signal.SIGKILL)": "it returns nothing",
+    "print('\\x1b[2J\\n' * 10 ** 6)": "it returns nothing",
+    "raise ValueError('</td><script>alert(1)</script>' + '\\x1b[2J' * 10 ** 5)": "ValueError",
+    "open('big', 'wb').write(bytes(1 << 30))": "",
+    "import mmap; m = mmap.mmap(-1, 8 << 30)\n    while True: m.write(bytes(1 << 26))": "GiB",
+    "def g(n): return g(n)\n    g(1)": "RecursionError",
+    "import threading; threading.Thread(target=lambda: 1 / 0).start(); threading.Event().wait()":
+        "it took longer than",
+    "class A(np.ndarray): __array__ = None\n    return A(3)": "",
+    "import socket, gc; [each.close() for each in gc.get_objects() "
+    "if isinstance(each, socket.socket)]": "",
+    "import babyrobot_levels.extensions.scoring.student as s; s._table = lambda _: 1 / 0": "",
+}  # fmt: skip
+"""Bodies of the first function that harm nobody here, and what is said of them."""
+
+
+def written(body: str) -> str:
+    """Return a file with the first function."""
+    return f"import numpy as np\n\n\ndef value_iteration(level):\n    {body}\n"
+
+
+def notebook(texts: Iterable[str]) -> str:
+    """Return a notebook with a cell for each text, and some that cannot run."""
+    cells = ["%matplotlib inline\nimport nowhere", *texts, "value_iteration(None)"]
+    kinds = [{"cell_type": "code", "source": each} for each in cells]
+    return json.dumps({"cells": kinds, "nbformat": 4})
+
+
+def forms(texts: Mapping[str, str], number: int) -> dict[str, str]:
+    """Return the files of a student, in one of several forms."""
+    if number % 5 == 1:
+        return {f"robots/work/{name}.py": text for name, text in texts.items()}
+    if number % 5 == 2:
+        return {f"{name}.py.txt": "\ufeff" + text for name, text in texts.items()}
+    if number % 5 == 3:
+        return {"homework.ipynb": notebook(text.partition("annotations\n")[2].replace(
+            "from value_iteration import ahead\n", "") for text in texts.values())}  # fmt: skip
+    return {f"{name}.py": text for name, text in texts.items()}
+
+
+def grade_code(students: int, seconds: float, folder: Path) -> None:
+    """Hand in code, grade it, and compare."""
+    right = {name: (SOLUTIONS / f"{name}.py").read_text("utf-8") for name in FUNCTIONS}
+    expected: dict[str, tuple[str, str]] = {}
+    for number in range(students):
+        name, texts = f"Student {number:03}", dict(right)
+        kind = HOSTILE if number % 10 == 9 else MISTAKES if number % 5 == 2 else {}
+        if kind:
+            body = [*kind][number // (10 if kind is HOSTILE else 5) % len(kind)]
+            expected[name] = body, kind[body]
+            # The others import what the right one has.
+            texts = {"value_iteration": written(body)}
+        unit = folder / f"{name}_{number}_assignsubmission_file_"
+        for path, text in forms(texts, number).items():
+            (unit / path).parent.mkdir(parents=True, exist_ok=True)
+            (unit / path).write_text(text, "utf-8")
+    course = Path(__file__).parent.parent / "course"
+    started = time.perf_counter()
+    found = brl.grade(folder, course, functions=[*FUNCTIONS], seconds=seconds, memory=2)
+    took = time.perf_counter() - started
+    wrong: list[str] = []
+    for name, totals in found.totals.items():
+        first = found.submissions[name][0]
+        body, told = expected.get(name, ("", "all 4 values are right"))
+        worth = 0.0 if body else math.fsum(FUNCTIONS.values())
+        print(f"{name}  {totals['total']:5.4g}  {body[:50]!r:55}{first.message[:100]}")
+        if told not in first.message or abs(totals["total"] - worth) > 1e-9:
+            wrong.append(name)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    print(f"{students} students: {took:.0f} s, {memory:.2f} GiB in the process that grades")
+    if wrong:
+        raise SystemExit(f"graded wrongly: {wrong}")
+
+
 def main() -> None:
     """Hand in, grade, and compare."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--students", type=int, default=200)
+    parser.add_argument("what", choices=["plays", "code"])
+    parser.add_argument("--students", type=int)
     parser.add_argument("--plays", type=int, default=3)
+    parser.add_argument("--seconds", type=float, default=10)
     parser.add_argument("--keep", type=Path)
     given = parser.parse_args()
+    if given.what == "code":
+        with tempfile.TemporaryDirectory() as temporary:
+            grade_code(given.students or 30, given.seconds, given.keep or Path(temporary))
+        return
+    given.students = given.students or 200
     levels = [brl.load(name) for name in LEVELS]
     player, random = Player(levels), np.random.default_rng(0)
     forgers: dict[str, str] = {}

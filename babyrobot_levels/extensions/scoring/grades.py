@@ -231,7 +231,7 @@ class Grades(Table[Grade], public=True):
     def totals(self) -> dict[str, dict[str, float]]:
         """The points of each player: for each task of `worth`, and their sum as `"total"`.
 
-        What could not be graded is nan, and left out of the sum.
+        What could not be graded is nan, and left out of the sum; where nothing could, so is that.
         """
         found: dict[str, dict[str, float]] = {}
         players = [*self.submissions, *(each.player for each in self)]
@@ -244,10 +244,10 @@ class Grades(Table[Grade], public=True):
         for each in self:
             row = found[each.player]
             row[each.level] = max(row[each.level], each.points)
-        return {
-            name: {**row, "total": math.fsum(each for each in row.values() if each == each)}
-            for name, row in found.items()
-        }
+        for row in found.values():
+            known = [each for each in row.values() if not math.isnan(each)]
+            row["total"] = math.fsum(known) if known or not row else math.nan
+        return found
 
     @property
     def shared(self) -> dict[str, list[list[str]]]:
@@ -271,7 +271,8 @@ class Grades(Table[Grade], public=True):
         found: dict[str, dict[str, list[str]]] = {}
         for player, submission in self.submissions.items():
             for name, rows in submission.by_function.items():
-                for told in dict.fromkeys(_mistake(each) for each in rows if not each.passed):
+                wrong = [each for each in rows if each.is_graded and not each.passed]
+                for told in dict.fromkeys(map(_mistake, wrong)):
                     found.setdefault(f"{name}.py", {}).setdefault(told, []).append(player)
         return {
             task: dict(sorted(told.items(), key=lambda each: -len(each[1])))
@@ -317,7 +318,7 @@ def grade(
 
     Plays are verified, and their returns compared with the exact optimum. Of a course with
     functions, these are run as `grade_functions` does, those of several students side by side. Call
-    this below `if __name__ == "__main__":` then. Plays count for points if anybody has any.
+    this below `if __name__ == "__main__":` then. Code counts if anybody has any, and so do plays.
 
     Args:
         files: a file, or a folder or a zip file of them, with a folder for each player; or several.
@@ -356,12 +357,12 @@ def grade(
     handed = hand_ins([files] if isinstance(files, str | os.PathLike) else files, code=has_code)
     class_ = _Class(wanted, points, handed)
     submissions: dict[str, Submission] = {}
-    if has_code and course is not None:
+    if course is not None and any(each.files for each in handed):
         submissions = Grader(course, functions, limits).grade_all(
             handed, jobs=jobs, progress=progress, kept=None if kept is None else Path(kept)
         )
     grades: list[Grade] = []
-    if not has_code or any(each.entries for each in handed):
+    if not submissions or any(each.entries for each in handed):
         grades = [each for hand_in in handed for each in class_.grades_of(hand_in)]
     else:
         class_.defects = [Defect(each.player, *told) for each in handed for told in each.faults]
@@ -594,7 +595,8 @@ def _condition_fault(play: Play, wanted: Level | Play) -> str | None:
 def _mistake(graded: GradedFunction) -> str:
     """Return what is wrong, as it is alike in several levels: without how much is right."""
     told = re.sub(r"^.*? are right: |^the policy is right in .*?: ", "", graded.message)
-    return re.sub(rf"\b{re.escape(graded.level)}\b", "a level", re.sub(r"\[\d.*?\]", "[…]", told))
+    told = re.sub(rf"\b{re.escape(graded.level)}\b", "a level", told.partition(", but ")[0])
+    return re.sub(r"\[\d.*?\]", "[…]", re.sub(r"-?\b\d+(\.\d+)?(?= %)", "…", told))
 
 
 def _mean(numbers: Sequence[float]) -> float:
