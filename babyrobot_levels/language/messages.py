@@ -11,7 +11,7 @@ from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, Forms
 from babyrobot_levels.language.cells import Puddle, PuddleType
 from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
-from babyrobot_levels.language.names import SLUG, VERSION, slug
+from babyrobot_levels.language.names import FUNCTION, SLUG, VERSION, slug
 from babyrobot_levels.language.rewriting import LONGEST, rewritten, takes
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.scalars import is_plain_string
@@ -434,6 +434,12 @@ def _pattern(pattern: str, root: str, value: Any) -> Complaint:
             "BR207",
             f"must be three numbers such as `1.0.0`, not {show(value)}",
             "increase the first number for other levels, the second for more, the third for fixes",
+        )
+    if pattern == FUNCTION:
+        return (
+            "BR207",
+            f"{_named(value)} is not the name of a function",
+            "use lower-case letters, digits and `_`, as in `value_iteration`",
         )
     if pattern == THEME_NAME:
         return (

@@ -4,6 +4,7 @@ import re
 
 SLUG = r"^[a-z0-9]+(-[a-z0-9]+)*$"
 _NUMBER = r"(0|[1-9][0-9]{0,8})"
+FUNCTION = r"^[a-z][a-z0-9_]*$"
 VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, StrictStr, StringConstraints, model_validator
 
 from babyrobot_levels.language.base import Flag, Integer, Model, Number, Slug, Text, form, forms
-from babyrobot_levels.language.names import VERSION
+from babyrobot_levels.language.names import FUNCTION, VERSION
 from babyrobot_levels.language.suite import MAX_COUNT, Share, SuiteFields, SuiteTexts, wrong_shares
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import InvalidDocument
@@ -132,7 +132,7 @@ def suite_model(data: Any) -> type[SuiteFields] | type[SuiteListFields]:
 Version = Annotated[StrictStr, StringConstraints(pattern=VERSION)]
 
 
-Function = Annotated[StrictStr, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)]
+Function = Annotated[StrictStr, StringConstraints(pattern=FUNCTION, max_length=100)]
 
 
 class CourseLevel(Model):

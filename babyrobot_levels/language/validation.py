@@ -24,8 +24,8 @@ Check = Callable[[ModelT], Iterable[Issue]]
 
 _COLOUR_IN_COMMENT = re.compile(r"\b(color|text_color):[ \t]+(#[0-9A-Fa-f]{3,8})[ \t]*$", re.M)
 
-_GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit", "exit_one_of"}
-"""Where one of these is invalid, checks of the geometry would only report its consequences."""
+_NEEDED = {"size", "map", "legend", "start", "exit", "exit_one_of", "functions"}
+"""Where one of these is invalid, checks of the whole would only report its consequences."""
 
 
 class Checked(NamedTuple, Generic[ModelT]):
@@ -233,7 +233,7 @@ class _Rest:
 
     def __init__(self, data: dict[str, Any], routes: list[Route]):
         faulty = {route[:2] if _is_entry(route, data) else route[:1] for route in routes if route}
-        self.is_enough = not any(route[0] in _GEOMETRY_NEEDS for route in faulty)
+        self.is_enough = not any(route[0] in _NEEDED for route in faulty)
         self.without = {route[0] for route in faulty}
         self.data: dict[str, Any] = {"version": 1}
         self.kept: dict[str, list[int]] = {}

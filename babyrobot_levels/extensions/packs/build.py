@@ -33,7 +33,9 @@ from babyrobot_levels.text.files import (
     MAX_DEPTH,
     PACK_FILE,
     NotRegularError,
+    is_file,
     is_gallery,
+    is_within,
     read_bytes,
 )
 from babyrobot_levels.text.reader import open_document
@@ -138,6 +140,16 @@ class Course:
     fields: PackFields
     files: Mapping[str, Path]
     paths: Sequence[str]
+
+    @property
+    def given(self) -> dict[str, Path]:
+        """The further files that students get, by their names, as far as they are in the folder."""
+        paths = {name: self.folder / name for name in self.fields.given}
+        return {
+            name: path
+            for name, path in paths.items()
+            if ".." not in Path(name).parts and is_file(path) and is_within(path, self.folder)
+        }
 
 
 def read_course(path: str | os.PathLike[str]) -> Course:

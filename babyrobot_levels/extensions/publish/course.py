@@ -16,9 +16,11 @@ from babyrobot_levels.extensions.publish.schools import (
     classroom50,
     github_classroom,
     gradescope,
+    packed,
+    packed_wheel,
     prairielearn,
+    requirements,
     scorm,
-    write_zip,
 )
 from babyrobot_levels.extensions.publish.sheet import PAPERS, Sheet, sheet
 from babyrobot_levels.language.names import slug
@@ -161,20 +163,30 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
         yield partial(_save, partial(made, given, paper=paper), path)
         yield partial(_save, partial(made, [*everything.values()], paper=paper, key=True), of_key)
     yield lambda: _copy(course, code)
+    if course.fields.functions:
+        yield lambda: _add_package(code)
     archive = students / f"{course.fields.name}-{course.fields.version}{SUFFIX}"
     yield lambda: pack(code, archive)
     codes = "".join(f"{level.name}\n{share(level)}\n\n" for level in given)
     yield lambda: write_text(students / "codes.txt", codes)
-    yield lambda: write_zip(teacher / "scorm.zip", scorm(given, title))
+    yield lambda: write_bytes(teacher / "scorm.zip", packed(scorm(given, title)))
     if course.fields.functions:
-        yield lambda: write_zip(teacher / "gradescope.zip", gradescope(course))
-        yield lambda: write_zip(teacher / "classroom50.zip", classroom50(course))
-        yield lambda: write_zip(teacher / "prairielearn.zip", prairielearn(course, title))
+        yield lambda: write_bytes(teacher / "gradescope.zip", packed(gradescope(course)))
+        yield lambda: write_bytes(teacher / "classroom50.zip", packed(classroom50(course)))
+        yield lambda: write_bytes(teacher / "prairielearn.zip", packed(prairielearn(course, title)))
         yield lambda: write_text(teacher / "github-classroom.yml", github_classroom())
 
 
 def _save(make: Callable[[], Sheet], path: Path) -> None:
     make().save(path)
+
+
+def _add_package(code: Path) -> None:
+    """Add the package, so that students need nothing but Python, and what it needs from PyPI."""
+    name, data = packed_wheel()
+    if name:
+        write_bytes(code / name, data)
+    write_text(code / "requirements.txt", requirements())
 
 
 def _copy(course: Course, target: Path) -> None:
@@ -184,8 +196,13 @@ def _copy(course: Course, target: Path) -> None:
         PackError: what is given is no file of the course.
     """
     hidden = {course.files[each.level] for each in course.fields.levels if each.hidden}
-    code = [f"{name}.py" for name in (*course.fields.functions, "grade")]
-    paths = [*course.paths, *(name for name in code if is_file(course.folder / name))]
+    code = [f"{name}.py" for name in course.fields.functions]
+    for name in code:
+        if not is_file(course.folder / name):
+            told = f"there is no {name} in {course.folder}, which students fill in"
+            raise PackError(told, "write it, or leave its function out of `functions`")
+    code += ["grade.py"] * is_file(course.folder / "grade.py")
+    paths = [*course.paths, *code]
     for name in (*paths, *course.fields.given):
         path = course.folder / name
         if ".." in Path(name).parts or not (is_file(path) and is_within(path, course.folder)):

@@ -1,13 +1,16 @@
 """What of a course goes into the systems of schools: autograders, and pages that report to them."""
 
+import io
 import json
 import zipfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from functools import lru_cache
+from hashlib import sha256
 from uuid import NAMESPACE_URL, uuid5
 from xml.etree import ElementTree
 
 from babyrobot_levels.extensions.packs.build import Course
+from babyrobot_levels.extensions.publish.wheel import wheel
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.templates import html, put_together, static
 from babyrobot_levels.text.errors import DISTRIBUTION
@@ -19,7 +22,28 @@ _PYTHON = "3.13"
 def _text(name: str, **values: str) -> str:
     """Return a file of the folder `static/schools`, filled in."""
     path = f"extensions/publish/static/schools/{name}.jinja"
-    return html(path, distribution=DISTRIBUTION, python=_PYTHON, **values)
+    wheel_name, data = packed_wheel()
+    return html(
+        path,
+        distribution=DISTRIBUTION,
+        python=_PYTHON,
+        wheel=wheel_name,
+        sha256=sha256(data).hexdigest(),
+        **values,
+    )
+
+
+@lru_cache(maxsize=1)
+def packed_wheel() -> tuple[str, bytes]:
+    """Return the name of a wheel of this package, and its bytes; empty where there is none."""
+    name, files = wheel()
+    return name, packed(files) if name else b""
+
+
+def requirements() -> str:
+    """Return what students install by `pip install -r requirements.txt`."""
+    name, _ = packed_wheel()
+    return f"./{name}\n" if name else f"{DISTRIBUTION}\n"
 
 
 def github_classroom() -> str:
@@ -78,19 +102,23 @@ def _autograder(code: str, results: str, method: str) -> bytes:
 
 def _files_of(course: Course) -> Mapping[str, bytes]:
     """Return what an autograder needs of a course, in the folder `course`."""
-    paths = sorted([course.folder / PACK_FILE, *course.files.values()])
+    paths = sorted([course.folder / PACK_FILE, *course.files.values(), *course.given.values()])
     names = [f"course/{path.relative_to(course.folder).as_posix()}" for path in paths]
-    return {name: path.read_bytes() for name, path in zip(names, paths, strict=True)}
+    name, data = packed_wheel()
+    own = {name: data} if name else {}
+    return own | {name: path.read_bytes() for name, path in zip(names, paths, strict=True)}
 
 
-def write_zip(path: Path, files: Mapping[str, bytes]) -> None:
-    """Write an archive: the same files give the same bytes."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+def packed(files: Mapping[str, bytes]) -> bytes:
+    """Return an archive: the same files give the same bytes."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             info = zipfile.ZipInfo(name)
             is_script = data.startswith(b"#!")
             info.external_attr = (0o100755 if is_script else 0o100644) << 16
             archive.writestr(info, data, zipfile.ZIP_DEFLATED)
+    return out.getvalue()
 
 
 # -- SCORM ---------------------------------------------------------------------------------

@@ -263,7 +263,8 @@ _Names = dict[str, dict[str, str]]
 def _files(path: Path, kinds: Sequence[str], names: _Names) -> Iterator[_File]:
     """Yield the files of a path, and who has none."""
     if path.is_dir():
-        yield from _Sorter(kinds, names).sort(_in_folder(path), None, path.name)
+        name = path.resolve().name if path.name in ("", "..") else path.name
+        yield from _Sorter(kinds, names).sort(_in_folder(path), None, name or "player")
     elif path.suffix.lower() != ZIP:
         yield _File(path.stem, "", path.name, _read_file(path, _Budget()))
     else:

@@ -331,7 +331,7 @@ class Grader:
         entries = course.fields.levels
         # What is computed of a level once is kept with it.
         self.levels = {each.level: load(course.files[each.level]) for each in entries}
-        self.given = {name: (course.folder / name).read_bytes() for name in course.fields.given}
+        self.given = {name: path.read_bytes() for name, path in course.given.items()}
         self.stop = Event()
 
     def grade_all(

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from hashlib import sha256
 from pathlib import Path
 
 import jsonschema
@@ -96,6 +97,36 @@ def test_the_code_of_students_grades_itself(built: Path) -> None:
     assert lines[1].split(None, 4) == ["wrong", "10", "levels", "0/27", "it is not written yet"]
 
 
+def test_students_install_what_the_course_was_built_with(built: Path) -> None:
+    code = built / "built" / "students" / "code"
+    (name,) = (code / "requirements.txt").read_text("utf-8").splitlines()
+    with zipfile.ZipFile(code / name) as wheel:
+        assert wheel.testzip() is None
+        names = set(wheel.namelist())
+        record = wheel.read(next(each for each in names if each.endswith("RECORD"))).decode()
+        about = wheel.read(next(each for each in names if each.endswith("METADATA"))).decode()
+    assert {line.split(",")[0] for line in record.splitlines()} == names
+    assert {"babyrobot_levels/__init__.py", "babyrobot_levels/data/levels/maze.yaml"} <= names
+    assert not any("__pycache__" in each or each.startswith("tests") for each in names)
+    assert f"Version: {brl.__version__}\n" in about
+    digest = sha256((code / name).read_bytes()).hexdigest()
+    for path in (built / "built" / "teacher").glob("*.zip"):
+        with zipfile.ZipFile(path) as archive:
+            inside = [each for each in archive.namelist() if each.endswith(".whl")]
+            assert [sha256(archive.read(each)).hexdigest() for each in inside] == [digest] * (
+                path.name != "scorm.zip"
+            )
+    assert digest in (built / "built" / "teacher" / "github-classroom.yml").read_text("utf-8")
+
+
+def test_a_course_needs_the_files_that_students_fill_in(built: Path, tmp_path: Path) -> None:
+    course = shutil.copytree(built / "robots", tmp_path / "robots")
+    (course / "q_learning.py").unlink()
+    with pytest.raises(PackError, match=r"there is no q_learning.py in .*robots, which students"):
+        brl.course(course, tmp_path / "built")
+    assert not (tmp_path / "built").exists()
+
+
 SOLUTION = ROOT / "tests" / "extensions" / "scoring" / "solutions" / "value_iteration.py"
 
 
@@ -142,15 +173,20 @@ def test_the_autograder_runs_as_gradescope_runs_it(built: Path, tmp_path: Path) 
 def test_an_autograder_installs_by_no_module_of_the_student(built: Path, tmp_path: Path) -> None:
     """A Python without the package is to install a wheel, which is none."""
     unpacked(built, "classroom50.zip", tmp_path)
-    (tmp_path / "none.whl").touch()
+    (wheel,) = tmp_path.glob("*.whl")
+    script = tmp_path / "autograder.py"
+    right, none = (sha256(each).hexdigest() for each in (wheel.read_bytes(), b""))
+    wheel.write_bytes(b"")
     student = tmp_path / "student"
     student.mkdir()
     (student / "pip.py").write_text("open('mark', 'w')\n", "utf-8")
     python = str(Path(sys.base_prefix, "bin", "python3"))
-    done = subprocess.run(
-        [python, tmp_path / "autograder.py"], cwd=student, capture_output=True, check=False
-    )
-    assert b"wheel" in done.stderr
+    for told in ("another wheel than that of the course", "is invalid"):
+        done = subprocess.run(
+            [python, script], cwd=student, capture_output=True, text=True, check=False
+        )
+        assert told in done.stderr
+        script.write_text(script.read_text("utf-8").replace(right, none), "utf-8")
     assert [each.name for each in student.iterdir()] == ["pip.py"]
 
 
@@ -241,7 +277,8 @@ def test_students_get_no_other_files(tmp_path: Path) -> None:
     (course / "pack.yaml").write_text(f"{text}given: [tools.py]\n", "utf-8")
     built = brl.course(course, tmp_path / "out")
     code = [each.removeprefix("students/code/") for each in built.files if "/code/" in each]
-    assert code == ["README.md", "pack.yaml", "row.yaml", "solve.py", "tools.py"]
+    own = ["README.md", "pack.yaml", "requirements.txt", "row.yaml", "solve.py", "tools.py"]
+    assert [each for each in code if not each.endswith(".whl")] == own
     for name in ("missing.py", "../out/contents.txt", "../course/row.yaml", "link.txt"):
         if name == "link.txt":
             (course / name).symlink_to(tmp_path / "out" / "contents.txt")

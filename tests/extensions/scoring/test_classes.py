@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import shutil
 import sys
 import threading
 import zipfile
@@ -325,6 +326,17 @@ def test_an_interrupt_ends_all_that_runs(tmp_path: Path) -> None:
     assert not [each for each in threading.enumerate() if each.name.startswith("ThreadPool")]
 
 
+def test_what_students_are_given_is_there_also_if_they_do_not_hand_it_in(tmp_path: Path) -> None:
+    course = tmp_path / "course"
+    shutil.copytree(COURSE, course)
+    (course / "tools.py").write_text(RIGHT, "utf-8")
+    text = (course / "pack.yaml").read_text("utf-8")
+    (course / "pack.yaml").write_text(f"{text}given: [tools.py, ../missing.py]\n", "utf-8")
+    files = {"ada/value_iteration.py": f"from tools import {NAME}\n"}
+    found = brl.grade(hand_in(tmp_path / "class", files), course, functions=[NAME])
+    assert found.totals["ada"]["total"] == 5
+
+
 def test_plays_count_beside_code(tmp_path: Path) -> None:
     files = {"ada/value_iteration.py": RIGHT, "ben/value_iteration.py": "x = 1"}
     folder = hand_in(tmp_path / "class", files)
@@ -358,10 +370,12 @@ def test_pages(tmp_path: Path) -> None:
     assert "all 4 values are right" in own
 
 
-def test_one_folder_is_one_student(tmp_path: Path) -> None:
+def test_one_folder_is_one_student(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hand_in(tmp_path / "ada", {"value_iteration.py": RIGHT, "extra/notes.py": "x = 1"})
     found = brl.grade(tmp_path / "ada", COURSE, functions=[NAME])
     assert [*found.submissions] == ["ada"]
+    monkeypatch.chdir(tmp_path / "ada")
+    assert [*brl.grade(".", COURSE, functions=[NAME]).submissions] == ["ada"]
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
         archive.writestr("value_iteration.py", RIGHT)
