@@ -155,8 +155,9 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
     everything = {each.level: load(course.files[each.level]) for each in entries}
     given = [everything[each.level] for each in entries if not each.hidden]
     students, teacher, code = new / "students", new / "teacher", new / "students" / "code"
-    yield lambda: gallery(given, students / "site", title=title, answers=False)
-    yield lambda: gallery([*everything.values()], teacher / "site", title=title, key=True)
+    pages = partial(gallery, title=title, points={each.level: each.points for each in entries})
+    yield lambda: pages(given, students / "site", answers=False)
+    yield lambda: pages([*everything.values()], teacher / "site", key=True)
     made = partial(sheet, title=title, per_page=PER_PAGE)
     for paper in PAPERS:
         path, of_key = students / f"sheet-{paper}.pdf", teacher / f"sheet-key-{paper}.pdf"

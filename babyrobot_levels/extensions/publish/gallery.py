@@ -91,6 +91,7 @@ def gallery(
     key: bool = False,
     home: str | None = None,
     editor: str | None = None,
+    points: Mapping[str, float] | None = None,
     force: bool = False,
     keep_going: bool = False,
     jobs: int | None = None,
@@ -116,6 +117,7 @@ def gallery(
         home: an address that the gallery links back to: https, or a path.
         editor: the address of a site of the editor (`babyrobot edit --site`), in which each level
             can be edited: https, or a path from the gallery's folder.
+        points: what the levels of a course are worth, by their names; then they are numbered.
         force: whether to replace also a gallery to which other files were added, with these.
         keep_going: whether to leave out a level with an error.
         jobs: the number of worker processes; None for none, as 1.
@@ -163,7 +165,7 @@ def gallery(
                     progress(index + 1, len(found))
         if not facts:
             raise ValueError("there are no levels for a gallery")
-        _write_shared(new, facts, shown, home)
+        _write_shared(new, facts, shown, home, points)
     return Gallery(path, title, tuple(each.to_dict() for each in facts), left_out)
 
 
@@ -175,7 +177,13 @@ def _written(
     return write_level(received(suite, item), folder, name=name, split=split, shown=shown)
 
 
-def _write_shared(folder: Path, facts: list[Facts], shown: GalleryPages, home: str | None) -> None:
+def _write_shared(
+    folder: Path,
+    facts: list[Facts],
+    shown: GalleryPages,
+    home: str | None,
+    points: Mapping[str, float] | None,
+) -> None:
     """Write what is there once for all levels."""
     for previous, each, following in zip(
         [None, *facts[:-1]], facts, [*facts[1:], None], strict=True
@@ -186,7 +194,9 @@ def _write_shared(folder: Path, facts: list[Facts], shown: GalleryPages, home: s
     assets.mkdir()
     for name, text in ASSETS.items():
         (assets / name).write_text(text(), "utf-8")
-    wall = wall_html(facts, title=shown.title, answers=shown.answers, key=shown.key, home=home)
+    wall = wall_html(
+        facts, title=shown.title, answers=shown.answers, key=shown.key, home=home, points=points
+    )
     (folder / INDEX).write_text(wall, "utf-8")
     data = {
         "format": FORMAT,

@@ -125,7 +125,13 @@ FACETS = (
 
 
 def wall_html(
-    facts: Sequence[Facts], *, title: str, answers: bool, key: bool, home: str | None
+    facts: Sequence[Facts],
+    *,
+    title: str,
+    answers: bool,
+    key: bool,
+    home: str | None,
+    points: Mapping[str, float] | None = None,
 ) -> str:
     """Return the page of a gallery.
 
@@ -135,6 +141,7 @@ def wall_html(
         answers: whether the gallery knows the answers.
         key: whether it is the teacher's copy, which shows the answers from the start.
         home: the address that the page links back to; None for no link.
+        points: what the levels of a course are worth, by their names; None if it is no course.
     """
     facets = [each for each in FACETS if answers or not each.tells]
     options = {each.name: _options(each, facts) for each in facets}
@@ -176,6 +183,7 @@ def wall_html(
             if answers or value.lstrip("-") not in ANSWERS
         },
         levels=facts,
+        points=points or {},
         difficulty=_difficulty,
         icons=_icons,
         infinity=math.inf,

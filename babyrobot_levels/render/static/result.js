@@ -52,8 +52,12 @@ export function verdictOf(game) {
 export function ruleOf({ known }) {
   const { best, random } = known.returns;
   const most = random === null ? 0 : SHARE_OF_TWO_STARS * (best - random);
-  const two = `Two: together at most ${formatted(most)}, ${100 * SHARE_OF_TWO_STARS} % of what the best average is above that of random actions. `;
-  return `Luck does not count. Three stars: no decision costs anything. ${random === null ? "" : two}One: a good end.`;
+  const two = `Two: together they cost at most ${formatted(most)} of the return. `;
+  return (
+    "Luck does not count, only your decisions. Three stars: each of them was a best one, and cost nothing. " +
+    `${random === null ? "" : two}` +
+    "One: a good end. None: a bad end that a decision of yours helped to bring about."
+  );
 }
 
 /**

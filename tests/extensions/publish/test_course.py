@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -65,6 +66,10 @@ def test_what_is_built(built: Path) -> None:
     data = json.loads((students / "site" / "gallery.json").read_text("utf-8"))
     assert data["title"] == "A robot that decides"
     assert [each["name"] for each in data["levels"]][:3] == ["first-step", "two-ways", "puddles"]
+    page = (students / "site" / "index.html").read_text("utf-8")
+    told = re.findall(r"(\d+)\. <bdi>(.*?)</bdi>.*?<span>(\d+ points?)</span>", page, re.DOTALL)
+    assert told[:3] == [("1", "First steps", "4 points"), ("2", "Two ways", "4 points"),
+                        ("3", "Puddles", "8 points")]  # fmt: skip
     code = (students / "codes.txt").read_text("utf-8").split("\n")[1]
     assert brl.load(code).digest == brl.load(built / "robots" / "levels" / "first-step.yaml").digest
 
