@@ -32,6 +32,10 @@ Policy = str | PathLike[str] | Mapping[str, Any] | ArrayLike | Callable[..., Any
 """The forms of a policy; see `read_policy`."""
 
 
+MAX_NAME = 100
+"""The most characters that are shown of what is no name of an action."""
+
+
 def looks_like_moves(policy: Any, axes: int) -> bool:
     """Return whether a policy is a plain array of actions that could be meant without stay.
 
@@ -86,13 +90,14 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
         )
     if is_agent(policy) or isinstance(policy, str | PathLike | Mapping):
         policy = room.public("policy_table")(space.level, policy, actions=actions)
-    table = _numbered(np.asarray(policy), action_names(actions, mdp.num_robots)[first:])
-    shape = mdp.shape
+    table, shape = np.asarray(policy), mdp.shape
+    if table.dtype.kind == "U" and table.size == mdp.num_states:
+        table = _numbered(table, action_names(actions, mdp.num_robots)[first:])
     if table.shape in (shape, (mdp.num_states,)):
         return _chosen(table.ravel(), space, first, things)
     if table.shape in ((*shape, count), (mdp.num_states, count)):
         return _weighed(table.reshape(-1, count), mdp, things)
-    given = f"one of shape {list(table.shape)}" if table.ndim else repr(policy)
+    given = f"one of shape {list(table.shape)}" if table.ndim else repr(policy)[:MAX_NAME]
     message = (
         f"a policy for this level and actions={actions!r} is an array {list(shape)} of actions, or "
         f"an array {[*shape, count]} or {[mdp.num_states, count]} of probabilities, not {given}"
@@ -106,15 +111,14 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
 
 
 def _numbered(table: np.ndarray[Any, Any], names: Sequence[str]) -> np.ndarray[Any, Any]:
-    """Return an array of the names of actions as one of numbers; others as they are.
+    """Return an array of the names of actions as one of numbers.
 
     Raises:
         ValueError: there is no such action.
     """
-    if table.dtype.kind != "U":
-        return table
     for name in dict.fromkeys(table.ravel().tolist()):
         if name.lower() not in names:
+            name = name[:MAX_NAME]
             raise ValueError(
                 f"{name!r} is none of the actions {', '.join(names)}, or of their numbers 0 to "
                 f"{len(names) - 1}{did_you_mean(name, names)}"

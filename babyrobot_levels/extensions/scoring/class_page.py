@@ -28,7 +28,6 @@ def class_page(grades: Grades, links: dict[str, str] | None = None) -> str:
         links: the pages of students, by player.
     """
     worth = grades.worth
-    notes = {player: each.notes for player, each in grades.submissions.items() if each.notes}
     mistakes = {
         task: [*told.items()][:MAX_MISTAKES] for task, told in grades.mistakes.items() if told
     }
@@ -42,7 +41,7 @@ def class_page(grades: Grades, links: dict[str, str] | None = None) -> str:
         defects=grades.defects,
         mistakes=mistakes,
         shared=grades.shared,
-        notes=notes,
+        notes=grades.notes,
         links=links or {},
     )
 
@@ -57,7 +56,7 @@ def student_page(grades: Grades, player: str) -> str:
         total=grades.totals[player]["total"],
         possible=math.fsum(grades.worth.values()),
         functions={} if submission is None else submission.by_function,
-        notes=() if submission is None else submission.notes,
+        notes=grades.notes.get(player, ()),
         plays=[each for each in grades if each.player == player],
         defects=[each for each in grades.defects if each.player == player],
     )

@@ -9,6 +9,7 @@ import zlib
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from hashlib import sha256
@@ -182,6 +183,7 @@ class Grades(Table[Grade], public=True):
         submissions: the functions of a course, by player.
         ids: the numbers and addresses by which the school's system knows a player, as far as it
             tells them.
+        notes: what is odd about files of a player that were read all the same.
         title: the title of the course, or the name of the only level.
     """
 
@@ -196,15 +198,16 @@ class Grades(Table[Grade], public=True):
         alike: Collection[tuple[str, frozenset[str]]] = (),
         *,
         ids: Mapping[str, Collection[str]] | None = None,
+        notes: Mapping[str, Sequence[str]] | None = None,
         title: str = "",
     ) -> None:
         super().__init__(grades)
         self.rule, self.defects, self.submissions = rule, tuple(defects), submissions or {}
-        self._alike, self.ids, self.title = alike, ids or {}, title
+        self._alike, self.ids, self.notes, self.title = alike, ids or {}, notes or {}, title
 
     def _part(self, rows: slice) -> Grades:
-        found = Grades(self._rows[rows], self.rule, self.defects, self.submissions, self._alike)
-        found.ids, found.title = self.ids, self.title
+        found = copy(self)
+        found._rows = self._rows[rows]
         return found
 
     @property
@@ -294,6 +297,7 @@ class Grades(Table[Grade], public=True):
             "totals": {name: json_mapping(points) for name, points in self.totals.items()},
             "defects": [asdict(defect) for defect in self.defects],
         }
+        told["notes"] = {name: [*notes] for name, notes in self.notes.items() if notes}
         if self.submissions:
             told["submissions"] = {name: each.to_dict() for name, each in self.submissions.items()}
         return told
@@ -354,6 +358,8 @@ def grade(
     course = _course(level)
     wanted = None if level is None else _wanted(level, course)
     has_code = course is not None and bool(course.fields.functions) and functions != []
+    if functions and not has_code:
+        raise ValueError(f"there are no functions to grade, and so no {functions[0]!r}")
     handed = hand_ins([files] if isinstance(files, str | os.PathLike) else files, code=has_code)
     class_ = _Class(wanted, points, handed)
     submissions: dict[str, Submission] = {}
@@ -373,6 +379,12 @@ def grade(
         submissions,
         class_.alike,
         ids={each.player: each.ids for each in handed},
+        notes={
+            each.player: [f"{place}: {note}" for place, note in each.notes]
+            if each.player not in submissions
+            else submissions[each.player].notes
+            for each in handed
+        },
         title=_title(course, grades),
     )
 

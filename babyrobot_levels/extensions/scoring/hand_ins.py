@@ -396,8 +396,12 @@ class _Sorter:
 def _in_folder(folder: Path) -> Iterator[tuple[PurePosixPath, _Read]]:
     """Yield the files in a folder, and the folders in it, which are no files of plays."""
     for place, folders, names in os.walk(folder):
-        # Neither what version control keeps, nor what Python does.
-        folders[:] = sorted(each for each in folders if not each.startswith((".", "__")))
+        # Neither what version control and Python keep, nor virtual environments.
+        folders[:] = sorted(
+            each
+            for each in folders
+            if not each.startswith((".", "__")) and not Path(place, each, "pyvenv.cfg").exists()
+        )
         inner = PurePosixPath(Path(place).relative_to(folder).as_posix())
         if inner.parts:
             yield inner / "(folder)", _refuse_link

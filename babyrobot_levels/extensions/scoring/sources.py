@@ -73,7 +73,8 @@ def find_sources(files: Mapping[str, bytes], names: Sequence[str]) -> dict[str, 
         for path, data in files.items()
         if kind_of(path) in (".py", ".ipynb")
     }
-    return {name: _find(name, files, texts) for name in names}
+    trees = {path: _parsed(text) for path, text in texts.items()}
+    return {name: _find(name, files, texts, trees) for name in names}
 
 
 def write_sources(folder: Path, files: Mapping[str, bytes], sources: Mapping[str, Source]) -> None:
@@ -99,10 +100,14 @@ def write_sources(folder: Path, files: Mapping[str, bytes], sources: Mapping[str
             write_text(folder / f"{name}.py", source.text, sync=False)
 
 
-def _find(name: str, files: Mapping[str, bytes], texts: Mapping[str, str]) -> Source:
+def _find(
+    name: str,
+    files: Mapping[str, bytes],
+    texts: Mapping[str, str],
+    trees: Mapping[str, ast.Module | None],
+) -> Source:
     """Return the source of a function."""
     own = f"{name}.py"
-    trees = {path: _parsed(text) for path, text in texts.items()}
     having = [path for path, tree in trees.items() if tree and _function(tree, name)]
     exact = [path for path in texts if _stem(path) == name]
     # A file of the right name that is wrong in itself says what is wrong when it is imported.

@@ -151,9 +151,9 @@ def _start(
         RuntimeError: it cannot begin.
     """
     ours, theirs = socket.socketpair()
-    # Forks of a process that has imported everything begin in no time.
-    context: Any = get_context("spawn" if sys.platform == "win32" else "forkserver")
-    if sys.platform != "win32":
+    # Forks of a process that has imported everything begin in no time; elsewhere they may fail.
+    context: Any = get_context("forkserver" if sys.platform == "linux" else "spawn")
+    if sys.platform == "linux":
         context.set_forkserver_preload([__name__, "babyrobot_levels.envs.single"])
     process = context.Process(target=_run, args=(code, name, levels, memory, theirs), daemon=True)
     try:

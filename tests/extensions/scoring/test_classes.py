@@ -383,3 +383,25 @@ def test_one_folder_is_one_student(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     both = brl.grade([tmp_path / "ada", tmp_path / "ben.zip"], COURSE, functions=[NAME])
     assert {name: each["total"] for name, each in both.totals.items()} == {"ada": 5, "ben": 5}
     assert repr(both) == "<Grades of 2 players>"
+
+
+def test_odd_files_of_plays_are_told(tmp_path: Path) -> None:
+    row = brl.load(COURSE / "levels" / "row.yaml")
+    record(tmp_path / "row.brlplay", row, episodes=1)
+    data = b"\xef\xbb\xbf" + (tmp_path / "row.brlplay").read_bytes()
+    found = brl.grade(hand_in(tmp_path / "class", {"ada/row.brlplay.txt": data}), row)
+    assert found[0].episodes == 1
+    assert found[:1].notes == {
+        "ada": [
+            "row.brlplay.txt: its name ends in .txt",
+            "row.brlplay.txt: it has a byte order mark",
+        ]
+    }
+    with pytest.raises(ValueError, match="there are no functions to grade"):
+        brl.grade(tmp_path / "class", row, functions=[NAME])
+
+
+def test_virtual_environments_are_no_code_of_a_student(tmp_path: Path) -> None:
+    files = {"venv/pyvenv.cfg": "", "venv/x.py": RIGHT, "main.py": "x = 1", ".git/y.py": RIGHT}
+    found = said(graded(tmp_path / "ada", files))
+    assert found["ada"] == ["there is no value_iteration.py, but main.py"]

@@ -212,3 +212,19 @@ def test_what_is_no_course(small: Path, tmp_path: Path) -> None:
     (small / "pack.yaml").write_text(text.partition("functions")[0], "utf-8")
     with pytest.raises(PackError, match="lists no `levels`"):
         brl.grade_functions(small)
+
+
+def test_what_is_graded_so_far_is_told_and_what_is_left_is_not_graded(
+    small: Path, tmp_path: Path
+) -> None:
+    slow = "import time\ndef value_iteration(level): time.sleep(1); return 1\n"
+    ada = code(tmp_path / "ada", value_iteration=slow, policy_iteration=slow.replace("value", "policy"))
+    seen: list[brl.Submission] = []
+    found = brl.grade_functions(small, ada, total=0.5, progress=seen.append)
+    assert [len(each) for each in seen] == [1, 2, 3]
+    assert [each.is_graded for each in found] == [True, False, False]
+    assert found[1].message == "not graded: there was no time left"
+    assert found.to_dict()["functions"][1]["points"] is None
+    assert str(found).endswith("0 of 10 points, 2 not graded")
+    with pytest.raises(ValueError, match="total must be above 0"):
+        brl.grade_functions(small, ada, total=0)

@@ -185,8 +185,8 @@ def _put(found: brl.Grades) -> None:
         ],
         ("player", "read all the same"): [
             [told(player), told(each, LONGEST)]
-            for player, submission in found.submissions.items()
-            for each in submission.notes
+            for player, notes in found.notes.items()
+            for each in notes
         ],
         ("task", "the same in what these handed in"): [
             [task, told(", ".join(players), LONGEST)]
