@@ -218,7 +218,8 @@ def test_what_is_graded_so_far_is_told_and_what_is_left_is_not_graded(
     small: Path, tmp_path: Path
 ) -> None:
     slow = "import time\ndef value_iteration(level): time.sleep(1); return 1\n"
-    ada = code(tmp_path / "ada", value_iteration=slow, policy_iteration=slow.replace("value", "policy"))
+    other = slow.replace("value", "policy")
+    ada = code(tmp_path / "ada", value_iteration=slow, policy_iteration=other)
     seen: list[brl.Submission] = []
     found = brl.grade_functions(small, ada, total=0.5, progress=seen.append)
     assert [len(each) for each in seen] == [1, 2, 3]
