@@ -297,7 +297,8 @@ class Grades(Table[Grade], public=True):
             "totals": {name: json_mapping(points) for name, points in self.totals.items()},
             "defects": [asdict(defect) for defect in self.defects],
         }
-        told["notes"] = {name: [*notes] for name, notes in self.notes.items() if notes}
+        if notes := {name: [*each] for name, each in self.notes.items() if each}:
+            told["notes"] = notes
         if self.submissions:
             told["submissions"] = {name: each.to_dict() for name, each in self.submissions.items()}
         return told
