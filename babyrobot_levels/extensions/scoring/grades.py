@@ -381,9 +381,7 @@ def grade(
         class_.alike,
         ids={each.player: each.ids for each in handed},
         notes={
-            each.player: [f"{place}: {note}" for place, note in each.notes]
-            if each.player not in submissions
-            else submissions[each.player].notes
+            each.player: submissions[each.player].notes if submissions else each.told
             for each in handed
         },
         title=_title(course, grades),

@@ -44,6 +44,9 @@ MAX_STEPS = 1_000_000
 MAX_KEPT = 32 << 20
 """The most bytes of code and answers of a player."""
 
+MAX_NOTES = 10
+"""The most notes of a player that are told."""
+
 METADATA = "submission_metadata.yml"
 """In which Gradescope tells who handed in what."""
 
@@ -110,6 +113,11 @@ class HandIn:
     ids: set[str] = field(default_factory=set)
     steps: int = 0
     is_there: bool = False
+
+    @property
+    def told(self) -> list[str]:
+        """The first notes, as sentences."""
+        return [f"{place}: {note}" for place, note in self.notes[:MAX_NOTES]]
 
     def take(self, name: str, place: str, data: bytes) -> None:
         """Take a file of code or answers."""

@@ -82,11 +82,12 @@ def write_sources(folder: Path, files: Mapping[str, bytes], sources: Mapping[str
 
     What is beside a function is beside it there, too, and each function is in a file of its name.
     """
-    tops = {str(PurePosixPath(each.file).parent) for each in sources.values() if each.text}
+    tops = {PurePosixPath(each.file).parent for each in sources.values() if each.text}
+    inmost = sorted(tops, key=lambda each: -len(each.parts))
     for path, data in files.items():
         # The file of a function finds what is in its folder.
         inner = PurePosixPath(path)
-        top = next((each for each in tops if inner.is_relative_to(each)), ".")
+        top = next((each for each in inmost if inner.is_relative_to(each)), ".")
         target = folder / inner.relative_to(top)
         if target.suffix.lower() == ".txt":
             target = target.with_suffix("")
@@ -123,7 +124,7 @@ def _find(
         told = "" if is_own else f"{name} was read from {path}"
         others = [each for each in candidates[1:] if texts[each] != texts[path]]
         if others:
-            told = f"{name} is in several files: it was read from {path}, not {listed(others)}"
+            told = f"{name} is in several files: it was read from {path}, not {listed(others[:3])}"
         text, written = texts[path], _is_written(trees[path], name)
         if kind_of(path) == ".ipynb":
             with suppress(RecursionError, SyntaxError, ValueError):

@@ -407,8 +407,8 @@ class Grader:
             progress: told what is graded so far.
         """
         sources = find_sources(hand_in.files, self.names)
-        odd = [f"{place}: {note}" for place, note in hand_in.notes]
-        notes = odd + [each.note for each in sources.values() if each.note]
+        told = hand_in.told + [each.note for each in sources.values() if each.note]
+        notes = [name_of(each, MAX_MESSAGE) for each in told]
         alike = {name: each.likeness for name, each in sources.items()}
         likeness = {name: each for name, each in alike.items() if each is not None}
         rows: list[GradedFunction] = []

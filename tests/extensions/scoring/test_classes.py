@@ -405,3 +405,13 @@ def test_virtual_environments_are_no_code_of_a_student(tmp_path: Path) -> None:
     files = {"venv/pyvenv.cfg": "", "venv/x.py": RIGHT, "main.py": "x = 1", ".git/y.py": RIGHT}
     found = said(graded(tmp_path / "ada", files))
     assert found["ada"] == ["there is no value_iteration.py, but main.py"]
+
+
+def test_names_of_files_are_shown_as_text_in_reports(tmp_path: Path) -> None:
+    name = "x\x1b[2J\nada  right.py"
+    with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:
+        archive.writestr(f"ada/{name}", RIGHT)
+        archive.writestr("ben/b.py", "x = 1")
+    found = brl.grade(tmp_path / "class.zip", COURSE, functions=[NAME])
+    report = str(found.submissions["ada"])
+    assert "\nnote: value_iteration was read from x\\x1b[2J ada right.py\n" in report
