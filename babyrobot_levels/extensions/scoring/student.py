@@ -184,6 +184,9 @@ def _end(process: Any) -> None:
             with suppress(OSError):
                 os.kill(other, signal.SIGKILL)
         sleep(0.001)
+    # `process.kill` takes it for ended where what forks has been.
+    with suppress(OSError, AttributeError):
+        os.kill(process.pid, signal.SIGKILL)
     process.kill()
     process.join()
 

@@ -8,6 +8,7 @@ import shutil
 import sys
 import threading
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -227,6 +228,16 @@ HOSTILE = {
 }  # fmt: skip
 
 
+def own_processes() -> list[Path]:
+    """Return the processes that run in a folder of a student."""
+    found = []
+    for each in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if (each / "cwd").readlink().name.startswith("babyrobot-"):
+                found.append(each)
+    return found
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit memory")
 def test_hostile_code_is_named_and_touches_nobody_else(
@@ -254,6 +265,7 @@ def test_hostile_code_is_named_and_touches_nobody_else(
     for page in (class_page(found), student_page(found, "raises")):
         assert "<script" not in page
         assert "\x1b" not in page
+    assert not own_processes()
     status = Path("/proc", pid.read_text("utf-8"), "status")
     assert not status.exists() or "zombie" in status.read_text("utf-8")
 
