@@ -32,8 +32,10 @@ def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]
     """Yield START and EXIT: at the foot of their cells, or beside answers at the top."""
     colors, display, grounds = level.resolved_theme.colors, level.display, CellGrounds(level)
     exits = level.exits if level.exit_one_of is None else ()
-    # Where one of several robots begins, another may leave.
+    # Where one of several robots begins, another may leave; a frame tells whose exit it is.
     starts = [cell for cell in level.starts if cell not in exits]
+    own = {robot.exit for robot in level.robots}
+    exits = tuple(cell for cell in exits if cell not in own)
     for word, cells, shown, fill in (
         ("START", starts, display.start_text, colors.start_text),
         ("EXIT", exits, display.exit_text, colors.exit_text),
