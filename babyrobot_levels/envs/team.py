@@ -17,6 +17,8 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
 from babyrobot_levels.mdp.tables import Ints
 
+_ACTIONS = range(NUM_ACTIONS)
+
 
 class TeamActions(spaces.MultiDiscrete):
     """A `MultiDiscrete`, one action for each robot, whose `sample()` respects the action masks.
@@ -129,6 +131,7 @@ class TeamEnv(LevelEnv):
 
     def _enter(self, level: Level) -> None:
         super()._enter(level)
+        self._masks: dict[int, list[NDArray[np.int8]]] = {}
         if self._observation.name == "position":
             self._observer = PositionsObserver(level)
 
@@ -156,15 +159,7 @@ class TeamEnv(LevelEnv):
         """
         if self._now is None:
             raise error.ResetNeeded("call `reset()` before the first `step()`")
-        actions = np.asarray(action)
-        if actions.shape != (len(self.robot_names),) or not self.action_space.contains(
-            actions.astype(np.int64) if actions.dtype.kind in "iu" else actions
-        ):
-            raise error.InvalidAction(
-                f"{action!r} is not an action: it is one of 0 to {NUM_ACTIONS - 1} for each of "
-                f"the {len(self.robot_names)} robots"
-            )
-        joint = int(self._mdp.joint_action(actions))
+        joint = self._joint(action)
         before, row = self._state, self._now[0][joint]
         draw = 0.0 if len(row) == 1 else float(self.np_random.random())
         number = next(number for number, outcome in enumerate(row) if draw < outcome[0])
@@ -172,18 +167,38 @@ class TeamEnv(LevelEnv):
         assert self._mdp.shares is not None
         rewards = self._mdp.shares[before, joint, number].copy()
         self._now = self._states[self._state] or self._look_up(self._state)
-        _, observe, copy_mask, mask, copy_held = self._now
+        _, observe, _, mask, copy_held = self._now
         self._valid.mask = mask
         if self._pictures is not None:
-            self._show_step(self._pictures, int(actions[0]), before, skidded)
-        info: dict[str, Any] = {"action_mask": copy_mask(), "target_reached": target_reached}
-        info["skidded"] = skidded
+            own = joint // NUM_ACTIONS ** (len(self.robot_names) - 1)
+            self._show_step(self._pictures, own, before, skidded)
+        info: dict[str, Any] = {"target_reached": target_reached, "skidded": skidded}
         if self._num_items:
             info["held"] = copy_held()
         if self._has_movers:
             info["hit"] = hit
         info.update(self._level_number)
         return observe(), reward, terminal, False, self._told(info, rewards)
+
+    def _joint(self, action: Any) -> int:
+        """Return the number of a joint action.
+
+        Raises:
+            InvalidAction: it is none.
+        """
+        parts = action.tolist() if isinstance(action, np.ndarray) else action
+        joint = 0
+        if isinstance(parts, list | tuple) and len(parts) == len(self.robot_names):
+            for part in parts:
+                if isinstance(part, bool | float) or part not in _ACTIONS:
+                    break
+                joint = joint * NUM_ACTIONS + int(part)
+            else:
+                return joint
+        raise error.InvalidAction(
+            f"{action!r} is not an action: it is one of 0 to {NUM_ACTIONS - 1} for each of "
+            f"the {len(self.robot_names)} robots"
+        )
 
     def _told(self, info: dict[str, Any], rewards: NDArray[np.float64]) -> dict[str, Any]:
         """Return an info as one of several robots."""
@@ -195,16 +210,15 @@ class TeamEnv(LevelEnv):
         """Return the current action mask of each robot, int8 `[5]`."""
         if self._now is None:
             raise error.ResetNeeded("call `reset()` before asking for the action mask")
-        joint = self._now[3].reshape([NUM_ACTIONS] * len(self.robot_names))
-        axes = range(joint.ndim)
-        return tuple(
-            joint.max(axis=tuple(other for other in axes if other != axis)) for axis in axes
-        )
+        masks = self._masks.get(self._state)
+        if masks is None:
+            joint = self._now[3].reshape([NUM_ACTIONS] * len(self.robot_names))
+            axes = range(joint.ndim)
+            masks = self._masks[self._state] = [
+                joint.max(axis=tuple(other for other in axes if other != axis)) for axis in axes
+            ]
+        return tuple(mask.copy() for mask in masks)
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return the masks one after the other, int8 `[5 * robots]`. The name is sb3-contrib's."""
         return np.concatenate(self.robot_masks())
-
-    def arrived(self) -> tuple[bool, ...]:
-        """Return for each robot whether it has arrived at its exit."""
-        return self.level.configuration(self._mdp.configuration(self._state)).arrived

@@ -75,7 +75,7 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         self.agents: list[str] = []
         count = len(self.possible_agents)
         self._order = {
-            name: [number, *(other for other in range(count) if other != number)]
+            name: _own_first(number, count, self._env.observation_space.shape)
             for number, name in enumerate(self.possible_agents)
         }
         # Robots share the size of the grid, so that the space is the same for all.
@@ -140,8 +140,9 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         ]
         row, reward, over, _, info = self._env.step(np.array(joint))
         self._steps += 1
-        acting = self.agents
-        arrived = dict(zip(self.possible_agents, self._env.arrived(), strict=True))
+        acting, count = self.agents, len(self.possible_agents)
+        homes = (row[2 * count : 3 * count] != 0).tolist()
+        arrived = dict(zip(self.possible_agents, homes, strict=True))
         late = self._limit is not None and self._steps >= self._limit
         shares = dict(zip(self.possible_agents, info["rewards"].tolist(), strict=True))
         rewards = {name: float(reward) if self._for_team else shares[name] for name in acting}
@@ -165,18 +166,26 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         self._env.close()
 
     def _observations(self, row: NDArray[np.int64]) -> dict[str, NDArray[np.int64]]:
-        count = len(self.possible_agents)
-        places, arrived = row[: 2 * count].reshape(count, 2), row[2 * count : 3 * count]
-        rest = row[3 * count :]
-        return {
-            name: np.concatenate([places[order].ravel(), arrived[order], rest])
-            for name, order in self._order.items()
-            if name in self.agents
-        }
+        return {name: row[self._order[name]] for name in self.agents}
 
     def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
         masks = zip(self.possible_agents, info["action_mask"], strict=True)
         return {name: {"action_mask": mask} for name, mask in masks if name in self.agents}
+
+
+def _own_first(number: int, count: int, shape: tuple[int, ...] | None) -> NDArray[np.intp]:
+    """Return the order of the numbers of an observation in which a robot comes first.
+
+    Args:
+        number: the number of the robot.
+        count: how many robots there are.
+        shape: the shape of the observation.
+    """
+    assert shape is not None
+    order = [number, *(other for other in range(count) if other != number)]
+    places = [2 * robot + axis for robot in order for axis in range(2)]
+    arrived = [2 * count + robot for robot in order]
+    return np.array([*places, *arrived, *range(3 * count, shape[0])])
 
 
 def parallel_env(level: LevelLike, **options: Any) -> LevelParallelEnv:
