@@ -106,11 +106,11 @@ from .extensions.scoring.answers import grade_agent as grade_agent
 from .extensions.scoring.answers import grade_policy as grade_policy
 from .extensions.scoring.answers import grade_values as grade_values
 from .extensions.scoring.datasets import to_minari as to_minari
-from .extensions.scoring.grades import Defect as Defect
-from .extensions.scoring.grades import Grade as Grade
 from .extensions.scoring.grades import Grades as Grades
 from .extensions.scoring.grades import grade as grade
 from .extensions.scoring.novelty import NoveltyArchive as NoveltyArchive
+from .extensions.scoring.play_grades import Defect as Defect
+from .extensions.scoring.play_grades import Grade as Grade
 from .extensions.scoring.results import LevelScore as LevelScore
 from .extensions.scoring.results import Scores as Scores
 from .extensions.scoring.results import improvement as improvement

@@ -114,7 +114,7 @@ def _read(file: Path) -> list[brl.Play]:
 
 def _data(number: int, verification: brl.Verification) -> dict[str, Any]:
     """Return what is known about a play, for JSON: null where it is not known."""
-    from babyrobot_levels.extensions.scoring.grades import bounds_of
+    from babyrobot_levels.extensions.scoring.play_grades import bounds_of
 
     play = verification.play
     data: dict[str, Any] = {
