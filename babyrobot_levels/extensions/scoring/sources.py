@@ -82,6 +82,9 @@ def write_sources(folder: Path, files: Mapping[str, bytes], sources: Mapping[str
 
     What is beside a function is beside it there, too, and each function is in a file of its name.
     """
+    for name, source in sources.items():
+        if source.text is not None:
+            write_text(folder / f"{name}.py", source.text, sync=False)
     tops = {PurePosixPath(each.file).parent for each in sources.values() if each.text}
     inmost = sorted(tops, key=lambda each: -len(each.parts))
     for path, data in files.items():
@@ -96,9 +99,6 @@ def write_sources(folder: Path, files: Mapping[str, bytes], sources: Mapping[str
             if not target.exists():
                 target.parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(target, data, sync=False)
-    for name, source in sources.items():
-        if source.text is not None:
-            write_text(folder / f"{name}.py", source.text, sync=False)
 
 
 def _find(

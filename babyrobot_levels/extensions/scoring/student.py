@@ -129,6 +129,7 @@ def _started(
         process, ours = _start(code, name, levels, memory)
         if process is not None:
             break
+        ours.close()
     else:
         raise RuntimeError("the processes for students' code do not start")
     with ours:

@@ -14,12 +14,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from support.places import TESTS
 from support.plays import record
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.scoring.class_page import class_page, student_page, write_pages
 from babyrobot_levels.extensions.scoring.rosters import filled
+from babyrobot_levels.extensions.scoring.sources import find_sources, write_sources
 
 COURSE = TESTS / "cli" / "files" / "course"
 RIGHT = (TESTS / "cli" / "files" / "handed-in" / "ada" / "value_iteration.py").read_text("utf-8")
@@ -61,6 +64,7 @@ FORMS: dict[str, dict[str, Any]] = {
     "renamed": {"solution.py": RIGHT},
     "draft": {"value_iteration.py": f"def {NAME}(level):\n    raise NotImplementedError\n",
               "final/value_iteration.py": RIGHT},
+    "folder": {"value_iteration.py/notes.py": "x = 1", "work.py": RIGHT},
     "helper": {"a/value_iteration.py": f"from tools import {NAME}\n", "a/tools.py": RIGHT},
     "notebook": {"hw.ipynb": notebook(
         "import nowhere\n%matplotlib inline\n1 / 0", RIGHT.replace("100", "SWEEPS"),
@@ -74,6 +78,7 @@ NOTES: dict[str, list[str]] = {
     "renamed": ["value_iteration was read from solution.py"],
     "draft": ["value_iteration is in several files: it was read from final/value_iteration.py, "
               "not value_iteration.py"],
+    "folder": ["value_iteration was read from work.py"],
     "notebook": ["value_iteration was read from hw.ipynb"],
     "table": ["answers of value_iteration are in value_iteration.json"],
 }  # fmt: skip
@@ -211,10 +216,10 @@ def test_what_students_read_of_wrong_hand_ins(tmp_path: Path) -> None:
 
 
 HOSTILE = {
-    "loops": ("while True: pass", "it took longer than 2 seconds"),
-    "allocates": ("bytearray(2 << 30)", "it took more than 1 GiB of memory in value_iteration.py"),
+    "loops": ("while True: pass", "it took longer than 6 seconds"),
+    "allocates": ("bytearray(2 << 30)", "it took more than 0.5 GiB of memory in value_"),
     "shares": ("import mmap; m = mmap.mmap(-1, 4 << 30)\n    while True: m.write(bytes(1 << 26))",
-               "it took more than 1 GiB of memory"),
+               "it took more than 0.5 GiB of memory"),
     "leaves": ("import os; os._exit(0)", "its process ended, perhaps for want of memory"),
     "answers": ("import numpy; return numpy.zeros((1 << 26, 0))", "its answer is too large"),
     "prints": ("print('\\x1b[2J' * 10 ** 6); return 1", "the values must be an array"),
@@ -252,7 +257,7 @@ def test_hostile_code_is_named_and_touches_nobody_else(
     files["bomb/value_iteration.zip"] = b"PK\x03\x04nothing"
     files["pickle/value_iteration.npy"] = b"\x93NUMPY\x01\x00" + b"x" * 40
     files["deep/value_iteration.json"] = "[" * 100_000
-    found = graded(tmp_path / "class", files, seconds=2, memory=1, jobs=2)
+    found = graded(tmp_path / "class", files, seconds=6, memory=0.5, jobs=2)
     told = {name: each[0] for name, each in said(found).items()}
     for who, (_, start) in HOSTILE.items():
         assert told[who].startswith(start), (who, told[who])
@@ -417,6 +422,45 @@ def test_virtual_environments_are_no_code_of_a_student(tmp_path: Path) -> None:
     files = {"venv/pyvenv.cfg": "", "venv/x.py": RIGHT, "main.py": "x = 1", ".git/y.py": RIGHT}
     found = said(graded(tmp_path / "ada", files))
     assert found["ada"] == ["there is no value_iteration.py, but main.py"]
+
+
+NAMES = st.text(st.sampled_from("ab./ \\\0\n(1)_-é"), min_size=1, max_size=12)
+TEXTS = st.sampled_from(
+    [
+        RIGHT,
+        RIGHT[:90],
+        json.dumps(notebook(RIGHT)),
+        "[[1]]",
+        "{",
+        "[" * 9999,
+        "(" * 999,
+        "\ud800",
+        "\0",
+    ]
+) | st.text(max_size=30)
+
+
+@given(
+    st.dictionaries(
+        st.tuples(NAMES, st.sampled_from([".py", ".ipynb", ".json", ".npy", ".npz", ".py.txt"])),
+        TEXTS,
+        max_size=4,
+    )
+)
+def test_whatever_is_handed_in_is_read_or_a_fault_and_stays_in_its_folder(
+    tmp_path_factory: pytest.TempPathFactory, files: dict[tuple[str, str], str]
+) -> None:
+    data = {
+        "".join(name).replace("..", "").lstrip("/"): text.encode("utf-8", "surrogatepass")
+        for name, text in files.items()
+    }
+    (source,) = find_sources(data, [NAME]).values()
+    assert (source.text is None) + (source.tables is None) + (not source.fault) == 2
+    around = tmp_path_factory.mktemp("around")
+    (around / "code").mkdir()
+    write_sources(around / "code", data, {NAME: source})
+    assert [each.name for each in around.iterdir()] == ["code"]
+    assert (around / "code" / "value_iteration.py").exists() or source.text is None
 
 
 def test_names_of_files_are_shown_as_text_in_reports(tmp_path: Path) -> None:
