@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,7 @@ from support.markup import VOID, Reader
 from support.walls import facts_of_wall
 
 from babyrobot_levels.extensions.publish.facts import Facts
-from babyrobot_levels.extensions.publish.wall import ASSETS, icons_style, wall_html
+from babyrobot_levels.extensions.publish.wall import ASSETS, CONTENTS, icons_style, wall_html
 
 HOSTILE = "\"><script>alert('x')</script><img src=x onerror=alert(1)>&amp;$title\u202e"
 
@@ -136,6 +137,11 @@ def test_filters_are_what_some_levels_have_but_not_all() -> None:
     named = [{boxes[place] for place in row[0]} for row in page.rows()]
     assert named[0] == {("size", "small"), ("split", "train"), ("tag", "easy")}
     assert named[1] == {("size", "medium"), ("has", "items")}
+
+
+def test_everything_that_levels_contain_has_an_icon() -> None:
+    drawn = {*re.findall(r"\.i-(\w+) ", icons_style())}
+    assert drawn >= {*CONTENTS, "easy", "medium", "hard", "deterministic", "stochastic"}
 
 
 def test_levels_with_a_key_can_be_asked_for() -> None:
