@@ -15,6 +15,7 @@ Coordinate = Annotated[int, Field(ge=0, lt=MAX_SIZE, strict=True)]
 Cell = tuple[Coordinate, Coordinate]
 Cells = Annotated[list[Cell], Field(min_length=1, max_length=MAX_SIZE * MAX_SIZE)]
 Count = Annotated[int, Field(ge=1, le=MAX_SIZE, strict=True)]
+Shift = Annotated[int, Field(ge=-MAX_SIZE, le=MAX_SIZE, strict=True)]
 Side = Literal["N", "E", "S", "W"]
 Route = Annotated[list[str | int], Field(min_length=1, max_length=8)]
 
@@ -122,7 +123,7 @@ class Resize(_Model):
 
     do: Literal["resize"]
     size: tuple[Count, Count]
-    shift: tuple[int, int] = (0, 0)
+    shift: tuple[Shift, Shift] = (0, 0)
     """How far everything moves to the east and south: what is added at the left and the top."""
 
 

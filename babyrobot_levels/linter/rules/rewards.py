@@ -176,6 +176,11 @@ def exit_given_up(context: LintContext) -> Iterator[Finding]:
     areas:
       - {at: [1, 1], color: black, ends: true, reward: -50}
     ```
+
+    ## Fix safety
+
+    The fix gives the end a reward that is worse than any way to the exit. It is unsafe: it changes
+    what the level pays.
     """
     reach = context.reach
     if not context.level.has_goal or reach.to_end == reach.to_exit or context.solution is None:

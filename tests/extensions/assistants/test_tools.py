@@ -211,7 +211,7 @@ def test_in_a_folder_levels_are_read_and_written(folder: Path) -> None:
     page = tools.format("mine.yaml", save="other.yaml")
     assert (folder / "other.yaml").read_text() == page.text
     (folder / "themes").mkdir()
-    (folder / "themes" / "own.yaml").write_text("colors: {base: gold}\n")
+    (folder / "themes" / "own.yaml").write_text("colors: {base: white}\n")
     (folder / "mine.yaml").write_text("version: 1\ntheme: own\n")
     assert tools.check("mine.yaml").is_clean
 
@@ -221,7 +221,7 @@ def test_a_file_is_replaced_on_request_only_and_one_that_is_no_level_never(folde
     others = {
         "pack.yaml": "name: zoo\nversion: 1.0.0\ndescription: Levels.\n",
         "suite.yaml": "version: 1\nkind: suite\n",
-        "theme.yaml": "colors: {base: gold}\n",
+        "theme.yaml": "colors: {base: white}\n",
         "list.yaml": "- 1\n",
         "torn.yaml": "version: 1\nsize: [4\n",
     }
@@ -261,7 +261,7 @@ def test_no_file_outside_the_folder_is_read_or_written(name: str, folder: Path) 
 def test_themes_of_a_pack_around_the_folder_are_not_read(folder: Path) -> None:
     (folder.parent / "pack.yaml").write_text("name: zoo\nversion: 1.0.0\n")
     (folder.parent / "themes").mkdir()
-    (folder.parent / "themes" / "own.yaml").write_text("colors: {base: gold}\n")
+    (folder.parent / "themes" / "own.yaml").write_text("colors: {base: white}\n")
     (folder / "mine.yaml").write_text("version: 1\ntheme: own\n")
     assert brl.lint(folder / "mine.yaml", select=["BR5"]) == []
     assert [each.code for each in Tools(folder).check("mine.yaml").findings] == ["BR401"]

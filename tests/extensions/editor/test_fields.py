@@ -102,7 +102,7 @@ def test_color_of_a_named_theme_is_set_among_its_others() -> None:
     done(session, "set", route=["theme", "colors", "base"], value="gold")
     assert session.level is not None
     colors = session.level.resolved_theme.colors
-    assert (colors.base, colors.exit, colors.puddle) == ("gold", "#1e3234", "#bfe3fa")
+    assert (colors.base, colors.exit, colors.puddle) == ("gold", "#00352a", "#bfe3fa")
 
 
 def test_one_name_is_no_list_and_none_is_no_field() -> None:
