@@ -27,6 +27,7 @@ BENCHMARKS = (
     "step",
     "vector",
     "observations",
+    "robots",
     "things",
     "frames",
     "solve",
