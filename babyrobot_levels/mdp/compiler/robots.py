@@ -267,7 +267,7 @@ class Robots:
         ends = self._moved(scene, cell, away, values, joint)
         self._settle_meetings(scene, ends)
         self._change_things(ends)
-        self._move_movers(scene, joint, ends)
+        self._move_movers(scene, ends)
         leaves, over = self._arrivals(scene, ends)
         shares = self._shares(ends, leaves)
         gone = (ends.away | leaves).astype(np.int16)
@@ -330,12 +330,17 @@ class Robots:
             hit=np.zeros(here.shape, bool),
         )
 
+    def _present(self, ends: _Ends) -> Flags:
+        """Return which robots are in the level, `[robots, ends]`."""
+        stays = self.level.team.arrived == "stay"
+        return np.ones_like(ends.away) if stays else ~ends.away
+
     def _settle_meetings(self, scene: _Scene, ends: _Ends) -> None:
         """Keep those who are hindered where they are, or note who collides."""
         meet = self.level.team.meet
         if meet == "pass":
             return
-        present = ~ends.away if self.level.team.arrived == "leave" else np.ones_like(ends.away)
+        present = self._present(ends)
         if meet == "end":
             ends.met = meetings(ends.here, ends.there, present) & ~ends.away
             return
@@ -364,7 +369,7 @@ class Robots:
                 if thing.reward is not None:
                     item[flips] = thing.reward
             ends.pay[number].add({"item": (~np.isnan(item), item)})
-        present = ~ends.away if self.level.team.arrived == "leave" else np.ones_like(ends.away)
+        present = self._present(ends)
         for number, target in enumerate(self._target_cells):
             covered = (present & (ends.there == target)).any(axis=0)
             ends.values[:, self._targets.start + number] = covered
@@ -374,7 +379,7 @@ class Robots:
             added = np.where(now > before, rewards.covered or 0.0, 0.0)
             ends.added += added + np.where(now < before, rewards.uncovered or 0.0, 0.0)
 
-    def _move_movers(self, scene: _Scene, joint: Ints, ends: _Ends) -> None:
+    def _move_movers(self, scene: _Scene, ends: _Ends) -> None:
         """Let the movers move, and note whom they hit."""
         if not self.level.movers:
             return
