@@ -228,6 +228,9 @@ def test_a_level_is_drawn_undone_typed_saved_and_played(browser: Firefox, tmp_pa
         page.press("ArrowRight")
         page.until("() => seen('.episode-told')[0]?.innerText.includes('Moved east')")
         assert browser.faults() == []
+        # A page with unsaved changes asks whether to leave it.
+        page.press("Control+s")
+        page.until("() => !document.querySelector('.file-state.unsaved')")
         page.open("about:blank")
 
 

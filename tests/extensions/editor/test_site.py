@@ -296,11 +296,12 @@ def test_firefox_draws_too(server: StaticServer, tmp_path: Path) -> None:
 REPLIES = """async ([text, messages, isNumeric]) => {
   const worker = new Worker("worker.js", { type: "module" });
   const call = (...given) => new Promise((resolve, reject) => {
-    worker.onmessage = ({ data: [, result, error] }) => {
-      if (error === null) resolve(result);
-      else reject(error);
+    worker.onmessage = ({ data: [number, result, error] }) => {
+      // Number 0 tells how much has been loaded.
+      if (number === 1 && error === null) resolve(result);
+      else if (number === 1) reject(error);
     };
-    worker.postMessage([0, ...given]);
+    worker.postMessage([1, ...given]);
   });
   await call("begin", 1, text, "", 0);
   if (isNumeric) await call("load");
