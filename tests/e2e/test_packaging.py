@@ -142,7 +142,10 @@ def imported_packages() -> set[str]:
 
 def test_the_dependencies_are_what_the_code_imports(wheel: Path) -> None:
     lines = email.message_from_string(info(wheel, "METADATA")).get_all("Requires-Dist") or []
-    extras = ("editor", "exact", "fast", "jax", "mcp", "minari", "parquet", "ray", "sb3", "umb")
+    extras = (
+        *("editor", "exact", "fast", "jax", "mcp", "minari", "parquet", "pettingzoo", "ray"),
+        *("sb3", "umb"),
+    )
     declared = {
         each.name.lower()
         for each in map(Requirement, lines)

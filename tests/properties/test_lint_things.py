@@ -218,7 +218,7 @@ def is_avoidable(level: Reference, start: Pair, movers: Iterable[int]) -> bool:
         if kept == actions:
             break
         actions = kept
-    if start not in safe or not (level.exit_places or level.exits):
+    if start not in safe or not (level.exit_places or level.exits or level.targets):
         return start in safe
     reached, waiting = {start}, [start]
     while waiting:

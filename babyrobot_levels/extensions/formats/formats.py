@@ -30,6 +30,7 @@ from babyrobot_levels.extensions.formats.conversion import (
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.registry.entries import Entries
 from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.errors import LevelError
@@ -296,6 +297,7 @@ def converted(level: Level, name: str, **seen: Any) -> Conversion:
         raise TypeError(f"unexpected option {each!r}: {name} holds no sight")
     if name in MODELS:
         return MODELS[name](level)
+    check_one_robot(level, f"files of {name}")
     conversion = FORMATS[name].write(level)
     unsaid = _unsaid(level, conversion, name)
     if unsaid is None:

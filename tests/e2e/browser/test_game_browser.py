@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 from unittest.mock import ANY
@@ -213,7 +214,9 @@ def test_stars_are_given_as_the_card_says(ground: Playground) -> None:
     ground.press("r", *[" "] * 20)
     assert (ground.kind, stars(ground)) == ("time", "0 of 3 stars")
     ground.page.get_by_text("three for nothing wasted").click()
-    expect(ground.page.locator("#result-help")).to_contain_text("Luck does not count.")
+    expect(ground.page.locator("#result-help")).to_contain_text(
+        "Luck does not count, only your decisions."
+    )
 
 
 def test_a_win_is_told_in_one_sentence(ground: Playground) -> None:
@@ -268,12 +271,13 @@ def test_nothing_is_walked_where_no_way_is_free(ground: Playground) -> None:
 
 def test_escape_stops_the_walk(ground: Playground) -> None:
     play(ground, level(size=[40, 1]))
-    tap(ground, 30, 0)
-    expect(ground.page.locator("#steps")).to_have_text("2")
+    tap(ground, 38, 0)
+    # It may have gone several steps already.
+    expect(ground.page.locator("#steps")).to_have_text(re.compile(r"[1-9]"))
     ground.press("Escape")
     ground.wait_until_still()
     steps = ground.number("steps")
-    assert steps < 30
+    assert 0 < steps < 38
     ground.page.wait_for_timeout(600)
     assert ground.number("steps") == steps
 

@@ -60,7 +60,6 @@ KEY: World = {"items": [{"name": "key", "at": [1, 1]}]}
 GUARD: World = {"movers": [{"path": [[2, 0], [2, 1]]}]}
 WATER: World = {"puddles": [{"at": [1, 1], "size": "small"}]}
 SLOPE: World = {"walls": [{"at": [1, 1], "side": "E"}]}
-PAIR: World = {"robots": [{"name": "a"}, {"name": "b", "start": [1, 0]}]}
 CHANGES: dict[str, tuple[World, World]] = {
     "size": ({}, {"size": [5, 3]}),
     "start": ({}, {"start": [[0, 0], [1, 0]]}),
@@ -78,8 +77,6 @@ CHANGES: dict[str, tuple[World, World]] = {
     "openings": ({"maze": {"seed": 1}}, {"openings": [{"at": [1, 1], "side": "E"}]}),
     "doors": (KEY, {"doors": [{"at": [2, 1], "side": "E", "needs": ["key"]}]}),
     "items": ({}, KEY),
-    "robots": ({}, PAIR),
-    "team": (PAIR, {"team": {"meet": "pass"}}),
     "switches": ({}, {"switches": [{"name": "lever", "at": [1, 1]}]}),
     "movers": ({}, GUARD),
     "hit": (GUARD, {"hit": {"reward": -5}}),
@@ -107,7 +104,15 @@ NEEDED = {
 
 def test_every_field_of_the_mdp_is_exported_beside_another() -> None:
     names = fields_with(Role.GEOMETRY, Role.DYNAMICS, Role.REWARD)
-    assert {*CHANGES} == {*names} - {"map", "legend"}
+    # Of several robots, files of games tell nothing: such levels are refused.
+    assert {*CHANGES} == {*names} - {"map", "legend", "robots", "team"}
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_several_robots_are_refused(name: str) -> None:
+    robots = [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 0]}]
+    with pytest.raises(brl.LevelError, match=r"2 robots.*only for levels with one"):
+        export({"version": 1, "robots": robots}, name)
 
 
 @pytest.mark.slow

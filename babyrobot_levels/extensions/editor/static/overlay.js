@@ -161,11 +161,13 @@ export class Overlay {
     const { places, fields } = this.editor.state;
     const of = (name) => places.filter(({ kind }) => kind === name);
     const uses = ({ kind, fields: { needs, unless } }) => (kind === "exit" ? [fields.exit_needs] : [needs, unless]);
-    const lines = ["item", "switch", "target"].flatMap(of).flatMap((from) =>
-      [...of("door"), ...of("exit")]
-        .filter((to) => uses(to).flat().includes(from.label))
-        .map((to) => `M${this.middle(from)}L${this.middle(to)}`),
-    );
+    const lines = ["item", "switch", "target"]
+      .flatMap(of)
+      .flatMap((from) =>
+        [...of("door"), ...of("exit")]
+          .filter((to) => uses(to).flat().includes(from.label))
+          .map((to) => `M${this.middle(from)}L${this.middle(to)}`),
+      );
     const ways = of("mover").map((mover) => this.way(mover));
     return [...this.outlined(ways.join(""), "link"), ...this.outlined(lines.join(""), "link", "needed")];
   }
