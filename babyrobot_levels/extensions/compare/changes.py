@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import LOOKS, NEEDED, Kind
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import situation, transitions
@@ -86,7 +86,8 @@ def transition_changes(
     """Return the states and actions that have other outcomes.
 
     With things, only states in which an episode goes on in both levels are compared, and only by
-    what both levels have.
+    what both levels have. With other robots, or in another order, joint actions have other
+    meanings, and none are compared.
 
     Args:
         before: a level.
@@ -95,6 +96,9 @@ def transition_changes(
         limit: how many of them are described, None for all.
     """
     levels = (before, after)
+    names = [[robot.name for robot in level.robots] for level in levels]
+    if names[0] != names[1]:
+        return NO_CHANGES
     mdps = (before.compile(), after.compile())
     numbers, codes = _common_configurations(before, after)
     count = len(cells[0])
@@ -112,6 +116,7 @@ def transition_changes(
         found[:, 0] += first * count
         differ.append(found)
     width = min(before.size[0], after.size[0])
+    actions = action_names("all", mdps[0].num_robots)
 
     def describe(place: list[int]) -> Change:
         pair, cell = divmod(place[0], count)
@@ -120,10 +125,9 @@ def transition_changes(
             for level, mdp, some, where in zip(levels, mdps, numbers, cells, strict=True)
         )
         things = situation(before, int(numbers[0][pair])) if before.has_things else None
-        action = Action(place[1]).name.lower()
-        return Change(one, two, (cell % width, cell // width), action, things)
+        return Change(one, two, (cell % width, cell // width), actions[place[1]], things)
 
-    total = len(numbers[0]) * count * NUM_ACTIONS
+    total = len(numbers[0]) * count * len(actions)
     return Changes.of(np.concatenate(differ).tolist(), total, describe, limit)
 
 

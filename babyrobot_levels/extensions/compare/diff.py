@@ -31,7 +31,7 @@ from babyrobot_levels.render.words.phrases import with_limit
 LIMIT = 10
 """How many changes of each kind are listed by default."""
 
-_RULES = ("skid", "wind", "rewards", "hit", "heading")
+_RULES = ("skid", "wind", "rewards", "hit", "heading", "team")
 
 
 @dataclass(frozen=True, repr=False)
@@ -42,7 +42,7 @@ class Difference(Shown, public=True):
         same_game: whether the two levels define the same MDP: their digests are equal.
         digests: the digests of both.
         game: the size, the starts, the exits and the rules (rewards, skid, wind, random mazes,
-            hit, heading, and what exits need) that differ, each under its name.
+            hit, heading, team, and what exits need) that differ, each under its name.
         cells: the cells with other properties: `{}` is a plain one.
         walls: the sides between free cells that differ: `"open"`, `"wall"`, or `{"pass": p}`.
         transitions: the states and actions that have other outcomes.

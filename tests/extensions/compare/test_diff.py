@@ -16,6 +16,7 @@ from support.worlds import World, decorated_worlds, level_of, worlds
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.extensions.compare.changes import Change
+from babyrobot_levels.extensions.compare.commands.diff import thing_lines
 from babyrobot_levels.extensions.compare.diff import Difference, diff
 
 PLAIN: World = {"version": 1, "size": [3, 2]}
@@ -429,3 +430,45 @@ def test_a_share_code_is_a_level_and_facts_change_nothing_else() -> None:
     difference = brl.diff(bare, bare.replace(expect={"path_length": 4.0}))
     assert difference.same_game
     assert [change.name for change in difference.beside] == ["expect"]
+
+
+ROBOTS: World = {
+    "version": 1,
+    "size": [3, 2],
+    "items": [{"name": "key", "at": [1, 1], "robot": "red"}],
+    "robots": [{"name": "red", "start": [0, 0]}, {"name": "blue", "start": [2, 0], "exit": [0, 1]}],
+    "movers": [{"name": "bat", "path": [[1, 0], [1, 1]]}],
+}
+
+
+def test_robots_are_told_and_their_joint_actions() -> None:
+    red = ROBOTS["robots"][0]
+    moved = ROBOTS | {
+        "items": [ROBOTS["items"][0] | {"robot": "blue"}],
+        "robots": [red, {"name": "blue", "start": [2, 0]}],
+        "team": {"meet": "pass"},
+    }
+    difference = diff(ROBOTS, moved, limit=None)
+    assert [change.name for change in difference.game] == ["exit", "team.meet"]
+    assert [line for change in difference.things.first for line in thing_lines(change)] == [
+        "the key at [1, 1] is for the robot blue instead of the robot red",
+        "the robot blue leaves at the exits of the level instead of at [0, 1]",
+    ]
+    mdp = level_of(ROBOTS).compile()
+    # The bat may be elsewhere where only one of the two can come.
+    assert difference.transitions.total % (25 * mdp.cells) == 0
+    names = {change.name for change in difference.transitions.first}
+    assert "east_west" in names
+    assert "stay_stay" not in names
+
+
+def test_a_robot_more_has_no_transitions_in_common() -> None:
+    alone = {name: ROBOTS[name] for name in ("version", "size", "movers")}
+    for one, two, state in ((alone, ROBOTS, "new"), (ROBOTS, alone, "removed")):
+        difference = diff(one, two, limit=None)
+        assert (difference.same_game, difference.transitions.total) == (False, 0)
+        lines = [line for change in difference.things.first for line in thing_lines(change)]
+        assert lines[1:3] == [
+            f"{state}: the robot red, which begins at [0, 0]",
+            f"{state}: the robot blue, which begins at [2, 0] and leaves at [0, 1]",
+        ]

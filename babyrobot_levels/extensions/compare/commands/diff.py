@@ -404,6 +404,8 @@ def thing_lines(change: Change) -> list[str]:
         return [f"they count in another order: {' -> '.join(orders)}"]
     # A name that is taken begins with "the-" already.
     subject = name if name.startswith("the-") else f"the {name}"
+    if kind == "robots":
+        subject = f"the robot {name}"
     if change.cell is not None and kind in ("boxes", "targets"):
         noun = next(each.noun for each in KINDS if each.field == kind)
         subject = f"the {noun} at {show_cell(change.cell)}"
@@ -426,8 +428,10 @@ def thing_lines(change: Change) -> list[str]:
 
 _USUAL = {
     "pays": "what the cell pays",
+    "is for": "any robot",
     "flips": "every time",
     "begins": "off",
+    "leaves": "at the exits of the level",
     "is closed by": "nothing",
 }
 """What goes without saying of a new thing."""
@@ -441,10 +445,16 @@ def _said(fields: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
         yield "lies", f"at {'one of ' if len(fields['in']) > 1 else ''}{cells(fields['in'])}"
         pays = fields["reward"]
         yield "pays", "what the cell pays" if pays is None else f"{pays:g}"
+        taker = fields["robot"]
+        yield "is for", _USUAL["is for"] if taker is None else f"the robot {taker}"
     elif "once" in fields:
         yield "lies", f"at {show_cell(fields['at'])}"
         yield "flips", "only the first time" if fields["once"] else "every time"
         yield "begins", "on" if fields["on"] else "off"
+    elif "exit" in fields:
+        yield "begins", f"at {show_cell(fields['start'])}"
+        own = fields["exit"]
+        yield "leaves", _USUAL["leaves"] if own is None else f"at {show_cell(own)}"
     elif "at" in fields:
         yield "stands", f"at {show_cell(fields['at'])}"
     elif "needs" not in fields:
