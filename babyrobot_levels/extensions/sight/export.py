@@ -12,6 +12,7 @@ from babyrobot_levels.extensions.sight.sights import sight_of
 from babyrobot_levels.extensions.sight.writers import WRITERS
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import check_one_robot
 
 _CARRIED = frozenset(
     {*fields_with(Role.GEOMETRY, Role.DYNAMICS, Role.REWARD), *ABOUT, "max_steps", "discount"}
@@ -34,11 +35,12 @@ def export_sight(
         options: those of the observation, such as `view_radius`.
 
     Raises:
-        LevelError: the maze has no seed yet (`seed: random`).
+        LevelError: the maze has no seed yet (`seed: random`), or the level has several robots.
         ValueError: there is no such sight, or an option has a value that it cannot have.
         TypeError: there is no such option.
         TooLargeError: the level has too many states.
     """
+    check_one_robot(level, "files of POMDPs")
     space = space_of(level, "all")
     chosen = sight_of(sight, Extent.of([level], turns=False), **options)
     model = build_model([space], chosen, [1.0], [level.discount])

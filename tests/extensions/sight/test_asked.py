@@ -168,3 +168,13 @@ def test_who_gives_no_sight_loads_nothing_of_it() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+@pytest.mark.parametrize("to", PARTIAL)
+def test_a_sight_of_several_robots_is_refused(to: str) -> None:
+    robots = [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 0]}]
+    level = brl.load({"version": 1, "size": [3, 1], "robots": robots})
+    with pytest.raises(brl.LevelError, match="files of POMDPs are only for levels with one"):
+        brl.export(level, to)
+    with pytest.raises(brl.LevelError, match="optima of a sight are only for levels with one"):
+        brl.solve(level, sight="view")
