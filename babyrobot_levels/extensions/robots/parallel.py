@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from gymnasium import spaces
+from gymnasium import error, spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from babyrobot_levels.envs.arguments import check_choice
-from babyrobot_levels.envs.single import LevelLike
+from babyrobot_levels.envs.arguments import check_choice, checked_count
+from babyrobot_levels.envs.single import LevelEnv, LevelLike
 from babyrobot_levels.envs.team import TeamEnv
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -37,7 +37,7 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
 
     metadata: ClassVar[dict[str, Any]] = {
         "name": "babyrobot_levels_v0",
-        "render_modes": ["rgb_array", "ansi", "svg"],
+        "render_modes": LevelEnv.metadata["render_modes"],
         "is_parallelizable": True,
         "render_fps": 4,
     }
@@ -56,7 +56,7 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
             level: a name, a path, a mapping or a `Level`.
             rewards: what an agent gets: `"own"`, what its robot gets, or `"team"`, the sum of all.
             max_cycles: the time limit in steps; by default `max_steps` of the level, if it has one.
-            render_mode: None, `"rgb_array"`, `"ansi"` or `"svg"`.
+            render_mode: as for `LevelEnv`.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -64,6 +64,8 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
             ValueError: another argument is invalid, or the level has one robot.
         """
         check_choice("rewards", rewards, REWARDS)
+        if max_cycles is not None:
+            max_cycles = checked_count("max_cycles", max_cycles)
         given = load(level)
         self._env = TeamEnv(given, render_mode=render_mode)
         self._is_grown = given.has_random_maze
@@ -131,14 +133,20 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
 
         Returns:
             Observations, rewards, terminations, truncations and infos by agent.
+
+        Raises:
+            InvalidAction: the action of one of them is missing, or is none.
         """
         if not self.agents:
             return {}, {}, {}, {}, {}
+        missing = [name for name in self.agents if name not in actions]
+        if missing:
+            raise error.InvalidAction(f"there is no action for {', '.join(missing)}")
         joint = [
-            int(actions[name]) if name in self.agents else int(Action.STAY)
+            actions[name] if name in self.agents else int(Action.STAY)
             for name in self.possible_agents
         ]
-        row, reward, over, _, info = self._env.step(np.array(joint))
+        row, reward, over, _, info = self._env.step(joint)
         self._steps += 1
         acting, count = self.agents, len(self.possible_agents)
         homes = (row[2 * count : 3 * count] != 0).tolist()
@@ -153,7 +161,13 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         return observations, rewards, terminations, truncations, infos
 
     def state(self) -> NDArray[np.int64]:
-        """Return what the whole team sees, int64: as the observation of the first robot."""
+        """Return what the whole team sees, int64: as the observation of the first robot.
+
+        Raises:
+            ResetNeeded: there was no reset yet.
+        """
+        if self._env.state < 0:
+            raise error.ResetNeeded("call `reset()` before asking for the state")
         row: NDArray[np.int64] = self._env._observer.at(self._env.state)()
         return row
 

@@ -54,8 +54,8 @@ class TeamScore(Telling, public=True):
         expected_return: what the team can expect: the sum of what all robots get.
         best_return: the optimum of the team.
         regret: the difference.
-        coordination: the part of it that no robot could save alone: the regret less the largest
-            `team_regret` of a robot.
+        coordination: the part of it that no robot could save alone: `best_return` less the largest
+            `team_return` of a robot.
         robots: what each robot gets and could get.
         is_equilibrium: whether no robot could get more by choosing otherwise alone.
         discount: the factor by which each further reward counts less.
@@ -129,7 +129,7 @@ def score_team(level: LevelLike, policies: Any, discount: float | None = None) -
         expected_return=total,
         best_return=best,
         regret=regret,
-        coordination=regret - max(each.team_regret for each in robots),
+        coordination=best - max(each.team_return for each in robots),
         robots=robots,
         is_equilibrium=all(each.regret <= slack for each in robots),
         discount=factor,
@@ -180,7 +180,8 @@ def _own_weights(space: StateSpace, policy: Any, number: int) -> Floats:
     if table.size == weights.size and table.dtype.kind == "f":
         weights[states] = table.reshape(weights.shape)[states]
         total = weights[states].sum(axis=1)
-        if (weights < 0).any() or (np.abs(total - 1) > 1e-6).any():
+        # Comparisons with nan are false.
+        if not ((weights >= 0).all() and (np.abs(total - 1) <= 1e-6).all()):
             raise ValueError(f"the probabilities of {name} must not be negative and add up to 1")
         weights[states] /= total[:, None]
         return weights

@@ -6,6 +6,7 @@ import warnings
 from random import Random
 from typing import Any
 
+import gymnasium
 import pytest
 from oracles.random_teams import random_team
 from pettingzoo.utils import parallel_to_aec
@@ -72,3 +73,38 @@ def test_agents_can_get_what_the_team_gets_and_are_truncated() -> None:
         brl.parallel_env(PASSING, rewards="all")
     with pytest.raises(ValueError, match="one robot"):
         brl.parallel_env("final-maze")
+
+
+@pytest.mark.parametrize(
+    ("actions", "message"),
+    [
+        ({}, "there is no action for red, blue"),
+        ({"red": 0}, "there is no action for blue"),
+        ({"red": 1.5, "blue": 0}, "0 to 4 for each of the 2 robots"),
+        ({"red": None, "blue": 0}, "0 to 4 for each of the 2 robots"),
+        ({"red": "2", "blue": 0}, "0 to 4 for each of the 2 robots"),
+    ],
+)
+def test_wrong_actions_are_named(actions: dict[str, Any], message: str) -> None:
+    env = brl.parallel_env(PASSING)
+    env.reset(seed=1)
+    with pytest.raises(gymnasium.error.InvalidAction, match=message):
+        env.step(actions)
+
+
+@pytest.mark.parametrize("limit", [0, -1, 2.5, "a"])
+def test_a_limit_is_a_number_of_steps(limit: Any) -> None:
+    with pytest.raises(ValueError, match="max_cycles must be a whole number, at least 1"):
+        brl.parallel_env(PASSING, max_cycles=limit)
+
+
+def test_there_is_no_state_before_the_first_reset() -> None:
+    with pytest.raises(gymnasium.error.ResetNeeded, match="before asking for the state"):
+        brl.parallel_env(PASSING).state()
+
+
+def test_its_render_modes_are_those_of_levels() -> None:
+    modes = brl.parallel_env(PASSING).metadata["render_modes"]
+    assert modes == brl.LevelEnv.metadata["render_modes"]
+    for mode in modes:
+        assert brl.parallel_env(PASSING, render_mode=mode).render_mode == mode

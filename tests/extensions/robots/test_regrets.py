@@ -117,6 +117,7 @@ def test_wrong_policies_are_named() -> None:
         ([always(level, 7), "random"], "the action of red at .* is 7; actions are 0 to 4"),
         (["random", [1, 2]], "the policy of blue is an array"),
         (["random", np.ones((states_of(level), 5))], "the probabilities of blue"),
+        (["random", np.full((states_of(level), 5), np.nan)], "the probabilities of blue"),
     ):
         with pytest.raises(ValueError, match=told):
             brl.score_team(level, policies)
@@ -124,6 +125,14 @@ def test_wrong_policies_are_named() -> None:
         brl.score_team("final-maze", "best")
     with pytest.raises(LevelError):
         brl.score_team({"version": 1, "robots": [{"name": "a"}]}, "best")
+
+
+def test_coordination_is_known_where_the_team_never_ends() -> None:
+    # Each can wait for the other to come by chance, so that either could end what never ends.
+    found = brl.score_team(ROOT / "examples" / "robots" / "two-pads.yaml", "random")
+    assert found.expected_return == -np.inf
+    assert max(each.team_return for each in found.robots) == pytest.approx(-90.8333333)
+    assert found.coordination == pytest.approx(80.8333333)
 
 
 def test_it_shows_itself_as_a_table() -> None:
