@@ -18,6 +18,7 @@ from babyrobot_levels.envs.observations.base import Extent, Observer
 from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import LevelLike, load
+from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.tables import Floats
 
 
@@ -108,12 +109,14 @@ def policy_of(
         limit: the number of steps after which episodes are truncated; None for no limit.
 
     Raises:
+        LevelError: it is called, and the level has several robots.
         ValueError: its answers are no actions, or no probabilities that add up to 1; or it is a
             policy for another limit.
     """
     if isinstance(agent, Table):
         policy = agent.of(space.level.name, space.level.digest)
         return weights_by_step(policy, space, limit)
+    check_one_robot(space.level, "agents that are called")
     mdp, first = space.mdp, space.first_action
     states = np.flatnonzero(~mdp.is_terminal & ~space.without_value)
     table = np.zeros((mdp.num_states, mdp.num_actions - first))

@@ -18,7 +18,7 @@ from babyrobot_levels.analysis.solver.results import (
     check_actions,
     check_discount,
 )
-from babyrobot_levels.mdp.gridworld import GridWorld, world_of
+from babyrobot_levels.mdp.gridworld import GridWorld, check_one_robot, world_of
 from babyrobot_levels.mdp.tables import Floats, Ints
 from babyrobot_levels.text.words import no_attribute
 
@@ -259,10 +259,13 @@ def read_problem(level: Any, discount: float | None, actions: str, unit: str) ->
 
     Raises:
         LevelNotFoundError: there is no such level.
-        LevelError: the level is not valid, or its maze has no seed yet.
+        LevelError: the level is not valid, its maze has no seed yet, or episodes have several
+            robots.
         ValueError: another argument has an invalid value.
     """
     level = world_of(level)
+    if unit == "episode":
+        check_one_robot(level, "algorithms that learn from episodes")
     run = Run(level, check_discount(discount, level.discount), unit)
     space = space_of(level, actions, run.discount)
     return Problem(space, space.model(), run)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.evaluation import evaluate
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.extensions.learning.algorithms import (
@@ -82,3 +83,14 @@ def test_nothing_follows_a_hit_that_ends_the_episode() -> None:
     tried = found.action_values < 0
     assert (solution.action_values[tried] == -10).sum() > 5
     np.testing.assert_array_equal(found.action_values[tried], solution.action_values[tried])
+
+
+@pytest.mark.parametrize("learn", [q_learning, sarsa])
+def test_only_sweeps_learn_several_robots(learn: Callable[..., Any]) -> None:
+    robots = [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 0]}]
+    level = {"version": 1, "size": [3, 1], "robots": robots}
+    for actions in ("moves", "all"):
+        with pytest.raises(brl.LevelError, match="learn from episodes are only for levels"):
+            learn(level, actions=actions)
+    *_, last = value_iteration(level, actions="all")
+    np.testing.assert_array_equal(last.values, solve(level).values)
