@@ -286,7 +286,7 @@ def checked_options(options: Any, *known: str) -> dict[str, Any]:
     for name, value in options.items():
         if name not in _OPTIONS:
             guess = did_you_mean(name, known) if isinstance(name, str) else ""
-            names = ", ".join(f"`{each}`" for each in known)
+            names = ", ".join(f"`{each}`" for each in known) or "none"
             stop = "" if guess.endswith("?") else ";"
             raise ValueError(f"`reset` has no option {name!r}{guess}{stop} known options: {names}")
         if name not in known and value is not None:

@@ -131,7 +131,9 @@ class LevelEnv(RenderedEnv):
             check_choice("render_mode", render_mode, RENDER_MODES)
         self.render_mode = render_mode
         self._given = load(level)
-        self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
+        self._options: tuple[str, ...] = ("start",)
+        if self._given.has_random_maze:
+            self._options += ("maze_seed",)
         self._actions = self._action_set(actions)
         space = self._make_action_space()
         self.action_space = space

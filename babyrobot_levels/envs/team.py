@@ -9,7 +9,13 @@ import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.arguments import ObservationOptions, takes_observation
+from babyrobot_levels.envs.arguments import (
+    ObservationOptions,
+    checked_observation,
+    takes_observation,
+    whole_number,
+)
+from babyrobot_levels.envs.observations import DictObserver
 from babyrobot_levels.envs.single import LevelEnv, LevelLike
 from babyrobot_levels.envs.spaces import ActionSet
 from babyrobot_levels.library.catalogue import load
@@ -17,7 +23,8 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
 from babyrobot_levels.mdp.tables import Ints
 
-_ACTIONS = range(NUM_ACTIONS)
+_OF_ONE = ("planes", "view")
+"""The observations that do not show where the other robots are."""
 
 
 class TeamActions(spaces.MultiDiscrete):
@@ -87,9 +94,9 @@ class TeamEnv(LevelEnv):
     The reward is the sum of what each robot gets; `info["rewards"]` (float64 `[robots]`) is its
     parts, and `info["action_mask"]` a tuple with a mask for each robot, int8 `[5]`: one that has
     arrived can only stay. The observation `"position"`, the default, is x and y of each robot, then
-    for each 1 if it has arrived, then the value of each other thing; `"index"`, `"image"` and the
-    others are those of `LevelEnv`, seen from the first robot. Episodes end as the level's `team`
-    says.
+    for each 1 if it has arrived, then the value of each other thing; `"index"`, `"walls"`,
+    `"vector"` and `"image"` are those of `LevelEnv`, with the first robot as its robot. Episodes
+    end as the level's `team` says.
 
     Attributes:
         robot_names: the names of the robots.
@@ -120,8 +127,13 @@ class TeamEnv(LevelEnv):
         given = load(level)
         if not given.robots:
             raise ValueError("the level has one robot: use `brl.LevelEnv`")
+        names = checked_observation(**options).name
+        for name in (names,) if isinstance(names, str) else names:
+            if name in _OF_ONE:
+                raise ValueError(f"observation={name!r} shows one robot, and the level has several")
         self.robot_names = tuple(robot.name for robot in given.robots)
         super().__init__(given, render_mode=render_mode, **options)
+        self._options = tuple(name for name in self._options if name != "start")
 
     def _action_set(self, actions: str) -> ActionSet:
         return ActionSet(Action.STAY, True, team=True)
@@ -132,8 +144,11 @@ class TeamEnv(LevelEnv):
     def _enter(self, level: Level) -> None:
         super()._enter(level)
         self._masks: dict[int, list[NDArray[np.int8]]] = {}
-        if self._observation.name == "position":
+        observer, name = self._observer, self._observation.name
+        if name == "position":
             self._observer = PositionsObserver(level)
+        elif isinstance(observer, DictObserver) and "position" in name:
+            observer.put("position", PositionsObserver(level))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -190,9 +205,10 @@ class TeamEnv(LevelEnv):
         joint = 0
         if isinstance(parts, list | tuple) and len(parts) == len(self.robot_names):
             for part in parts:
-                if isinstance(part, bool | float) or part not in _ACTIONS:
+                number = whole_number(part)
+                if number is None or isinstance(part, bool) or not 0 <= number < NUM_ACTIONS:
                     break
-                joint = joint * NUM_ACTIONS + int(part)
+                joint = joint * NUM_ACTIONS + number
             else:
                 return joint
         raise error.InvalidAction(

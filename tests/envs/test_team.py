@@ -62,7 +62,9 @@ def test_one_that_has_arrived_can_only_stay_and_gets_nothing() -> None:
     assert (row.tolist(), terminated) == ([4, 0, 0, 0, 1, 1], True)
 
 
-@pytest.mark.parametrize("action", [3, [0, 5], [1], [0, 1, 2], "north", None, [0.5, 1.0]])
+@pytest.mark.parametrize(
+    "action", [3, [0, 5], [1], [0, 1, 2], "north", None, [0.5, 1.0], [np.float32(1), 1], [True, 1]]
+)
 def test_what_is_no_action_is_named(action: Any) -> None:
     env = brl.TeamEnv(PASSING)
     env.reset(seed=0)
@@ -146,3 +148,26 @@ def test_the_optimum_is_followed_in_a_film_and_shown_in_pictures() -> None:
     assert total == -9
     assert len(frames) == 7
     assert all((one != other).any() for one, other in pairwise(frames))
+
+
+def test_positions_are_those_of_all_robots_beside_other_observations_too() -> None:
+    env = brl.TeamEnv(PASSING, observation=("index", "position"))
+    observation, _ = env.reset(seed=1)
+    assert observation["position"].tolist() == [0, 0, 4, 0, 0, 0]
+    assert observation in env.observation_space
+    moved = env.step([2, 4])[0]["position"]
+    assert moved.tolist() == [1, 0, 3, 0, 0, 0]
+
+
+@pytest.mark.parametrize("observation", ["planes", "view", ("position", "view")])
+def test_what_shows_one_robot_only_is_refused(observation: Any) -> None:
+    with pytest.raises(ValueError, match="shows one robot, and the level has several"):
+        gymnasium.make("babyrobot/Level-v0", level=PASSING, observation=observation)
+
+
+def test_options_that_a_team_does_not_have_are_refused() -> None:
+    env = brl.TeamEnv(PASSING)
+    with pytest.raises(ValueError, match="no option 'strat'; known options: none"):
+        env.reset(options={"strat": [0, 0]})
+    with pytest.raises(ValueError, match="no option `start`"):
+        env.reset(options={"start": [0, 0]})
