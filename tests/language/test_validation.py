@@ -198,7 +198,12 @@ def test_a_missing_version_does_not_hide_other_faults() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "code"), [(f"max_steps: {'9' * 5000}", "BR111"), ("skid: !!float half", "BR107")]
+    ("text", "code"),
+    [
+        (f"max_steps: {'9' * 5000}", "BR111"),
+        ("skid: !!float half", "BR107"),
+        ("robots: [{name: a, start: [0, 0]}, {name: b, start: [-1, 0]}]", "BR205"),
+    ],
 )
 def test_one_fault_is_told_once(text: str, code: str) -> None:
     assert [found[0] for found in told(text)] == [code]
