@@ -215,12 +215,12 @@ class LintContext:
 
     @cached_property
     def reached_cells(self) -> bytes:
-        """For each cell, 1 where an episode can be, in whatever configuration."""
+        """For each cell, 1 where a robot can be, in whatever configuration."""
         return self._any_configuration(bytes(steps >= 0 for steps in self.reach.steps))
 
     @cached_property
     def occupied_cells(self) -> bytes:
-        """For each cell, 1 where an episode can be and goes on, in whatever configuration."""
+        """For each cell, 1 where a robot can be while the episode goes on, in any configuration."""
         return self._any_configuration(self.reach.on)
 
     @cached_property
@@ -237,7 +237,12 @@ class LintContext:
         size = self.mdp.cells
         if len(flags) == size:
             return flags
-        return bytes(1 in flags[cell::size] for cell in range(size))
+        found = bytearray(1 in flags[cell::size] for cell in range(size))
+        # Where several robots but the first are, configurations tell.
+        robots = self.level.things().of_kind("robot")
+        for place in set((self.mdp.configurations[:, robots][:, 1:] % size).ravel().tolist()):
+            found[place] = 1
+        return bytes(found)
 
     @cached_property
     def solution(self) -> Solution | None:
