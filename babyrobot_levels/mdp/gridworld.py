@@ -14,7 +14,6 @@ from babyrobot_levels.language.cells import Maze
 from babyrobot_levels.language.documents import check_document, error_in_mapping, level_from_mapping
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.validation import Checked
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.grid import (
     Grid,
     build_grid,
@@ -75,9 +74,7 @@ class GridWorld(LevelSpec):
             LevelError: the maze has no seed yet (`seed: random`).
         """
         mdp = self._mdp
-        # Of several robots there are more actions, and tables are as much larger.
-        wide = max(1, mdp.num_actions // NUM_ACTIONS)
-        budget.check_tables(mdp.num_states * wide, mdp.probability.shape[2])
+        budget.check_tables(mdp.num_states, mdp.probability.shape[2], mdp.num_actions)
         return mdp
 
     def things(self) -> Things:

@@ -51,6 +51,10 @@ class OverBudgetError(HelpfulError):
     """More work than may be done for a level. `help` says what to do."""
 
 
+_ACTIONS = 5
+"""How many actions one robot has."""
+
+
 class _Budget:
     """What is left for the level at hand, and its largest tables."""
 
@@ -60,11 +64,17 @@ class _Budget:
 
     def begin(self) -> None:
         self.left = self.limits.steps
-        self.states, self.outcomes = 0, 0
+        self.states, self.outcomes, self.actions = 0, 0, _ACTIONS
+
+    @property
+    def entries(self) -> int:
+        """How many states times outcomes the tables have, as if an action were one of five."""
+        return self.states * self.actions // _ACTIONS * self.outcomes
 
     @property
     def size(self) -> str:
-        return f"{self.states:,} states, and {self.outcomes} or more outcomes of an action"
+        joint = f", {self.actions} joint actions" if self.actions > _ACTIONS else ""
+        return f"{self.states:,} states{joint}, and {self.outcomes} or more outcomes of an action"
 
 
 _before_work: Callable[[], object] = int
@@ -138,16 +148,17 @@ def entries() -> float:
     return math.inf if budget is None else budget.limits.entries
 
 
-def check_tables(states: int, outcomes: int) -> None:
+def check_tables(states: int, outcomes: int, actions: int = _ACTIONS) -> None:
     """Note how large tables are.
 
     Raises:
         OverBudgetError: they are larger than the limits allow.
     """
     if (budget := _budget.get()) is not None:
-        if states * outcomes > budget.states * budget.outcomes:
-            budget.states, budget.outcomes = states, outcomes
-        if states * outcomes > (most := budget.limits.entries):
+        entries = states * actions // _ACTIONS * outcomes
+        if entries > budget.entries:
+            budget.states, budget.outcomes, budget.actions = states, outcomes, actions
+        if entries > (most := budget.limits.entries):
             refuse(f"has {budget.size}; together at most {most:,} are allowed here")
 
 

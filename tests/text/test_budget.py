@@ -99,6 +99,17 @@ def test_tables_are_named() -> None:
         level.compile()
 
 
+def test_tables_of_several_robots_are_named_with_their_joint_actions() -> None:
+    robots = [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 0]}]
+    level = brl.load({"version": 1, "size": [3, 1], "robots": robots})
+    states = level.compile().num_states
+    with (
+        within(Limits(10**6, 5 * states - 1)),
+        pytest.raises(OverBudgetError, match=f"has {states} states, 25 joint actions, and 1 or"),
+    ):
+        level.compile()
+
+
 def test_the_documentation_has_the_limits() -> None:
     text = (ROOT / "docs/level-format.md").read_text("utf-8").partition("#### Work")[2]
     rows = [line.split("|")[2:6] for line in text.splitlines() if line.startswith("|")][2:5]

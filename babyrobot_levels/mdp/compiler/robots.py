@@ -562,7 +562,7 @@ class Robots:
         """Check that the tables do not need too much room."""
         rows = states * self.actions // NUM_ACTIONS
         if rows * width <= MAX_WIDE_STATES:
-            budget.check_tables(rows, width)
+            budget.check_tables(states, width, self.actions)
             return
         message = (
             f"the tables are too large: {states:,} joint states, {self.actions} joint actions, "
