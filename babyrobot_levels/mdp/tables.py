@@ -138,9 +138,18 @@ class Mdp(Telling, public=True):
 
         Args:
             actions: the action of each robot, integers `[…, robots]`.
+
+        Raises:
+            ValueError: they are none.
         """
         powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
-        return np.asarray(actions) @ powers
+        numbers = np.asarray(actions)
+        is_whole = numbers.dtype.kind in "iu" and numbers.shape[-1:] == powers.shape
+        if not is_whole or ((numbers < 0) | (numbers >= NUM_ACTIONS)).any():
+            raise ValueError(
+                f"{actions!r} is not an action, 0 to 4, of each of the {self.num_robots} robots"
+            )
+        return numbers @ powers
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -79,3 +79,12 @@ def test_a_robot_that_turns_reaches_its_target(heading: str) -> None:
     events = events_of(mdp)[~mdp.is_terminal]
     assert (events[:, [Turn.LEFT, Turn.RIGHT], 0] == Event.REACHED).all()
     assert set(np.unique(events[:, Turn.FORWARD, 0])) == {Event.REACHED, Event.BUMPED}
+
+
+@pytest.mark.parametrize("actions", [[1], [1, 5], [-1, 0], [1, 2, 3], [0.5, 1], 3, "ab", None])
+def test_only_actions_of_all_robots_are_a_joint_action(actions: Any) -> None:
+    robots = [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 0]}]
+    mdp = brl.load({"version": 1, "size": [3, 1], "robots": robots}).compile()
+    assert mdp.joint_action([[1, 2], [4, 4]]).tolist() == [7, 24]
+    with pytest.raises(ValueError, match="is not an action, 0 to 4, of each of the 2 robots"):
+        mdp.joint_action(actions)
