@@ -26,6 +26,7 @@ from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import exit_states, state_text
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
 from babyrobot_levels.text import budget
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import BEST, NAMED, RANDOM, did_you_mean, is_agent
 
 Policy = str | PathLike[str] | Mapping[str, Any] | ArrayLike | Callable[..., Any] | HasPolicy
@@ -315,12 +316,12 @@ def space_of(level: GridWorld, actions: str, discount: float | None = None) -> S
     """Return the states of a level for a set of actions; the discount is that of `"best"`.
 
     Raises:
-        LevelError: the maze has no seed yet.
-        ValueError: there is no such set of actions, or several robots do not have it.
+        LevelError: the maze has no seed yet, or several robots do not have these actions.
+        ValueError: there is no such set of actions.
     """
     check_actions(actions)
     mdp = level.compile()
     if mdp.num_robots > 1 and actions != "all":
-        raise ValueError(f"several robots have actions='all', not {actions!r}")
+        raise LevelError(message=f"several robots have actions='all', not {actions!r}")
     own = mdp.turning(level.heading) if actions == TURNS else mdp
     return StateSpace(level, own, actions, discount)

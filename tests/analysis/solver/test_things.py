@@ -293,3 +293,12 @@ def test_iterations_are_what_solves_large_systems(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("scipy.sparse.linalg.splu", None)
     found = evaluate("bat-cave", "random", 0.9)
     assert np.isfinite(found.expected_return)
+
+
+def test_several_robots_have_all_actions_and_no_others() -> None:
+    robots = [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 0]}]
+    level = {"version": 1, "size": [3, 1], "robots": robots}
+    for actions in ("moves", "turns"):
+        # The command line tells such an error in a sentence.
+        with pytest.raises(brl.LevelError, match="several robots have actions='all', not"):
+            solve(level, actions=actions)
