@@ -97,7 +97,7 @@ from .extensions.publish.gallery import gallery as gallery
 from .extensions.publish.packing import pack as pack
 from .extensions.publish.sheet import Sheet as Sheet
 from .extensions.publish.sheet import sheet as sheet
-from .extensions.robots.parallel import parallel_env as parallel_env
+from .extensions.robots.agents import parallel_env as parallel_env
 from .extensions.robots.regrets import RobotRegret as RobotRegret
 from .extensions.robots.regrets import TeamScore as TeamScore
 from .extensions.robots.regrets import score_team as score_team

@@ -200,19 +200,3 @@ def _own_first(number: int, count: int, shape: tuple[int, ...] | None) -> NDArra
     places = [2 * robot + axis for robot in order for axis in range(2)]
     arrived = [2 * count + robot for robot in order]
     return np.array([*places, *arrived, *range(3 * count, shape[0])])
-
-
-def parallel_env(level: LevelLike, **options: Any) -> LevelParallelEnv:
-    """Return a level with several robots as PettingZoo's `ParallelEnv`, an agent for each robot.
-
-    Args:
-        level: a name, a path, a mapping or a `Level`.
-        options: the other arguments of `LevelParallelEnv`: `rewards`, `max_cycles`, `render_mode`.
-
-    Raises:
-        LevelNotFoundError: there is no such level.
-        LevelError: the level is not valid.
-        ValueError: another argument is invalid, or the level has one robot.
-        ImportError: PettingZoo is not installed.
-    """
-    return LevelParallelEnv(level, **options)

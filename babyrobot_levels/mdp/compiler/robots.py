@@ -228,6 +228,7 @@ class Robots:
         """Take all steps, part by part; return the numbers of all states, in rising order."""
         known = np.unique(self.starts)
         waiting, ended, outcomes = known, known[:0], 0
+        most = NUM_ACTIONS * min(MAX_WIDE_STATES, budget.entries())
         while waiting.size:
             found = []
             for scene, states in self._groups(waiting):
@@ -236,13 +237,15 @@ class Robots:
                     part = self._step(scene, states[at : at + size])
                     self.parts.append(part)
                     outcomes += part.row.size
-                    if outcomes > NUM_ACTIONS * MAX_WIDE_STATES:
+                    if outcomes > most:
                         raise TooManyStates
                     found.append(np.unique(part.following[~part.terminal]))
                     ended = np.union1d(ended, part.following[part.terminal])
             waiting = np.setdiff1d(np.concatenate(found), known)
             known = np.union1d(known, waiting)
-            if known.size > self._most:
+            # The tables have a row for each cell of each configuration, and each joint action.
+            configurations = np.unique(known // self.size).size
+            if known.size > self._most or configurations * self.size * self.actions > most:
                 raise TooManyStates
         return np.union1d(known, ended)
 

@@ -103,10 +103,12 @@ def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
             costs.append((factor, what, field_of(level, record.field)))
     costs = sorted((cost for cost in costs if cost[0] > 1), key=lambda cost: -cost[0])
     told = ", ".join(f"{what} ({_up_to(factor)})" for factor, what, _ in costs[:3])
-    message = (
-        f"the level has more than {most_states(level):,} states: "
-        f"{level.size[0] * level.size[1]:,} cells, times the combinations of {told}"
-    )
+    most = f"the level has more than {most_states(level):,} states"
+    if level.robots:
+        rows, actions = NUM_ACTIONS * MAX_WIDE_STATES, NUM_ACTIONS ** len(level.robots)
+        most = f"the level has more than {rows:,} joint states times {actions} joint actions"
+    cells = level.size[0] * level.size[1]
+    message = f"{most}: {cells:,} cells, times the combinations of {told}"
     help_text = "use fewer of them, fewer cells for them, or a smaller level"
     return UnplayableError([Issue("BR404", Key((costs[0][2],)), message, help_text)])
 
