@@ -12,7 +12,7 @@ from oracles.robots_reference import Joint, TeamReference
 
 import babyrobot_levels as brl
 
-MOST = 60_000
+MOST, MORE = 12_000, 60_000
 """The most states times joint actions of a level that the reference is asked about."""
 
 
@@ -71,18 +71,18 @@ def assert_agrees(fields: Fields, level: brl.Level) -> None:
             assert sums == pytest.approx([reward for _, _, reward, _ in outcomes])
 
 
-@pytest.mark.parametrize("first", range(0, 60, 6))
+@pytest.mark.parametrize("first", range(0, 150, 30))
 def test_random_teams_agree_with_the_reference(first: int) -> None:
-    _assert_agree(range(first, first + 6))
+    _assert_agree(range(first, first + 30), MOST)
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("first", range(60, 1200, 60))
+@pytest.mark.parametrize("first", range(0, 1200, 60))
 def test_more_random_teams_agree_with_the_reference(first: int) -> None:
-    _assert_agree(range(first, first + 60))
+    _assert_agree(range(first, first + 60), MORE)
 
 
-def _assert_agree(seeds: range) -> None:
+def _assert_agree(seeds: range, most: int) -> None:
     tried = 0
     for seed in seeds:
         fields = random_team(Random(seed))
@@ -90,7 +90,7 @@ def _assert_agree(seeds: range) -> None:
             continue
         level = brl.load(fields)
         mdp = level.compile()
-        if mdp.num_states * mdp.num_actions <= MOST:
+        if mdp.num_states * mdp.num_actions <= most:
             assert_agrees(fields, level)
             tried += 1
     assert tried

@@ -10,7 +10,7 @@ import pytest
 from support.places import DOCS, ROOT
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_learners_find_what_the_page_says() -> None:
     page = (DOCS / "robots.md").read_text(encoding="utf-8")
     shown = re.search(r"<!-- learners -->\n```text\n(.*?)```", page, re.S)
