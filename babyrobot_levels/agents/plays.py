@@ -12,7 +12,6 @@ from gymnasium.wrappers import TimeLimit
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import MAX_LINE, MAX_STEPS, PlayError, PlayFields, program
 from babyrobot_levels.library.level import Level, load_code
-from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.text.files import append_line, open_regular
 
 SUFFIX = ".brlplay"
@@ -38,7 +37,8 @@ class Play(PlayFields):
         seed_kind: `"environment"` or `"page"`.
         start: whether the first state was `"drawn"` or `"chosen"`.
         states: the state at the start and after each step, `[steps + 1]`.
-        actions: the action of each step, `[steps]`.
+        actions: the action of each step, `[steps]`; of several robots, the number of their joint
+            action, as `Mdp.joint_action` gives it.
         rewards: the reward of each step, `[steps]`.
         return_: the discounted sum of the rewards.
         end: `"terminated"`, `"truncated"` or `"unfinished"`.
@@ -203,7 +203,6 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
             raise TypeError(
                 f"RecordPlay records environments of levels, not {type(env.unwrapped).__name__}"
             )
-        check_one_robot(env.unwrapped.level, "recorded plays")
         self._base: LevelEnv = env.unwrapped
         self._limit: int | None = None
         while isinstance(env, gymnasium.Wrapper):
@@ -245,7 +244,7 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
             return found
         if len(self._actions) == MAX_STEPS:
             raise PlayError(f"a play has at most {MAX_STEPS:,} steps; set a time limit")
-        self._actions.append(int(action))
+        self._actions.append(self._base.action_number(action))
         self._rewards.append(float(reward))
         self._states.append(self._base.state)
         if terminated or truncated:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,7 +23,7 @@ from babyrobot_levels.analysis.solver.distribution import ReturnDistribution, op
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.envs.arguments import start_states
-from babyrobot_levels.envs.single import LevelEnv
+from babyrobot_levels.envs.making import make_level
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.mdp.tables import Event, events_of
@@ -193,8 +194,6 @@ def verify_play(play: Play) -> Verification:
     except LevelError as error:
         reason = error.message or "; ".join(each.message for each in error.diagnostics)
         return _refused(play, f"its level cannot be read: {reason}")
-    if level.robots:
-        return _refused(play, "its level has several robots, of which plays do not tell")
     space = space_of(level, play.action_set)
     fault = _start_fault(play, space)
     if fault is not None:
@@ -219,10 +218,10 @@ def _start_fault(play: Play, space: StateSpace) -> str | None:
         return f"it has a state {max(play.states):,}, and the level has {mdp.num_states:,} states"
     if play.start == "drawn":
         return None if mdp.start[state] > 0 else "no episode of the level starts in its first state"
-    try:
-        possible = state in start_states(mdp.cell(state), space.level, mdp)
-    except ValueError:
-        possible = False
+    possible = False
+    if not space.level.robots:
+        with suppress(ValueError):
+            possible = state in start_states(mdp.cell(state), space.level, mdp)
     return None if possible else "no episode can be told to start in its first state"
 
 
@@ -248,7 +247,7 @@ def _step_text(play: Play, space: StateSpace, step: int) -> str:
     """Describe a step that is not possible."""
     before, after = (space.text(state) for state in play.states[step - 1 : step + 1])
     action, reward = play.actions[step - 1], play.rewards[step - 1]
-    names = action_names(play.action_set)[space.first_action :]
+    names = action_names(play.action_set, space.mdp.num_robots)[space.first_action :]
     name = names[action] if action < len(names) else f"action {action}"
     ends = ", at the end of the episode" if step == play.steps and play.end == "terminated" else ""
     return f"{name} from {before} to {after} with the reward {reward:g}{ends}"
@@ -276,13 +275,14 @@ def _seed_fault(play: Play, space: StateSpace) -> str | None:
     """
     if play.seed is None:
         return None
-    env = LevelEnv(play.level, observation="index", actions=play.action_set)
+    options = {} if play.level.robots else {"actions": play.action_set}
+    env = make_level(play.level, observation="index", **options)
     start = {"start": space.mdp.cell(play.states[0])} if play.start == "chosen" else None
     env.reset(seed=int(play.seed), options=start)
     if env.state != play.states[0]:
         return f"with its seed {play.seed}, an episode starts in {space.text(env.state)}"
     for step, action in enumerate(play.actions, 1):
-        _, reward, *_ = env.step(action)
+        _, reward, *_ = env.step(env.numbered_action(action))
         if (env.state, reward) != (play.states[step], play.rewards[step - 1]):
             drawn = f"leads to {space.text(env.state)} with the reward {reward:g}"
             return f"with its seed {play.seed}, step {step} {drawn}"
@@ -319,5 +319,6 @@ def steps_of(play: Play) -> list[Step]:
         state, after = states[number], states[number + 1]
         is_it = (mdp.probability[state, action] > 0) & (mdp.next_state[state, action] == after)
         event = events_of(mdp, slice(state, state + 1))[0, action][is_it.argmax()]
-        steps.append(Step(state, int(action), after, reward, bool(event == Event.SKIDDED)))
+        own = int(mdp.robot_actions(action)[0]) if mdp.num_robots > 1 else int(action)
+        steps.append(Step(state, own, after, reward, bool(event == Event.SKIDDED)))
     return steps

@@ -277,6 +277,14 @@ class LevelEnv(RenderedEnv):
                 info.update(self._level_number)
         return observe(), reward, terminal, False, info
 
+    def action_number(self, action: Any) -> int:
+        """Return the number of an action in plays; see `numbered_action` for the inverse."""
+        return int(action)
+
+    def numbered_action(self, number: int) -> Any:
+        """Return the action that `step` takes for a number."""
+        return number
+
     def action_masks(self) -> NDArray[np.int8]:
         """Return the current action mask, int8 `[actions]`. The name is sb3-contrib's."""
         if self._now is None:

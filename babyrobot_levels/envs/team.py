@@ -174,7 +174,7 @@ class TeamEnv(LevelEnv):
         """
         if self._now is None:
             raise error.ResetNeeded("call `reset()` before the first `step()`")
-        joint = self._joint(action)
+        joint = self.action_number(action)
         before, row = self._state, self._now[0][joint]
         draw = 0.0 if len(row) == 1 else float(self.np_random.random())
         number = next(number for number, outcome in enumerate(row) if draw < outcome[0])
@@ -195,8 +195,8 @@ class TeamEnv(LevelEnv):
         info.update(self._level_number)
         return observe(), reward, terminal, False, self._told(info, rewards)
 
-    def _joint(self, action: Any) -> int:
-        """Return the number of a joint action.
+    def action_number(self, action: Any) -> int:
+        """Return the number of a joint action, as `Mdp.joint_action` does.
 
         Raises:
             InvalidAction: it is none.
@@ -215,6 +215,11 @@ class TeamEnv(LevelEnv):
             f"{action!r} is not an action: it is one of 0 to {NUM_ACTIONS - 1} for each of "
             f"the {len(self.robot_names)} robots"
         )
+
+    def numbered_action(self, number: int) -> tuple[int, ...]:
+        """Return the action of each robot for the number of their joint action."""
+        actions: list[int] = self._mdp.robot_actions(number).tolist()
+        return tuple(actions)
 
     def _told(self, info: dict[str, Any], rewards: NDArray[np.float64]) -> dict[str, Any]:
         """Return an info as one of several robots."""

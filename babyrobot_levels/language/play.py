@@ -37,7 +37,7 @@ _END = re.compile(rb',"checksum":"([0-9a-f]{8})"\}\s*\Z')
 Digest = Annotated[StrictStr, StringConstraints(pattern=r"^sha256:[0-9a-f]{64}$")]
 SeedText = Annotated[StrictStr, StringConstraints(pattern=r"^[0-9]{1,40}$")]
 _State = Annotated[StrictInt, Field(ge=0, lt=2**31)]
-_Action = Annotated[StrictInt, Field(ge=0, lt=5)]
+_Action = Annotated[StrictInt, Field(ge=0, lt=5**4)]
 _Count = Annotated[StrictInt, Field(ge=0, lt=2**31)]
 _Short = Annotated[StrictStr, StringConstraints(max_length=200)]
 
@@ -74,7 +74,7 @@ class PlayFields(Model):
     states: Annotated[list[_State], Field(min_length=2, max_length=MAX_STEPS + 1)]
     """The state at the start and after each step, numbered as in the compiled tables."""
     actions: Annotated[list[_Action], Field(min_length=1, max_length=MAX_STEPS)]
-    """The action of each step."""
+    """The action of each step; of several robots, the number of their joint action."""
     rewards: Annotated[list[Number], Field(min_length=1, max_length=MAX_STEPS)]
     """The reward of each step."""
     return_: Number = Field(alias="return")

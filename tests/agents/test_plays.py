@@ -74,7 +74,7 @@ def test_plays_are_appended(path: Path) -> None:
         (lambda line: line_of({"format": "a song"}), "JSON, but no play"),
         (lambda line: line_of({**json.loads(line), "format_version": 2}), "a newer one may read"),
         (lambda line: line_of({**json.loads(line), "extra": 1}), "invalid at 'extra'"),
-        (lambda line: line_of({**json.loads(line), "actions": [7]}), "invalid at 'actions/0'"),
+        (lambda line: line_of({**json.loads(line), "actions": [625]}), "invalid at 'actions/0'"),
         (lambda line: line_of({**json.loads(line), "rewards": [1.0]}), "need as many rewards"),
         (
             lambda line: line_of({**json.loads(line), "return": float("nan")}),

@@ -251,3 +251,33 @@ def test_where_nothing_can_be_won_any_more_nothing_more_is_lost(tmp_path: Path) 
     env.close()
     (found,) = brl.replay(tmp_path / "a")
     assert (found.is_valid, found.regret) == (True, math.inf)
+
+
+def test_plays_of_several_robots_have_joint_actions(tmp_path: Path) -> None:
+    robots = [{"name": "red", "start": [0, 0]}, {"name": "blue", "start": [3, 0]}]
+    level = brl.load(
+        {
+            "version": 1,
+            "size": [4, 2],
+            "robots": robots,
+            "exit": [2, 1],
+            "puddles": [{"at": [1, 0], "size": "large"}],
+            "max_steps": 9,
+        }
+    )
+    path = tmp_path / "team.brlplay"
+    with brl.RecordPlay(level.make(), path) as env:
+        env.reset(seed=5)
+        for actions in ([2, 0], [3, 4], [0, 3], [2, 1], [3, 3]):
+            env.step(actions)
+    (play,) = brl.read_plays(path)
+    assert play.actions == [10, 19, 3, 11, 18]
+    assert verify_play(play).is_valid
+    fault = verify_play(forged(play, actions=changed(play.actions, 0, 15))).fault
+    assert fault is not None
+    assert "step 1 is not possible: south_stay from " in fault
+    beyond = verify_play(forged(play, actions=changed(play.actions, 0, 25))).fault
+    assert beyond is not None
+    assert "step 1 is not possible: action 25 from " in beyond
+    chosen = verify_play(forged(play, start="chosen")).fault
+    assert chosen == "no episode can be told to start in its first state"
