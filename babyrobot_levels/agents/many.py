@@ -205,6 +205,7 @@ def metrics_many(
     levels: Levels,
     *,
     max_states: int | None = None,
+    seen: Mapping[str, Any] | None = None,
     executor: Executor | ExecutorName | None = None,
     jobs: int | None = None,
     keep_going: bool = False,
@@ -215,6 +216,8 @@ def metrics_many(
         levels: as for `solve_many`.
         max_states: in levels of more states, the metrics are left out for which a level must be
             solved; None for no limit.
+        seen: the sight of an agent, and its options, as `solve` takes them: with it, `sight_cost`
+            is that of this sight, at least and at most.
         executor: as for `solve_many`.
         jobs: as for `solve_many`.
         keep_going: as for `solve_many`.
@@ -229,7 +232,9 @@ def metrics_many(
         Exception: without `keep_going`, what `metrics` raises for a level, with a note that gives
             its index. The rows before it are yielded.
     """
-    return _rows(LevelMetrics, partial(_measured, max_states), levels, executor, jobs, keep_going)
+    return _rows(
+        LevelMetrics, partial(_measured, max_states, seen), levels, executor, jobs, keep_going
+    )
 
 
 def reason(error: Exception) -> str:
@@ -335,10 +340,13 @@ def _values(found: Evaluation) -> dict[str, Any]:
     }
 
 
-def _measured(max_states: int | None, level: Level) -> dict[str, Any]:
+def _measured(
+    max_states: int | None, seen: Mapping[str, Any] | None, level: Level
+) -> dict[str, Any]:
     found = metrics(level)
     is_small = max_states is None or found.states <= max_states
-    return {"states": found.states, "metrics": found.to_dict(solve=is_small)}
+    cost = {} if seen is None else {"sight_cost": solve(level, **seen).cost}
+    return {"states": found.states, "metrics": found.to_dict(solve=is_small) | cost}
 
 
 @dataclass(frozen=True, slots=True)

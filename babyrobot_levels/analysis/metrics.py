@@ -26,6 +26,7 @@ from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     Evaluation,
     Solution,
+    TooLargeError,
     UndefinedReturnError,
 )
 from babyrobot_levels.language import kinds
@@ -44,6 +45,9 @@ from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Flags
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import no_item
+
+_MOST_BELIEFS = 1000
+"""So many beliefs are explored for what sight is worth: about as much work as `lint` may do."""
 
 
 def metrics(level: Any) -> Metrics:
@@ -75,6 +79,7 @@ class Metrics(Shown, public=True):
       `brl.EpisodeTooLongError`).
     - Mistakes: `irreversible`, `decisions`, `fragility`. None as well if the optimal return is
       infinite.
+    - What sight is worth: `sight_cost`, which `to_dict` leaves out, as it takes a search.
     - What is needed, only of levels with things: `needs`, `dependencies`, `distractors`. For these,
       the level is compiled, and for the last one solved, once more for each thing.
 
@@ -127,6 +132,9 @@ class Metrics(Shown, public=True):
                 return "from a start, no path to an exit is known"
         if name in ("needs", "dependencies"):
             return "without the effect of a thing, there would be too many states"
+        if name == "sight_cost" and self._seen is not None:
+            least, most = self._seen.cost
+            return f"it is between {number(least)} and {number(most)}"
         if name in (*MISTAKES, "distractors") and self.best_return is not None:
             if not math.isfinite(self.best_return):
                 return "the optimal return is infinite"
@@ -441,6 +449,29 @@ class Metrics(Shown, public=True):
     @cached_property
     def _optimal(self) -> Flags | None:
         return None if self._optimum is None else hardness.optimal_ends(self._optimum)
+
+    # -- what sight is worth ---------------------------------------------------------------
+
+    @cached_property
+    def sight_cost(self) -> float | None:
+        """How much more return one can expect who sees everything than one with a view of 3 cells.
+
+        It is the optimal expected return less that of the sight `view`, as `brl.solve` has it with
+        `sight="view"`. None if this is not found exactly within a thousand beliefs, and of several
+        robots.
+        """
+        return self._seen.cost[0] if self._seen is not None and self._seen.is_exact else None
+
+    @cached_property
+    def _seen(self) -> Any:
+        """The optimum of the sight `view`; None if it is undefined."""
+        if self.level.robots:
+            return None
+        try:
+            # Observations are of levels as users have them.
+            return solve(self.level.to_dict(whole=True), sight="view", beliefs=_MOST_BELIEFS)
+        except (UndefinedReturnError, EpisodeTooLongError, TooLargeError):
+            return None
 
     # -- what is needed --------------------------------------------------------------------
 

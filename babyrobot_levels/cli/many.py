@@ -200,7 +200,11 @@ class _Csv(_Lines):
         self._rows.writeheader()
 
     def put(self, row: dict[str, Any]) -> None:
-        texts = {name: " ".join(value) for name, value in row.items() if isinstance(value, list)}
+        texts = {
+            name: " ".join(map(str, value))
+            for name, value in row.items()
+            if isinstance(value, list)
+        }
         self._rows.writerow({**row, **texts})
 
 

@@ -96,7 +96,7 @@ def show(
     left out above 5,000 cells; with things that have a state, above 5,000 states. Digest and
     metrics are left out above 1,048,576 states times outcomes of an action; --cite has the digest.
     With --sight, `sight_cost` is by how much the best that one can expect who sees everything is
-    more than that of one who observes only this.
+    more than that of one who observes only this, at least and at most.
 
     Several levels, folders and packs give a row with the metrics of each level; so do the levels
     of a suite with --split, --output or --format csv. Rows do not depend on --jobs. The exit
@@ -131,32 +131,42 @@ def show(
         suite = None if levels[0] == str(STANDARD_INPUT) else suite_path(levels[0])
         if suite is not None:
             if sight is not None:
-                fail("--sight is for one level")
+                fail("--sight is for levels", "add --split or --format csv: a row for each")
             _show_suite(suite, citation, report_format)
             return
     many = levels_for_rows(levels, options)
+    seen = None if sight is None else sight_options(sight, view_radius)
     if many is None:
-        seen = None if sight is None else sight_options(sight, view_radius)
         _show_one(levels[0], citation, report_format, seen)
-    elif citation or sight is not None:
-        fail(f"{'--cite' if citation else '--sight'} is for one level")
+    elif citation:
+        fail("--cite is for one level")
     else:
-        _show_many(many, options)
+        _show_many(many, options, seen)
 
 
-def _show_many(levels: Suite | list[Any], options: RowOptions) -> None:
-    """Write the metrics of each level."""
+def _show_many(levels: Suite | list[Any], options: RowOptions, seen: dict[str, Any] | None) -> None:
+    """Write the metrics of each level, and what a sight costs there."""
     from babyrobot_levels.agents.many import metrics_many
     from babyrobot_levels.language.metric_names import METRICS
     from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 
     names = ("path_length", "dead_ends", "loops", "best_return", "random_return", "difficulty")
+    cost = () if seen is None else ("sight_cost",)
     columns = Columns(
-        ("index", "name", "digest", *METRICS, "error"),
-        (("states", "states", str), *((name, name, number) for name in names)),
+        ("index", "name", "digest", *METRICS, *cost, "error"),
+        (
+            ("states", "states", str),
+            *((name, name, number) for name in names),
+            *((name, name, _between) for name in cost),
+        ),
         "measuring",
     )
-    write_rows(partial(metrics_many, max_states=MAX_SOLVED), levels, columns, options)
+    write_rows(partial(metrics_many, max_states=MAX_SOLVED, seen=seen), levels, columns, options)
+
+
+def _between(bounds: Sequence[float | str]) -> str:
+    least, most = map(number, bounds)
+    return least if least == most else f"{least} to {most}"
 
 
 def _show_one(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 from pydantic import Field, StringConstraints, create_model
 
 from babyrobot_levels.language.base import Model, Number, Slug, form, forms
-from babyrobot_levels.language.metric_names import METRICS
+from babyrobot_levels.language.metric_names import STATED
 from babyrobot_levels.language.ranges import TEXT, bounds, ends
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.document import Document
@@ -90,5 +90,5 @@ else:
         }
         return create_model(name, __base__=Facts, **fields)
 
-    Expect = _model("Expect", (*METRICS, "lint"))
-    SuiteExpect = _model("SuiteExpect", METRICS)
+    Expect = _model("Expect", (*STATED, "lint"))
+    SuiteExpect = _model("SuiteExpect", STATED)

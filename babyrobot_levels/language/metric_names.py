@@ -20,7 +20,14 @@ SOLVED = (*UNLIMITED, "wet_share", "difficulty", *MISTAKES)
 NEEDS = ("needs", "dependencies", "distractors")
 """Those for which it is compiled without the effect of some things; only levels with things."""
 
+SEEN = ("sight_cost",)
+"""Those that are computed only where they are asked for: a search among beliefs takes a while."""
+
 METRICS = (*SHAPE, *PATHS, *THINGS, *BOXES, *SOLVED, *NEEDS)
+"""Those that are shown of each level."""
+
+STATED = (*METRICS, *SEEN)
+"""Those that a level can state, and that can be asked of one that is generated."""
 
 SHARES = ("reachable", "success", "wet_share", "irreversible")
 """Shares and probabilities: of these, 0 and 1 are never rounded."""

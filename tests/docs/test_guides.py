@@ -26,7 +26,7 @@ from babyrobot_levels.extensions.formats.setups import _PLAYING, KEYWORDS
 from babyrobot_levels.extensions.generate.batch import origin_of
 from babyrobot_levels.extensions.learning import algorithms
 from babyrobot_levels.language.json_schema import SCHEMAS
-from babyrobot_levels.language.metric_names import METRICS
+from babyrobot_levels.language.metric_names import STATED
 from babyrobot_levels.language.share_code import DICTIONARY_1
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.level import load_code
@@ -144,7 +144,7 @@ def test_algorithms_and_metrics_are_explained_in_order() -> None:
     for path in (DOCS / "images" / "mazes").iterdir():
         assert f"images/mazes/{path.name}" in text
     named = re.findall(r"^\| `(\w+)` \|", text[text.index("## Metrics") :], flags=re.MULTILINE)
-    assert [name for name in named if name != "path"] == [*METRICS]
+    assert [name for name in named if name != "path"] == [*STATED]
 
 
 def test_the_examples_and_difficulties_of_mazes_are_right() -> None:

@@ -57,6 +57,12 @@ class UndefinedReturnError(BabyRobotError, ArithmeticError, public=True):
         )
 
 
+class TooLargeError(BabyRobotError, ValueError):
+    """Levels have too many states for a model of what can be known of them."""
+
+    __module__ = "babyrobot_levels.extensions.sight"
+
+
 class EpisodeTooLongError(BabyRobotError, ArithmeticError, public=True):
     """Episodes are too long to compute their expected return.
 

@@ -13,7 +13,7 @@ from babyrobot_levels.language.drawing import BLOCKED, HORIZONTAL
 from babyrobot_levels.language.fields import DRAWN, Role, fields_with
 from babyrobot_levels.language.json_schema import level_schema
 from babyrobot_levels.language.kinds import KINDS, LOOKS
-from babyrobot_levels.language.metric_names import METRICS
+from babyrobot_levels.language.metric_names import STATED
 from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.render.templates import static
 from babyrobot_levels.text.files import write_new
@@ -47,7 +47,7 @@ def skill(path: str | os.PathLike[str] | None = None, *, force: bool = False) ->
         "shown": _listed(fields_with(Role.LOOK)),
         "entries": _lines(_entries(schema["properties"], schema["$defs"])),
         "skids": _listed(schema["$defs"]["Skid"]["properties"]["to"]["enum"]),
-        "metrics": _lines(f"| `{name}` | {_meaning(name)} |" for name in METRICS),
+        "metrics": _lines(f"| `{name}` | {_meaning(name)} |" for name in STATED),
         "rules": _lines(
             f"- {rule.code} `{rule.name}`: {rule.summary}"
             for rule in all_rules()

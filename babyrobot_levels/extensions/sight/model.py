@@ -15,18 +15,12 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.model import Model
 from babyrobot_levels.analysis.solver.policies import StateSpace
+from babyrobot_levels.analysis.solver.results import TooLargeError
 from babyrobot_levels.extensions.sight.sights import Sight
 from babyrobot_levels.mdp.tables import Floats, Ints, Mdp
-from babyrobot_levels.text.errors import BabyRobotError
 
 MAX_OUTCOMES = 5_000_000
 """The most outcomes of all actions in all states."""
-
-
-class TooLargeError(BabyRobotError, ValueError):
-    """Levels have too many states for a model of what can be known of them."""
-
-    __module__ = "babyrobot_levels.extensions.sight"
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from extensions.sight import cassandra
+from support.places import ROOT
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
@@ -178,3 +179,39 @@ def test_a_sight_of_several_robots_is_refused(to: str) -> None:
         brl.export(level, to)
     with pytest.raises(brl.LevelError, match="optima of a sight are only for levels with one"):
         brl.solve(level, sight="view")
+
+
+# -- as a metric -----------------------------------------------------------------------------
+
+
+def test_what_sight_is_worth_is_a_metric_of_the_sight_view() -> None:
+    measured = brl.metrics("shell-game")
+    assert measured.sight_cost == pytest.approx(brl.solve("shell-game", sight="view").cost[0])
+    assert "sight_cost" not in measured.to_dict()
+
+
+def test_the_metric_has_no_value_where_it_is_not_found_or_makes_no_sense() -> None:
+    corridor = brl.metrics("large-corridor")
+    assert corridor.sight_cost is None
+    least, most = brl.solve("large-corridor", sight="view", beliefs=1000).cost
+    assert corridor.why_none("sight_cost") == f"it is between {least:.6g} and {most:.6g}"
+    assert brl.metrics(ROOT / "examples" / "robots" / "two-pads.yaml").sight_cost is None
+    cancelling = {"version": 1, "size": [3, 1], "rewards": {"closer": 1, "farther": -1, "exit": -9}}
+    assert brl.metrics(cancelling).sight_cost is None
+
+
+def test_a_level_states_what_sight_is_worth(here: Path) -> None:
+    Path("doors.yaml").write_text(brl.load("shell-game").to_yaml(), "utf-8")
+    brl.expect("doors.yaml", add=["sight_cost"], write=True)
+    assert "sight_cost: 0.667" in Path("doors.yaml").read_text("utf-8")
+    assert not brl.lint("doors.yaml")
+    wrong = Path("doors.yaml").read_text("utf-8").replace("0.667", "0.7..1")
+    (finding,) = brl.lint(wrong)
+    assert finding.message == "`sight_cost` is 0.666667, not 0.7..1"
+
+
+def test_levels_are_found_in_which_sight_is_worth_something() -> None:
+    found = brl.mutate("shell-game", edits=2, seed=0, expect={"sight_cost": "0.8.."})
+    cost = brl.metrics(found).sight_cost
+    assert cost is not None
+    assert cost >= 0.8
