@@ -30,7 +30,7 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
-from babyrobot_levels.mdp.actions import HEADINGS, Action
+from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import gray, is_gray
@@ -48,7 +48,7 @@ from babyrobot_levels.render.page_format import (
     runs_of,
     short,
 )
-from babyrobot_levels.render.page_things import Marks, things_data
+from babyrobot_levels.render.page_things import Marks, arrivals, things_data
 from babyrobot_levels.render.scene.build import build_scene, floor_shapes, ground_layer, sign_shapes
 from babyrobot_levels.render.scene.heat import BAR_STEPS, STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
@@ -56,11 +56,12 @@ from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, toned
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.team import robot_color
 from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.scene.things import CORNERS, SMALL
 from babyrobot_levels.render.situation import Pose, effects_of
 from babyrobot_levels.render.svg import element, number, to_svg
-from babyrobot_levels.render.templates import as_html, embedded_json, html, put_together
+from babyrobot_levels.render.templates import as_html, embedded_json, html, put_together, static
 from babyrobot_levels.render.words.describe import describe, goal_of
 from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.render.words.rules import rules_of
@@ -115,7 +116,7 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         facts=facts(level),
         common=embedded_json(common),
         data=embedded_json(data),
-        **_own(),
+        **_own(is_team=bool(level.robots)),
     )
 
 
@@ -149,10 +150,11 @@ def _answer_overlay(options: PageOptions) -> Overlay:
 
 
 @cache
-def _own() -> dict[str, Markup]:
+def _own(*, is_team: bool) -> dict[str, Markup]:
     """Return style, script, and a content security policy that allows these, and no loading."""
+    given = {} if is_team else {"render/static/team.js": static("render/static/one.js")}
     style = put_together("render/static/page.css")
-    script = f'"use strict";\n{put_together("render/static/page.js")}'
+    script = f'"use strict";\n{put_together("render/static/page.js", given)}'
     style_hash, script_hash = (
         base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         for text in (style, script)
@@ -219,7 +221,7 @@ MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
 
 MAX_STATES = 200_000
-"""The most states of a level with things on a page."""
+"""The most states of a level with things on a page; with several robots, fewer by their actions."""
 
 WatchedPolicy = Literal["best", "random", "agent"]
 
@@ -260,7 +262,7 @@ def without_panels(level: GridWorld) -> GridWorld:
     """Return the level without the panels and the compass, which a page does not need.
 
     Raises:
-        TooLargeError: the level is too large for a page, or has several robots.
+        TooLargeError: the level is too large for a page.
     """
     width, height = level.size
     if width * height > MAX_CELLS:
@@ -268,16 +270,15 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {width} x {height} cells is too large for a page; "
             f"the limit is {MAX_CELLS:,} cells"
         )
-    if level.robots:
-        raise TooLargeError(f"a page plays one robot, and the level has {len(level.robots)}")
     try:
-        states = level.compile().num_states if level.has_things and is_numeric() else 0
+        mdp = level.compile() if level.has_things and is_numeric() else None
     except OverBudgetError as error:
         raise TooLargeError(str(error)) from None
-    if states > MAX_STATES:
+    limit = MAX_STATES * NUM_ACTIONS // (mdp.num_actions if mdp is not None else NUM_ACTIONS)
+    if mdp is not None and mdp.num_states > limit:
         raise TooLargeError(
-            f"a level of {states:,} states is too large for a page; "
-            f"the limit is {MAX_STATES:,} states"
+            f"a level of {mdp.num_states:,} states is too large for a page; "
+            f"the limit is {limit:,} states"
         )
     return bare(level)
 
@@ -326,6 +327,7 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
     at_first = {"policy": shown.get("arrows"), "values": shown.get("values")}
     level = without_panels(level)
     colors = level.resolved_theme.colors
+    body = robot_color(level, 0) if level.robots else colors.robot
     return {
         "title": title_of(level),
         "description": (level.description or "").strip(),
@@ -333,7 +335,7 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
         **_played(level),
         # Those that differ between themes, in the order of `common_data`.
         "robot": [
-            *(hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS),
+            *(hexadecimal(color) for color in (body, colors.puddle)),
             *(hexadecimal(gray(color)) for color in _OWN_COLORS if is_gray(colors)),
         ],
         **_picture_data(level, shown),
@@ -344,7 +346,18 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
         "shown": [name for name, is_shown in at_first.items() if is_shown],
         **_answers(level, guide),
         **({} if learn is None else {"learn": learn}),
+        **(_team(level) if level.robots else {}),
     }
+
+
+def _team(level: GridWorld) -> dict[str, Any]:
+    """Return the robots of a level with several, and what is different on its page."""
+    arrived = arrivals(level) if is_numeric() else [[0]] * len(level.robots)
+    robots = [
+        {"name": robot.name, "color": hexadecimal(robot_color(level, number)), "arrived": found}
+        for number, (robot, found) in enumerate(zip(level.robots, arrived, strict=True))
+    ]
+    return {"robots": robots, "ends_first": level.team.ends == "first", "learn": False}
 
 
 @cache

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.mdp.actions import DELTAS, NUM_ACTIONS, Action
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Event, Ints, Mdp, events_of, hits_by_mover
 from babyrobot_levels.render.page_format import EVENTS, POSES, TooLargeError, short
@@ -22,7 +22,8 @@ _FAR = len(Action)
 def tables_of(level: GridWorld) -> dict[str, Any]:
     """Return the tables of a page, and the states in which episodes begin.
 
-    `rows` and `table` are those of `rows_of`. `possible` has a bit for each action.
+    `rows` and `table` are those of `rows_of`. `possible` has a bit for each action; of several
+    robots, for each action of the first, then of the second, and so on.
 
     Args:
         level: the level; a maze needs a seed.
@@ -43,8 +44,18 @@ def tables_of(level: GridWorld) -> dict[str, Any]:
         "starts": mdp.start.nonzero()[0].tolist(),
         "rows": rows,
         "table": table,
-        "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),
+        "possible": _possible(mdp).tolist(),
     }
+
+
+def _possible(mdp: Mdp) -> Ints:
+    """Return which actions are possible in each state, as bits."""
+    masks = mdp.action_mask.reshape(mdp.num_states, *[NUM_ACTIONS] * mdp.num_robots)
+    bits = np.zeros(mdp.num_states, np.int64)
+    for robot in range(mdp.num_robots):
+        others = tuple(axis for axis in range(1, masks.ndim) if axis != robot + 1)
+        bits |= masks.max(axis=others) @ (1 << np.arange(NUM_ACTIONS)) << NUM_ACTIONS * robot
+    return bits
 
 
 def rows_of(level: GridWorld) -> tuple[list[list[float | int]], list[int]]:
@@ -90,7 +101,8 @@ def _columns(level: GridWorld, mdp: Mdp, state: Ints) -> Iterator[NDArray[Any]]:
     yield mdp.reward[state]
     yield mdp.terminal[state]
     kind, shift = events_of(mdp)[state], _displacements(mdp, state, next_state)
-    action = np.arange(mdp.num_actions)[:, None]
+    # The pose is that of the first robot.
+    action = np.arange(mdp.num_actions)[:, None] // (mdp.num_actions // NUM_ACTIONS)
     event = np.where(shift == action, EVENTS.index("move"), EVENTS.index("carried"))
     event[shift == Action.STAY] = EVENTS.index("stay")
     for code, name in ((Event.BUMPED, "bump"), (Event.SKIDDED, "skid"), (Event.BOUNCED, "bounce")):

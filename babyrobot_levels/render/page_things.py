@@ -37,6 +37,7 @@ from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import Layout, Overlay
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.team import teammate_shapes
 from babyrobot_levels.render.scene.texts import busy_cells, form_of, number_shapes
 from babyrobot_levels.render.scene.things import Piece, mover_shapes, pieces, thing_label
 from babyrobot_levels.render.situation import look_of, situation_at
@@ -215,6 +216,7 @@ def things_data(
     - `exits` and `needs` of the exit: the cells at which the episode ends, and what opens them.
     - `cells` of boxes: the one of each value.
     - `label` of movers: the look of the label in the cell whose corner is (0, 0), -1 for none.
+    - Of several robots, those but the first are like movers.
 
     Args:
         level: a level with things; a maze needs a seed.
@@ -222,6 +224,16 @@ def things_data(
         palette: the palette of the page's picture.
     """
     return _Things(level, layout, palette).data()
+
+
+def arrivals(level: GridWorld) -> list[list[int]]:
+    """Return for each of several robots whether it has arrived, 0 or 1, in each configuration."""
+    things, columns = level.things(), level.things().of_kind("robot")
+    configurations = level.compile().configurations
+    return [
+        (configurations[:, column] >= things[column].first_arrived).astype(int).tolist()
+        for column in range(columns.start, columns.stop)
+    ]
 
 
 class _Things:
@@ -281,7 +293,7 @@ class _Things:
 
     def data(self) -> tuple[list[Thing], list[list[Group]]]:
         standing = [*self.exit(), *self.fixed(), *self.items(), *self.boxes(), *self.doors()]
-        return [*standing, *self.movers()], self.looks
+        return [*standing, *self.movers(), *self.robots()], self.looks
 
     def exit(self) -> Iterator[Thing]:
         level = self.level
@@ -375,6 +387,26 @@ class _Things:
                 "looks": [[figures[way]] for way in ways],
                 "cells": [[self.number_of(cell)] for cell in mover.phases],
                 "label": self.add(label) if label else -1,
+            }
+
+    def robots(self) -> Iterator[Thing]:
+        """Yield the robots but the first; what one looks like depends on whether it has arrived."""
+        columns = self.things.of_kind("robot")
+        for mate, column in enumerate(range(columns.start + 1, columns.stop), 1):
+            thing, values = self.things[column], self.column(column)
+            looks = [
+                self.add(teammate_shapes(self.level, mate, Spot(0, 0), arrived=home))
+                for home in (False, True)
+            ]
+            places = sorted({*values})
+            number = {value: place for place, value in enumerate(places)}
+            yield {
+                "kind": "robot",
+                "name": self.things.names[column],
+                "values": [number[value] for value in values],
+                "looks": [[looks[value >= thing.first_arrived]] for value in places],
+                "cells": [[value % thing.first_arrived] for value in places],
+                "label": -1,
             }
 
     def listed(self, values: list[int]) -> list[int]:

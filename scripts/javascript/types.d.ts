@@ -69,6 +69,10 @@ interface LevelData {
   robot: string[];
   picture: PictureData;
   things?: Thing[];
+  /** Of levels with several: in each configuration, whether one has arrived. */
+  robots?: { name: string; color: string; arrived: number[] }[];
+  /** Whether the episode ends when the first robot has arrived. */
+  ends_first?: boolean;
   marks?: Marks;
   turns?: Answers & { on: boolean; heading: number };
   rules?: [Group[], string, number[]][];

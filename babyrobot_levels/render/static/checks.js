@@ -80,8 +80,11 @@ export function checked(data) {
   checkTexts(data);
   const cells = whole(data.width, 1, COMMON.max_cells) * whole(data.height, 1, COMMON.max_cells);
   need(cells <= COMMON.max_cells);
-  const states = cells * checkThings(data, cells);
-  need(states <= COMMON.max_states);
+  const configurations = checkThings(data, cells);
+  const states = cells * configurations;
+  const robots = checkRobots(data, configurations);
+  const actions = 5 ** robots;
+  need(states * actions <= 5 * COMMON.max_states);
   for (const state of list(data.starts, states, 1)) whole(state, 0, states - 1);
   for (const cell of list(data.exits, cells)) whole(cell, 0, cells - 1);
   if (data.max_steps !== null) whole(data.max_steps, 1, Infinity);
@@ -92,9 +95,9 @@ export function checked(data) {
   const { discount = 1, good_ends: good = [] } = data;
   need(Number.isFinite(discount) && discount > 0 && discount <= 1);
   for (const cell of list(good, cells)) whole(cell, 0, cells - 1);
-  checkRows(data.rows, states, COMMON.events.length * (1 + movers));
-  checkTable(data, states);
-  checkAdvice(data, states);
+  checkRows(data.rows, actions * states, COMMON.events.length * (1 + movers));
+  checkTable(data, states, actions, 2 ** (5 * robots) - 1);
+  checkAdvice(data, states, actions);
   return data;
 }
 
@@ -130,7 +133,7 @@ function checkThings({ things = [], picture }, cells) {
       list(thing.sides, 4 * cells).forEach((number) => whole(number, 0, cells));
     } else if (kind === "box") {
       checkCells(thing.cells, 1, 1);
-    } else if (kind === "mover") {
+    } else if (kind === "mover" || kind === "robot") {
       checkCells(thing.cells, 1, 1);
       for (const found of looks) list(found, 1, 1);
       whole(thing.label, -1, last);
@@ -142,6 +145,24 @@ function checkThings({ things = [], picture }, cells) {
   }
   need(shown <= MOST_SHAPES);
   return configurations;
+}
+
+/**
+ * Several robots: what they are called, and which have arrived; return how many there are.
+ *
+ * @param {any} data
+ * @param {number} configurations
+ * @returns {number}
+ */
+function checkRobots({ robots, things = [] }, configurations) {
+  if (robots === undefined) return 1;
+  for (const robot of list(robots, 4, 2)) {
+    text(robot.name);
+    color(robot.color);
+    list(robot.arrived, configurations, configurations).forEach((number) => whole(number, 0, 1));
+  }
+  need(things.filter(({ kind }) => kind === "robot").length === robots.length - 1);
+  return robots.length;
 }
 
 /** @param {any} data */
@@ -166,11 +187,11 @@ function checkTexts(data) {
  * Rows: outcome distributions, whose probabilities add up to 1.
  *
  * @param {any} rows
- * @param {number} states
+ * @param {number} most
  * @param {number} events
  */
-function checkRows(rows, states, events) {
-  for (const row of list(rows, 5 * states, 1)) {
+function checkRows(rows, most, events) {
+  for (const row of list(rows, most, 1)) {
     list(row, Infinity, OUTCOME_LENGTH);
     need(row.length % OUTCOME_LENGTH === 0);
     let sum = 0;
@@ -178,7 +199,7 @@ function checkRows(rows, states, events) {
       const [probability, shift, reward, isOver, event, pose] = row.slice(at, at + OUTCOME_LENGTH);
       need(Number.isFinite(probability) && probability > 0 && probability <= 1);
       need(Number.isFinite(reward));
-      whole(shift, -states, states);
+      whole(shift);
       whole(isOver, 0, 1);
       whole(event, 0, events - 1);
       whole(pose, 0, COMMON.sprites.length - 1);
@@ -193,18 +214,20 @@ function checkRows(rows, states, events) {
  *
  * @param {any} data
  * @param {number} states
+ * @param {number} actions
+ * @param {number} all The bits of all actions that can be possible.
  */
-function checkTable({ rows, table, starts, possible }, states) {
-  list(table, 5 * states, 5 * states);
+function checkTable({ rows, table, starts, possible }, states, actions, all) {
+  list(table, actions * states, actions * states);
   list(possible, states, states);
   for (const row of table) whole(row, -1, rows.length - 1);
-  const isOver = (state) => table[5 * state] === -1;
+  const isOver = (state) => table[actions * state] === -1;
   need(!starts.some(isOver));
   let outcomes = 0;
   for (let state = 0; state < states; state++) {
-    whole(possible[state], isOver(state) ? 0 : 1, 31);
-    for (let action = 0; action < 5; action++) {
-      const number = table[5 * state + action];
+    whole(possible[state], isOver(state) ? 0 : 1, all);
+    for (let action = 0; action < actions; action++) {
+      const number = table[actions * state + action];
       need((number === -1) === isOver(state));
       const row = number === -1 ? [] : rows[number];
       outcomes += row.length;
@@ -222,11 +245,12 @@ function checkTable({ rows, table, starts, possible }, states) {
  *
  * @param {any} data
  * @param {number} states
+ * @param {number} actions
  */
-function checkAdvice({ policy, walker, agent, marks, returns, turns, picture }, states) {
+function checkAdvice({ policy, walker, agent, marks, returns, turns, picture }, states, actions) {
   const known = { random: true, best: policy !== null, agent: agent !== undefined };
   need(walker === null || known[walker] === true);
-  checkNumbers(policy, states, 4);
+  checkNumbers(policy, states, actions - 1);
   checkReturns(returns, states);
   const last = list(picture?.marks ?? []).length - 1;
   whole(picture?.never ?? -1, -1, last);

@@ -134,7 +134,69 @@ export class Game {
 
   /** @param {number} action */
   isPossible(action) {
-    return ((this.data.possible[this.state] >> this.moveOf(action)) & 1) === 1;
+    return this.isOpen(this.moveOf(action));
+  }
+
+  /** @param {number} move */
+  isOpen(move) {
+    return ((this.data.possible[this.state] >> move) & 1) === 1;
+  }
+
+  /** What may come of an action of the level in a state. */
+  outcomesOf(state, action) {
+    return this.data.rows[this.data.table[5 * state + this.moveOf(action)]];
+  }
+
+  /** The colours of the robots, and where they are in a state. */
+  get colors() {
+    return [this.data.robot[0]];
+  }
+
+  /**
+   * @param {number} state
+   * @returns {Cell[]}
+   */
+  places(state) {
+    return [this.place(state)];
+  }
+
+  /**
+   * Take a choice of the player; return the action that comes of it, null if more is to be chosen.
+   *
+   * @param {number} action
+   * @param {number} [_keys]
+   * @returns {number | null}
+   */
+  choose(action, _keys) {
+    return action;
+  }
+
+  /** What the player is asked for after a step. */
+  get turn() {
+    return "";
+  }
+
+  /** The part of an action that is the player's next choice. */
+  partOf(action) {
+    return action;
+  }
+
+  /**
+   * Return where and to which sides arrows show an action; a negative one has none. Staying has no side.
+   *
+   * @param {number} action
+   */
+  pointers(action) {
+    if (action < 0) return [];
+    const { isTurning, heading } = this;
+    const turned = action === FORWARD ? heading : (heading + 3 + 2 * action) % 4;
+    return [{ place: this.place(this.state), side: isTurning ? turned : action - 1 }];
+  }
+
+  /** Tell where the robot is, in sentences. */
+  whereabouts() {
+    const facing = this.isTurning ? ` and faces ${SIDES[this.heading + 1]}` : "";
+    return [`The robot is at [${this.place(this.state).join(", ")}]${facing}.`];
   }
 
   /** The pose before the first step. */
@@ -194,9 +256,9 @@ export class Game {
     this.past.push({ state: from, heading, steps, total, place: this.random.place });
     this.isHinted = false;
     const number = this.number;
-    const { rows, table, max_steps: most } = this.data;
+    const { max_steps: most } = this.data;
     const move = this.moveOf(action);
-    const outcomes = rows[table[5 * from + move]];
+    const outcomes = this.outcomesOf(from, action);
     const last = outcomes.length - OUTCOME_LENGTH;
     let at = 0;
     if (last > 0) {

@@ -2,7 +2,7 @@
 
 import { keepRun, runOf } from "./address.js";
 import { byId, showStars } from "./dom.js";
-import { capital, formatted, Game, GOAL, SIDES } from "./game.js";
+import { capital, formatted, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
 import { downloadPlays, keepName, keepPlay, recallName, seedAfter } from "./kept.js";
 import { Learning } from "./learn.js";
@@ -12,6 +12,7 @@ import { levelPicture, Picture } from "./picture.js";
 import { resultFacts, ruleOf, starsOf, verdictOf } from "./result.js";
 import { ShownSets } from "./shown.js";
 import { closedSides, surroundings } from "./speech.js";
+import { gameOf, Hands } from "./team.js";
 import { lookElement } from "./things.js";
 import { Trail } from "./trail.js";
 import { View, ZOOM_STEP } from "./view.js";
@@ -24,6 +25,7 @@ const sets = new ShownSets(byId("sets"), (configuration) => picture.look(configu
 
 const views = new Views(showView, (cells) => legend.outline(cells));
 const learning = new Learning(showLearned, document, keepRun);
+const hands = new Hands(byId("hands"), () => ask());
 
 let game = null;
 let picture = null;
@@ -43,12 +45,13 @@ export function showLevel(data) {
   const svg = levelPicture(data);
   watch(false);
   picture?.stop();
-  game = new Game(data, data.turns?.on ?? false);
+  game = gameOf(data);
   picture = new Picture(game, svg, view);
   trail = new Trail(game, svg);
   legend.show(game);
   sets.begin(game);
   views.begin(game);
+  hands.begin(game);
   learning.offer(game, picture, trail);
   for (const name of ["values", "policy"]) {
     byId(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
@@ -163,7 +166,7 @@ function showResult() {
 function showHint(action) {
   trail.point(action);
   for (const button of document.querySelectorAll("[data-action]")) {
-    const isMeant = button.dataset.action === String(action) && !button.closest("[hidden]");
+    const isMeant = button.dataset.action === String(game.partOf(action)) && !button.closest("[hidden]");
     button.classList.toggle("hinted", isMeant);
   }
 }
@@ -239,7 +242,7 @@ function takeAdvice() {
 /** Walk to the cell at a point of the window, step by step, until something else happens. */
 function walkTo(event) {
   const cell = legend.cellAt(event);
-  if (cell < 0 || cell === game.state % game.cells || game.end !== null) return;
+  if (cell < 0 || game.end !== null || (game.robots === undefined && cell === game.state % game.cells)) return;
   watch(false);
   goal = cell;
   if (!walkOn()) show(`There is no free way to [${game.place(cell).join(", ")}].`);
@@ -247,9 +250,22 @@ function walkTo(event) {
 
 function walkOn() {
   const action = goal < 0 || game.end !== null ? -1 : game.towards(goal);
-  if (action < 0) goal = -1;
-  else take(action);
+  // Those of a team are moved step by step.
+  if (action < 0 || game.robots !== undefined) goal = -1;
+  if (action >= 0) choose(action);
   return action >= 0;
+}
+
+/** Take a choice of the player, and the step that comes of it. */
+function choose(action, keys) {
+  const chosen = game.end === null ? game.choose(action, keys) : action;
+  if (chosen === null) ask();
+  else take(chosen);
+}
+
+/** Ask for the action of the next robot. */
+function ask() {
+  show(game.turn);
 }
 
 function take(action) {
@@ -261,7 +277,7 @@ function take(action) {
   const step = game.step(action);
   const isEnd = game.end !== null;
   show(
-    [...(game.isGood ? [] : [game.describeStep(step)]), ...(isEnd ? [game.describeEnd()] : [])].join(". "),
+    [game.isGood ? "" : game.describeStep(step), isEnd ? game.describeEnd() : game.turn].filter(Boolean).join(". "),
     isEnd ? game.end : step.event,
   );
   if (isEnd) document.dispatchEvent(new CustomEvent("episodeend", { detail: game }));
@@ -343,9 +359,9 @@ function learn() {
   else learning.enter();
 }
 
-function byHand(action) {
+function byHand(action, keys) {
   watch(false);
-  take(action);
+  choose(action, keys);
 }
 
 function restart(seed) {
@@ -356,7 +372,9 @@ function restart(seed) {
 const MOVES = ["stay", ...SIDES.slice(1)];
 const TURNS = ["left", "right", "forward"];
 const CONTROLS = {
-  ...Object.fromEntries([MOVES, TURNS].flatMap((names) => names.map((name, action) => [name, () => byHand(action)]))),
+  ...Object.fromEntries(
+    [MOVES, TURNS].flatMap((names) => names.map((name, action) => [name, (keys) => byHand(action, keys)])),
+  ),
   undo,
   hint,
   retry: () => restart(game.seed),
@@ -406,8 +424,8 @@ const KEYS = {
 /** What the keys and swipes of moves do while the robot turns; the others do nothing. */
 const TURN_KEYS = { north: "forward", east: "right", west: "left" };
 
-function move(name) {
-  CONTROLS[game.isTurning ? TURN_KEYS[name] : name]?.();
+function move(name, keys) {
+  CONTROLS[game.isTurning ? TURN_KEYS[name] : name]?.(keys);
 }
 
 document.addEventListener("keydown", (event) => {
@@ -425,7 +443,8 @@ document.addEventListener("keydown", (event) => {
   const isMove = MOVES.includes(control);
   // A key that is held down waits until the robot has arrived.
   if (event.repeat && (picture.running !== null || !isMove || control === "stay")) return;
-  if (isMove) move(control);
+  // Of two robots, letters move the first, arrows the second; the space bar is everybody's.
+  if (isMove) move(control, control === "stay" ? undefined : Number(event.key.length > 1));
   else CONTROLS[control]();
 });
 const isPlayed = () => game !== null && !learning.isOn;

@@ -12,9 +12,10 @@ const EQUAL = 1e-9; // Actions are equally good if their values differ by no mor
 class Values {
   /** @param {Game} game */
   constructor({ data, isTurning, cells, known }) {
-    const { max_steps: limit, starts, discount = 1, rows, table, turns } = data;
+    const { max_steps: limit, starts, discount = 1, rows, table, possible, turns } = data;
     this.discount = discount;
-    this.actions = isTurning ? 3 : 5;
+    const stride = table.length / possible.length;
+    this.actions = isTurning ? 3 : stride;
     this.places = new Map(); // Of states, by their numbers.
     /** The outcomes of all places and actions: where each begins, and where, how likely, for what it leads. */
     this.ends = [0];
@@ -29,7 +30,7 @@ class Values {
       const state = isTurning ? Math.floor(block / 4) * cells + (number % cells) : number;
       for (let action = 0; action < this.actions; action++) {
         const isTurn = isTurning && action < 2;
-        const row = rows[table[5 * state + (isTurn ? 0 : isTurning ? heading + 1 : action)]];
+        const row = rows[table[stride * state + (isTurn ? 0 : isTurning ? heading + 1 : action)]];
         const after = isTurn ? (heading + 3 + 2 * action) % 4 : heading;
         for (let at = 0; at < row.length; at += OUTCOME_LENGTH) {
           this.chances.push(row[at]);

@@ -42,6 +42,7 @@ export class ShownSets {
     const texts = [
       hatched && `Hatched: cannot occur with ${this.words === "Nothing" ? nothing : this.words}.`,
       things.of("mover").length > 0 && "Answers are for movers where the picture shows them.",
+      data.robots !== undefined && `Answers are for ${data.robots[0].name}, with the others where they are.`,
     ];
     this.told.textContent = texts.filter(Boolean).join(" ");
     this.place.hidden = !isSeen || (this.all.size < 2 && this.told.textContent === "");

@@ -11,7 +11,7 @@ const MOST_EXITS = 3;
  * @param {Game} game
  */
 export function closedSides(game) {
-  const sides = [1, 2, 3, 4].filter((move) => !((game.data.possible[game.state] >> move) & 1));
+  const sides = [1, 2, 3, 4].filter((move) => !game.isOpen(move));
   if (sides.length === 0) return "No side is closed.";
   return `Closed: ${listed(sides.map((side) => SIDES[side]))}.`;
 }
@@ -23,8 +23,7 @@ export function closedSides(game) {
  */
 export function surroundings(game) {
   const { width, height } = game.data;
-  const [x, y] = game.place(game.state);
-  const facing = game.isTurning ? ` and faces ${SIDES[game.heading + 1]}` : "";
+  const [[x, y]] = game.places(game.state);
   const exits = game.things
     .exitsOf(game.configuration)
     .map((exit) => game.place(exit))
@@ -32,7 +31,7 @@ export function surroundings(game) {
     .sort(([a, b], [c, d]) => Math.abs(a) + Math.abs(b) - Math.abs(c) - Math.abs(d));
   const name = exits.length === 1 ? "The exit" : "An exit";
   return [
-    `The robot is at [${x}, ${y}]${facing}.`,
+    ...game.whereabouts(),
     closedSides(game),
     ...exits.slice(0, MOST_EXITS).map(([dx, dy]) => `${name} is ${direction(dx, dy)}.`),
     `The level has ${width} columns and ${height} rows.`,

@@ -174,6 +174,15 @@ function isLast({ values, looks }, configuration) {
   return values[configuration] === looks.length - 1;
 }
 
+/**
+ * Return whether a thing moves from cell to cell: a mover, or a robot beside the first one.
+ *
+ * @param {Thing} thing
+ */
+function moves({ kind }) {
+  return kind === "mover" || kind === "robot";
+}
+
 /** The pictures of things in a level's picture. */
 export class ThingsLayer {
   /**
@@ -182,8 +191,8 @@ export class ThingsLayer {
    */
   constructor(game, svg) {
     this.game = game;
-    this.movers = game.things.of("mover");
-    this.others = game.things.all.filter(({ kind }) => kind !== "mover");
+    this.movers = game.things.all.filter(moves);
+    this.others = game.things.all.filter((thing) => !moves(thing));
     this.groups = [...svg.querySelectorAll("#things > g")];
     this.moving = [...svg.querySelectorAll("#movers > g")];
     this.shown = this.others.map(() => null);
@@ -283,9 +292,9 @@ export function thingElements({ things = [], picture }, painter) {
       fill: painter.color(tile),
     }),
   );
-  const still = things.filter(({ kind }) => kind !== "mover").map(() => element("g", {}));
+  const still = things.filter((thing) => !moves(thing)).map(() => element("g", {}));
   const moving = things
-    .filter(({ kind }) => kind === "mover")
+    .filter(moves)
     .map(({ label }) => element("g", {}, element("use", {}), ...(label < 0 ? [] : [lookElement(label)])));
   return {
     definitions: [...looks, element("g", { id: "marks" }, ...marks), element("g", { id: "tiles" }, ...tiles)],

@@ -232,15 +232,26 @@ def goal_of(level: GridWorld) -> str:
     if good and (best > level.rewards.exit or not level.has_goal):
         return _reach({ground.name for ground in good if ground.reward == best}, best)
     if level.ends_covered:
-        return f"Push a box onto {'each' if level.targets[1:] else 'the'} target."
+        push = "Move a robot onto" if level.robots else "Push a box onto"
+        return f"{push} {'each' if level.targets[1:] else 'the'} target."
     if not level.exits:
         limit = level.max_steps
         within = "" if limit is None else f" in {phrases.counted(limit, 'step')}"
         return f"Collect as much reward as you can{within}."
     several = len(level.exits) > 1 and level.exit_one_of is None
     exit_ = "an exit" if several else "the exit"
+    if level.robots:
+        return _team_goal(level, exit_)
     errands = _errands(level)
     return f"{errands}, then go to {exit_}." if errands else f"Move the robot to {exit_}."
+
+
+def _team_goal(level: GridWorld, exit_: str) -> str:
+    """Return which of several robots have to arrive, and where."""
+    own = any(robot.exit is not None for robot in level.robots)
+    if level.team.ends == "first":
+        return f"Move a robot to {'its exit' if own else exit_}."
+    return f"Move all robots to {'their exits' if own else exit_}."
 
 
 def _reach(names: set[str], reward: float) -> str:
