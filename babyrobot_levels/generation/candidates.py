@@ -119,7 +119,8 @@ class Candidate:
         if suite.discount == 1:
             return max(steps) < 0
         is_even = len(steps) == 1 and not self._puddles
-        return is_even and rewards.exit > rewards.step / (1 - suite.discount)
+        worth = rewards.step if isinstance(rewards.exit, str) else rewards.exit
+        return is_even and worth > rewards.step / (1 - suite.discount)
 
     def value(self, metric: str) -> Any:
         """Return a metric of the level, that which is plain without solving it."""

@@ -502,6 +502,7 @@ def _check(level: Level) -> None:
         "glass": grid.glass,
         "several starts": len(level.starts) > 1,
         "several exits or none": len(level.exits) != 1,
+        "an exit that pays what its cell does": isinstance(level.rewards.exit, str),
     }
     found = [name for name, there in more.items() if there]
     if found:

@@ -254,8 +254,12 @@ class Rewards(Model):
 
     step: Number = -1.0
     """A step onto a plain cell."""
-    exit: Number = 0.0
-    """A step onto an exit, or the step that covers the last target and so ends the episode."""
+    exit: Annotated[
+        Annotated[Number, form("number")] | Annotated[Literal["cell"], form("word")],
+        forms("a number or `cell`", lambda value: "word" if isinstance(value, str) else "number"),
+    ] = 0.0
+    """A step onto an exit, or the step that covers the last target and so ends the episode: a
+    number, or `cell` for the reward of the cell in which it ends."""
     bump: Annotated[Number | None, Told("wall", "bumping into a wall")] = None
     """A move into a wall."""
     bounce: Number = -1.0

@@ -221,7 +221,8 @@ HIT_STEPS = 2
 def hit_reward(rewards: Rewards, size: tuple[int, int]) -> float:
     """Return a reward that is worse than any way to the exit: a round number, by the size alone."""
     step = max(abs(rewards.step), abs(rewards.closer or 0), abs(rewards.farther or 0))
-    cost = HIT_STEPS * size[0] * size[1] * step + abs(rewards.exit) or 1.0
+    worth = 0.0 if isinstance(rewards.exit, str) else abs(rewards.exit)
+    cost = HIT_STEPS * size[0] * size[1] * step + worth or 1.0
     power = 10.0 ** math.floor(math.log10(cost))
     return -next(digit * power for digit in (1, 2, 5, 10) if digit * power >= cost)
 

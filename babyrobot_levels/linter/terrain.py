@@ -239,7 +239,8 @@ class TerrainEffects:
     def _rewarded(self) -> Flags:
         # With things, it may take a configuration that no episode comes to.
         if self._level.has_things:
-            anywhere: Flags = ~self._fixed
+            pays = isinstance(self._level.rewards.exit, str)
+            anywhere: Flags = ~(self._blocked if pays else self._fixed)
             return anywhere
         return rewarded_cells(self._level)
 

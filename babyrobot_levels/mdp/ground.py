@@ -69,6 +69,14 @@ def build_ground(level: LevelFields) -> Ground:
     return ground
 
 
+def exit_rewards(level: LevelFields, exits: Sequence[tuple[int, int]]) -> list[float]:
+    """Return what some exits pay: each what its cell does (`exit: cell`), or all the same."""
+    if not isinstance(level.rewards.exit, str):
+        return [level.rewards.exit] * len(exits)
+    reward = build_ground(level).reward
+    return [reward[y * level.size[0] + x] for x, y in exits]
+
+
 def rows_of(at: tuple[int, int], size: tuple[int, int], width: int) -> Sequence[slice]:
     """Return the cells of each row of a rectangle, in a level so many columns wide."""
     (x, y), (columns, rows) = at, size

@@ -97,6 +97,8 @@ def effects_of(level: GridWorld) -> Effects:
     step = _usual((reward[cell] for cell in plain), level.rewards.step)
     paid = {cell: reward[cell] for cell in plain}
     paid |= {warp.at: warp.reward for warp in level.warps if warp.reward is not None}
+    if isinstance(level.rewards.exit, str):
+        paid |= {cell: reward[cell] for cell in level.exits}
     pays, costs = _strengths(paid, step)
     skid = told(ground.skid)
     south, east = shifts(level.wind, width, height)

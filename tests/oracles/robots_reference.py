@@ -258,7 +258,7 @@ class TeamReference:
             elif landing.warp_reward is not None and not plain:
                 share = landing.warp_reward
             elif leaves or solved:
-                share = alone.exit_reward
+                share = alone.worth_of_exit(there[number])
             elif taken[number] is not None:
                 share = taken[number] or 0.0
             elif plain:

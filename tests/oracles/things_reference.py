@@ -191,7 +191,7 @@ class Reference:
 
         rewards = fields.get("rewards", {})
         self.step_reward: float = rewards.get("step", -1)
-        self.exit_reward: float = rewards.get("exit", 0)
+        self.exit_reward: float | str = rewards.get("exit", 0)
         self.bounce_reward: float = rewards.get("bounce", -1)
         self.stay_reward: float | None = rewards.get("stay")
         self.bump_reward: float | None = rewards.get("bump")
@@ -575,6 +575,10 @@ class Reference:
             added += self.covered_reward if after > before else self.uncovered_reward
         return float(reward + added)
 
+    def worth_of_exit(self, cell: Cell) -> float:
+        """Return what it pays to end an episode as it should be, in a cell."""
+        return self.cell_reward[cell] if self.exit_reward == "cell" else float(self.exit_reward)
+
     def _reward(
         self, action: int, pair: Pair, next_pair: Pair, landing: Landing, taken: list[int]
     ) -> float:
@@ -584,10 +588,8 @@ class Reference:
             return self.hit_reward
         if landing.warp_reward is not None:
             return landing.warp_reward
-        if self.exit_open(configuration, there):
-            return self.exit_reward
-        if self.solved(configuration):
-            return self.exit_reward
+        if self.exit_open(configuration, there) or self.solved(configuration):
+            return self.worth_of_exit(there)
         for index in taken:
             worth: float | None = self.items[index].get("reward")
             if worth is not None:

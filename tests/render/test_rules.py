@@ -41,6 +41,18 @@ WITH_RULES = Overlay(rules=True)
 # -- texts ---------------------------------------------------------------------------------------
 
 
+def test_exits_that_pay_what_their_cells_do_have_a_rule_each() -> None:
+    areas = [{"at": [0, 0], "reward": 1}, {"at": [4, 0], "reward": -10}]
+    world = level(
+        size=[5, 1], start=[2, 0], exit=[[0, 0], [4, 0]], areas=areas, rewards={"exit": "cell"}
+    )
+    rules = [rule for rule in rules_of(world) if rule.sample == "exit"]
+    assert [(rule.text, rule.cells) for rule in rules] == [
+        ("exit: ends the episode, pays 1", (0,)),
+        ("exit: ends the episode, costs 10", (4,)),
+    ]
+
+
 @pytest.mark.parametrize(
     ("name", "expected"),
     [

@@ -22,6 +22,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import door_sides, grid_with_doors
+from babyrobot_levels.mdp.ground import exit_rewards
 from babyrobot_levels.mdp.tables import Flags
 
 Floats = NDArray[np.float64]
@@ -199,7 +200,8 @@ class PlaneObserver(Observer):
         """Write the rewards of items, exits and warps, of which the last counts."""
         level = self._level
         paid = [(place, item.reward) for item, place in zip(level.items, now.items, strict=True)]
-        paid += [(cell, level.rewards.exit) for cell in now.exits if now.exit_is_open]
+        if now.exit_is_open:
+            paid += zip(now.exits, exit_rewards(level, now.exits), strict=True)
         paid += [(warp.at, warp.reward) for warp in level.warps if warp.when == "enter"]
         for cell, reward in paid:
             if cell is not None and reward is not None:

@@ -35,6 +35,7 @@ from babyrobot_levels.extensions.formats.conversion import (
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.ground import exit_rewards
 from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import did_you_mean
 
@@ -192,7 +193,10 @@ def write_frozen_lake(level: Level) -> Conversion:
             lost.append(Lost("skid.to", "moves slip to the sides only"))
         if abs(1 - skid.probability - USUAL_RATE) > 1e-12:
             keywords["success_rate"] = round(1 - skid.probability, 12)
-    schedule = (level.rewards.exit, hole, level.rewards.step)
+    goals = {*exit_rewards(level, level.exits)}
+    if len(goals) > 1:
+        lost.append(Lost("rewards.exit", "all goals have one reward: the highest"))
+    schedule = (float(max(goals, default=0.0)), hole, level.rewards.step)
     if schedule != USUAL_REWARDS:
         keywords["reward_schedule"] = [
             truncated(each) if each.is_integer() else each for each in schedule

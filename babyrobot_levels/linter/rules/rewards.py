@@ -72,9 +72,9 @@ def _is_given(context: LintContext, name: str) -> bool:
     level, mdp = context.level, context.mdp
     if name == "bounce" and not context.grid.glass:
         return False
-    if not (context.grid.glass or level.boxes):
+    value = getattr(level.rewards, name)
+    if not (context.grid.glass or level.boxes or isinstance(value, str)):
         # Without glass and boxes, no reward is added to another.
-        value = getattr(level.rewards, name)
         if not (mdp.reward == value).any():
             return False
         if value not in _other_rewards(context, name):

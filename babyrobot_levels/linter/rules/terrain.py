@@ -246,8 +246,8 @@ def area_reward_without_effect(context: LintContext) -> Iterator[Finding]:
 
     Checks for areas that have some effect, such as a colour, but whose `reward` is never given.
     Later areas or puddles override it on all of its cells; or these are exits, which give
-    `rewards.exit`; or they are warps that act on entering, so that the robot gets the reward of the
-    warp or of the cell where it arrives.
+    `rewards.exit`, unless that is `cell`; or they are warps that act on entering, so that the
+    robot gets the reward of the warp or of the cell where it arrives.
 
     ## Why is this bad?
 
@@ -285,8 +285,8 @@ def area_reward_without_effect(context: LintContext) -> Iterator[Finding]:
             yield Finding(
                 Key((*route, "reward")),
                 f"`reward` of the area at [{x}, {y}] is never given",
-                "set it on other cells; warps have a `reward` of their own, exits use "
-                "`rewards: {exit: ...}`",
+                "set it on other cells; warps have a `reward` of their own, exits pay "
+                "it with `rewards: {exit: cell}`",
                 fix=removal(
                     context.document,
                     "remove `reward`",

@@ -27,6 +27,7 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     Branches,
     Room,
     ended,
+    exit_reward,
     merged,
     plain_branches,
     stochastic_branches,
@@ -284,7 +285,7 @@ class Boxes:
         pay.add(
             {
                 "item": (~np.isnan(item), item),
-                "exit": (leaves | solved, self.level.rewards.exit),
+                "exit": (leaves | solved, exit_reward(self.level.rewards, terrain, next_cell)),
                 "hit": (hit, self.level.hit.reward),
             }
         )

@@ -50,6 +50,11 @@ class Pay:
                 np.copyto(self.rank, RANKS[name], where=where)
 
 
+def exit_reward(rewards: Rewards, terrain: Terrain, cell: Ints) -> Floats | float:
+    """Return what it pays to leave by an exit in cells: what these pay, or the same anywhere."""
+    return terrain.reward[cell] if isinstance(rewards.exit, str) else rewards.exit
+
+
 @dataclass(frozen=True, eq=False)
 class Arrivals:
     """Computes where branches end, and their rewards."""
@@ -81,17 +86,20 @@ class Arrivals:
         rank = np.full(state.size, RANKS["step"])
         pay = Pay(self.terrain.reward[next_state], rank)
         conditions: dict[str, Callable[[], Flags]] = {
-            "exit": lambda: self.terrain.exit[next_state],
             "stay": lambda: action == Action.STAY,
             "bump": lambda: (branches.happened & BUMPED) != 0,
             "closer": lambda: self._is_nearer(next_state, self.here[state]),
             "farther": lambda: self._is_nearer(self.here[state], next_state),
         }
         applies: dict[str, tuple[Flags, Floats | float]] = {
-            name: (condition(), reward)
+            name: (condition(), getattr(self.rewards, name))
             for name, condition in conditions.items()
-            if (reward := getattr(self.rewards, name)) is not None
+            if getattr(self.rewards, name) is not None
         }
+        applies["exit"] = (
+            self.terrain.exit[next_state],
+            exit_reward(self.rewards, self.terrain, next_state),
+        )
         if self.warps.pay:
             warped = self._warp_rewards(branches)
             applies["warp"] = ~np.isnan(warped), warped

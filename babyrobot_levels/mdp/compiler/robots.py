@@ -24,7 +24,7 @@ from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.layers import Ground, TooManyStates, Ways, build_layer_ground
 from babyrobot_levels.mdp.compiler.meetings import hindered, meetings
 from babyrobot_levels.mdp.compiler.movers import Crowd
-from babyrobot_levels.mdp.compiler.outcomes import RANKS, Pay
+from babyrobot_levels.mdp.compiler.outcomes import RANKS, Pay, exit_reward
 from babyrobot_levels.mdp.compiler.terrain import obstructions
 from babyrobot_levels.mdp.configurations import MAX_STATES, MAX_WIDE_STATES, Things, Values
 from babyrobot_levels.mdp.graph import differs, expanded
@@ -272,7 +272,7 @@ class Robots:
         self._change_things(ends)
         self._move_movers(scene, ends)
         leaves, over = self._arrivals(scene, ends)
-        shares = self._shares(ends, leaves)
+        shares = self._shares(scene, ends, leaves)
         gone = (ends.away | leaves).astype(np.int16)
         ends.values[:, self._columns.start] = gone[0]
         for number in range(1, self.count):
@@ -423,7 +423,7 @@ class Robots:
             over |= (ends.away | leaves)[self._has_exit].all(axis=0)
         return leaves, over
 
-    def _shares(self, ends: _Ends, leaves: Flags) -> Floats:
+    def _shares(self, scene: _Scene, ends: _Ends, leaves: Flags) -> Floats:
         """Return what each robot gets, `[ends, robots]`."""
         level = self.level
         solved: Flags = np.zeros(ends.pair.size, bool)
@@ -432,7 +432,10 @@ class Robots:
         shares = np.empty((ends.pair.size, self.count))
         for number, pay in enumerate(ends.pay):
             applies: dict[str, tuple[Flags, Floats | float]] = {
-                "exit": (leaves[number] | solved, level.rewards.exit),
+                "exit": (
+                    leaves[number] | solved,
+                    exit_reward(level.rewards, scene.grounds[number].terrain, ends.there[number]),
+                ),
                 "hit": (ends.hit[number], level.hit.reward),
             }
             if level.rewards.meet is not None:

@@ -20,7 +20,7 @@ from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.boxes import Boxes
 from babyrobot_levels.mdp.compiler.layers import ON, Ground, Layer, Layers, TooManyStates, Ways
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
-from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, merged
+from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, exit_reward, merged
 from babyrobot_levels.mdp.compiler.robots import Robots
 from babyrobot_levels.mdp.compiler.terrain import obstructions
 from babyrobot_levels.mdp.configurations import (
@@ -268,7 +268,7 @@ class _Compiler:
         pay.add(
             {
                 "item": (~np.isnan(item), item),
-                "exit": (leaves, self.level.rewards.exit),
+                "exit": (leaves, exit_reward(self.level.rewards, ground.terrain, ends.next_cell)),
                 "hit": (ends.hit, self.level.hit.reward),
             }
         )

@@ -10,6 +10,7 @@ from babyrobot_levels.language.things import Item, Target
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
 from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.mdp.ground import exit_rewards
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.rules import grounds_of, item_count, spoken
@@ -228,8 +229,9 @@ def goal_of(level: GridWorld) -> str:
         LevelError: the maze has no seed yet (`seed: random`).
     """
     good = [ground for ground in grounds_of(level) if ground.end is not None and ground.end.is_good]
-    best = max((ground.reward for ground in good), default=level.rewards.exit)
-    if good and (best > level.rewards.exit or not level.has_goal):
+    best = max((ground.reward for ground in good), default=0.0)
+    exits = exit_rewards(level, level.exits or [level.starts[0]])
+    if good and (best > max(exits) or not level.has_goal):
         return _reach({ground.name for ground in good if ground.reward == best}, best)
     if level.ends_covered:
         push = "Move a robot onto" if level.robots else "Push a box onto"

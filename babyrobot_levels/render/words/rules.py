@@ -16,7 +16,7 @@ from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Door, Item, Mover
 from babyrobot_levels.mdp.grid import door_name
-from babyrobot_levels.mdp.ground import rows_of
+from babyrobot_levels.mdp.ground import exit_rewards, rows_of
 from babyrobot_levels.render.situation import End, effects_of
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.text.words import listed
@@ -216,7 +216,14 @@ def _exits(level: GridWorld) -> Rules:
     where = ""
     if level.exit_one_of is not None:
         where = f"in one of {len(level.exits)} cells, "
-    pays = phrases.reward(level.rewards.exit)
+    worth = exit_rewards(level, level.exits)
+    if 1 < len({*worth}) <= _MOST_GROUNDS and level.exit_one_of is None and not level.robots:
+        for reward in dict.fromkeys(worth):
+            alike = (cell for cell, each in zip(level.exits, worth, strict=True) if each == reward)
+            text = f"exit: ends the episode, {phrases.reward(reward)}"
+            yield Rule("exit", text, _numbers(level, alike))
+        return
+    pays = phrases.rewards(worth)
     text = f"exit: {where}ends the episode, {pays}"
     if level.robots:
         leaves = "leaves" if level.team.arrived == "leave" else "stays"
@@ -250,7 +257,11 @@ def _targets(level: GridWorld) -> Rules:
             every = f"when all have a {what}"
             if len(level.targets) == 1:
                 every = f"when a {what} stands there"
-            text = f"target: the episode ends {every}, {phrases.reward(level.rewards.exit)}"
+            worth = level.rewards.exit
+            pays = "pays what the robot's cell does"
+            if not isinstance(worth, str):
+                pays = phrases.reward(worth)
+            text = f"target: the episode ends {every}, {pays}"
         yield Rule("target", text, _numbers(level, (target.at for target in level.targets)))
     if level.boxes:
         yield Rule("box", "box: the robot pushes it, if nothing stands behind it")
