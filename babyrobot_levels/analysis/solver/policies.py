@@ -98,7 +98,7 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
         return _chosen(table.ravel(), space, first, things)
     if table.shape in ((*shape, count), (mdp.num_states, count)):
         return _weighed(table.reshape(-1, count), mdp, things)
-    given = f"one of shape {list(table.shape)}" if table.ndim else repr(policy)[:MAX_NAME]
+    given = f"one of shape {list(table.shape)}" if table.ndim else repr(table.item())[:MAX_NAME]
     message = (
         f"a policy for this level and actions={actions!r} is an array {list(shape)} of actions, or "
         f"an array {[*shape, count]} or {[mdp.num_states, count]} of probabilities, not {given}"
@@ -108,6 +108,8 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
         message += f"; {others} probabilities for each cell need actions={other!r}"
     if shape[-1] != shape[-2] and table.shape == (*shape[:-2], shape[-1], shape[-2]):
         message += "; rows come first: policy[y, x]"
+    if table.shape[1:] == shape:
+        message += f": these are {len(table)} arrays, give the policy alone"
     raise ValueError(message)
 
 
@@ -150,7 +152,10 @@ def _chosen(table: np.ndarray[Any, Any], space: StateSpace, first: int, things: 
     if not np.issubdtype(table.dtype, np.integer):
         axes = ["configurations"] * bool(things.names) + ["headings"] * (mdp.headings > 1)
         shape = ", ".join([*axes, "height", "width"])
-        raise ValueError(f"a policy [{shape}] is an array of actions, integers or names")
+        raise ValueError(
+            f"a policy [{shape}] is an array of actions, integers or names, not of values such as "
+            f"{repr(table.tolist()[0])[:MAX_NAME]}"
+        )
     count, names = space.num_actions, action_names(actions, mdp.num_robots)
     states = np.flatnonzero(~mdp.is_terminal)
     chosen = table[states].astype(np.int64) + first - check_actions(actions)
@@ -181,10 +186,13 @@ def _weighed(table: np.ndarray[Any, Any], mdp: Mdp, things: Things) -> Floats:
     total = weights[states].sum(axis=1)
     wrong = ~((weights[states] >= 0).all(axis=1) & (np.abs(total - 1) < 1e-6))
     if wrong.any():
-        raise ValueError(
+        message = (
             f"the policy's probabilities at {_place(states, wrong, mdp, things)} are "
             f"{table[states][wrong][0].tolist()}; they must not be negative and add up to 1"
         )
+        if wrong.all():
+            message += "; of action values, give the largest ones: values.argmax(axis=-1)"
+        raise ValueError(message)
     weights[states] /= total[:, None]
     return weights
 

@@ -112,7 +112,9 @@ def grade_values(
     try:
         table = np.asarray(values, np.float64)
     except (TypeError, ValueError):
-        return _wrong("the values are not numbers in a table", points)
+        first = next(iter(np.ravel(values)), None) if isinstance(values, np.ndarray) else None
+        other = f", but such as {first!s:.40}" if first is not None else ""
+        return _wrong(f"the values are not numbers in a table{other}", points)
     fault = task.fault_of(table)
     if fault is not None:
         return _wrong(fault, points)
@@ -340,8 +342,13 @@ class _Values(_Task):
             message = f"the values must be an array {[*shape]}, not {given}"
             if table.shape[:-1] in (shape, (space.mdp.num_states,)) and table.shape[-1] in (4, 5):
                 message += ": of action values, a state takes the largest"
-            is_turned = table.shape == (*shape[:-2], shape[-1], shape[-2])
-            return message + "; rows come first: values[y, x]" * is_turned
+            elif table.shape == (*shape[:-2], shape[-1], shape[-2]):
+                message += "; rows come first: values[y, x]"
+            elif table.size == space.mdp.num_states:
+                message += f": reshape it to {shape}"
+            elif table.shape[1:] == shape:
+                message += f": these are {len(table)} arrays, return the values alone"
+            return message
         counts = self.ends.copy()
         counts[self.model.states] = self.counts
         missing = np.isnan(table.ravel()) & counts

@@ -50,6 +50,9 @@ MAX_NOTES = 10
 METADATA = "submission_metadata.yml"
 """In which Gradescope tells who handed in what."""
 
+_FOLDER = "(folder)"
+"""The name that stands for a folder among its files."""
+
 _BROKEN = (zipfile.BadZipFile, zlib.error, LZMAError, struct.error, NotImplementedError,
            RuntimeError, EOFError, ValueError, OSError)  # fmt: skip
 """What reading a damaged or an encrypted zip file raises."""
@@ -290,6 +293,12 @@ class _Sorter:
     kinds: Sequence[str]
     names: _Names
 
+    @property
+    def wanted(self) -> str:
+        """What can be handed in, as words."""
+        kinds = listed([each for each in self.kinds if each != ZIP], "or")
+        return f"{kinds} files, or a {ZIP} of them"
+
     def sort(
         self,
         files: Iterable[tuple[PurePosixPath, _Read]],
@@ -305,7 +314,8 @@ class _Sorter:
             place: where the files are.
             budget: how much of the owner may still be read.
         """
-        units: dict[str, bool] = {}
+        units: dict[str, list[str]] = {}
+        read_of: set[str] = set()
         budgets: dict[str, _Budget] = {}
         files = [*files]
         inside = place if owner else ""
@@ -327,9 +337,9 @@ class _Sorter:
                 continue
             if kind_of(path.name) not in self.kinds:
                 if not is_own:
-                    units.setdefault(unit, False)
+                    units.setdefault(unit, []).append(path.name)
                 continue
-            units[unit] = True
+            read_of.add(unit)
             own = str(path if owner else PurePosixPath(*path.parts[1:]))
             inner = "" if is_own else own
             where = f"{inside}/{inner}" if inside else inner
@@ -341,9 +351,13 @@ class _Sorter:
                 yield _File(unit, where, name, "a zip file in the zip file of a player is not read")
             else:
                 yield from self.unpack(io.BytesIO(data), unit, where or path.name, left)
-        for unit in (each for each in units or {owner or place: False} if not units.get(each)):
-            wanted = f"of plays ({SUFFIX})" if ".py" not in self.kinds else "to grade"
-            yield _File(unit, "", "", f"there is no file {wanted}")
+        if not (units or read_of):
+            units = {owner or place: []}
+        for unit, others in units.items():
+            if unit not in read_of:
+                told = listed([each for each in others if each != _FOLDER][:3])
+                told = f", but {told}: hand in {self.wanted}" * bool(told)
+                yield _File(unit, "", "", f"there is no file to grade{told}")
 
     def _owner(self, files: Sequence[tuple[PurePosixPath, _Read]], place: str) -> str | None:
         """Return the one player whose files these are, if some of code stand here by themselves."""
@@ -412,7 +426,7 @@ def _in_folder(folder: Path) -> Iterator[tuple[PurePosixPath, _Read]]:
         )
         inner = PurePosixPath(Path(place).relative_to(folder).as_posix())
         if inner.parts:
-            yield inner / "(folder)", _refuse_link
+            yield inner / _FOLDER, _refuse_link
         for name in sorted(names):
             path = Path(place, name)
             yield (

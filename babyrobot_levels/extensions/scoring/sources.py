@@ -136,7 +136,7 @@ def _find(
         try:
             tables = read_tables(files[path], path.lower().removesuffix(".txt"))
         except AgentError:
-            told = f"{path} has no tables by the names of levels"
+            told = f'{path} has no tables by the names of levels, such as {{"NAME": [[0, 1]]}}'
             return Source(name, file=path, fault=told)
         return Source(name, tables=tables, file=path, note=f"answers of {name} are in {path}")
     return Source(name, fault=_missing(name, exact, files, trees))
@@ -150,11 +150,11 @@ def _missing(
         there = [each.name for each in trees[exact[0]].body if isinstance(each, ast.FunctionDef)]
         meant = nearest(name, there, 1)
         told = f", but {listed([*meant, *(each for each in there if each not in meant)][:5])}"
-        help_text = f": call it {name}" if meant else ""
-        return f"{exact[0]} has no function {name}{told * bool(there)}{help_text}"
+        help_text = f"call it {name}" if meant else f"write `def {name}(level):` at the left margin"
+        return f"{exact[0]} has no function {name}{told * bool(there)}: {help_text}"
     others = sorted(PurePosixPath(each).name for each in trees or files)[:5]
     told = f", but {listed(others)}" * bool(others)
-    return f"there is no {name}.py{told}"
+    return f"there is no {name}.py{told}, and none of the files has a function {name}"
 
 
 def _stem(path: str) -> str:

@@ -17,6 +17,7 @@ import traceback
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from inspect import signature
 from multiprocessing import get_context
 from pathlib import Path
 from threading import Event
@@ -296,10 +297,7 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
         head: Any
         data = b""
         try:
-            function = getattr(import_module(name), name, None)
-            if not callable(function):
-                raise NoAnswerError(f"{name}.py has no function {name}")
-            table = _table(function(world_of(level)))
+            table = _table(_function(name)(world_of(level)))
             head, data = (table.dtype.str, table.shape), table.tobytes()
         except NotImplementedError:
             head = NOT_WRITTEN
@@ -308,7 +306,8 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
         except MemoryError as error:
             head = _too_much(memory) + _place(error, code)
         except BaseException as error:
-            head = f"{type(error).__name__}{_place(error, code)}: {error}"
+            said = [f"{type(error).__name__}{_place(error, code)}", str(error), _help(error)]
+            head = ": ".join(filter(None, said))
         if isinstance(head, str):
             # The longest that has room in a head, whatever it consists of.
             head = head[:500]
@@ -316,6 +315,41 @@ def _run(code: Path, name: str, levels: Sequence[Path], memory: float, to: socke
         to.sendall(text.ljust(_HEAD) + data)
     # It is ended with all that it started; what it left behind would have no parent any more.
     to.recv(1)
+
+
+def _function(name: str) -> Any:
+    """Return the function of the student.
+
+    Raises:
+        NoAnswerError: there is none, or it does not take a level alone.
+    """
+    found = getattr(import_module(name), name, None)
+    if not callable(found):
+        help_text = f"write `def {name}(level):` at the left margin"
+        raise NoAnswerError(f"{name}.py has no function {name}: {help_text}")
+    with suppress(ValueError):
+        told = signature(found)
+        try:
+            told.bind(None)
+        except TypeError:
+            wanted = f"`def {name}(level):`, as it is called with the level alone"
+            raise NoAnswerError(f"it is `def {name}{told}:`: write {wanted}") from None
+    return found
+
+
+_HELP = {
+    ModuleNotFoundError: "it is neither among the files that were handed in nor installed here",
+    FileNotFoundError: "only what was handed in is there",
+    EOFError: "nobody can type while it is graded",
+    SystemExit: "`return` the answer, and do not end Python",
+}
+"""What to do about errors that are of the place where code is graded."""
+
+
+def _help(error: BaseException) -> str:
+    if "read-only" in str(error):
+        return "the tables of a level cannot be changed, but copied"
+    return _HELP.get(type(error), "")
 
 
 class _Output(io.TextIOBase):
@@ -351,10 +385,14 @@ def _table(answer: Any) -> NDArray[Any]:
         raise NoAnswerError("it returns nothing: it has to end with `return`")
     try:
         table = np.asarray(answer)
+        if table.dtype == object:
+            table = np.asarray(table.tolist())
     except ValueError:
         raise NoAnswerError("it returns rows that differ in length") from None
     if table.dtype.kind not in "biufU":
-        raise NoAnswerError(f"it returns a {type(answer).__name__}, not an array of numbers")
+        kinds = [type(each).__name__ for each in (answer, table.ravel()[0])]
+        told = " of ".join(kinds if table.ndim else kinds[1:])
+        raise NoAnswerError(f"it returns a {told}: return an array, a number for each state")
     _size(table.dtype.str, table.shape)
     return table
 

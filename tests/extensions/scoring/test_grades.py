@@ -117,7 +117,7 @@ def test_files_that_cannot_be_read_have_a_row(tmp_path: Path) -> None:
     assert [grade.player for grade in grades] == ["half", "folder.brlplay", "other"]
     faults = [grade.fault or "" for grade in grades]
     assert faults[0].startswith("line 1: the line is cut off")
-    assert faults[1] == "there is no file of plays (.brlplay)"
+    assert faults[1] == "there is no file to grade"
     assert faults[2] == "it has no play of this level, but of first-key"
     assert all(grade.episodes == 0 and math.isnan(grade.mean) for grade in grades)
 

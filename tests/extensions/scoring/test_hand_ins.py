@@ -22,6 +22,9 @@ def line(tmp_path: Path) -> bytes:
     return (tmp_path / "line.brlplay").read_bytes()
 
 
+NOTHING, WANTED = "there is no file to grade, but", ": hand in .brlplay files, or a .zip of them"
+
+
 def zipped(files: dict[str, bytes]) -> bytes:
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -56,7 +59,7 @@ PLAYERS = {
     "Ada Lovelace": ({"row.brlplay, line 1", "deep/in/lake.BRLPLAY, line 1"}, []),
     "babbagecharles": ({"line 1"}, []),
     "Grace Hopper": ({"row.brlplay, line 1", "lake.brlplay, line 1"}, []),
-    "Eve": (set(), [("", "there is no file of plays (.brlplay)")]),
+    "Eve": (set(), [("", f"{NOTHING} notes.pdf{WANTED}")]),
 }
 
 
@@ -181,7 +184,7 @@ def test_bad_files_are_named_and_the_others_read(
     assert faults["cut"][0].startswith("line 1: the line is cut off")
     assert faults["empty"] == ["the file is empty"]
     assert "encrypted" in faults["locked"][0]
-    assert faults["none"] == ["there is no file of plays (.brlplay)"]
+    assert faults["none"] == [f"{NOTHING} a.txt{WANTED}"]
     assert faults["no zip"][0].startswith("the zip file is damaged")
     assert faults["torn"][0].startswith("it cannot be unpacked")
 
@@ -218,7 +221,7 @@ def test_what_is_read_of_a_player_is_bounded_and_the_others_are_read(
         assert told == {
             "bytes": "it is not read: the files have more than 0 MiB together",
             "files": "it is not read: these are more than 3 files",
-            "names": "there is no file of plays (.brlplay)",
+            "names": f"{NOTHING} 0.txt, 1.txt and 2.txt{WANTED}",
             "zed": "it is not read: the files have more than 0 MiB together",
         }
         assert ("", "more than 5 files: the rest is not read") in players["names"][1]

@@ -37,14 +37,15 @@ def answered(
 
 ODD = {
     "None": "it returns nothing: it has to end with `return`",
-    "{(0, 0): 1.0}": "it returns a dict, not an array of numbers",
+    "{(0, 0): 1.0}": "it returns a dict: return an array, a number for each state",
     "[[1], [2, 3]]": "it returns rows that differ in length",
-    "[1j]": "it returns a list, not an array of numbers",
-    "[10**400]": "it returns a list, not an array of numbers",
-    "level": "it returns a Level, not an array of numbers",
+    "[1j]": "it returns a list of complex128: return an array, a number for each state",
+    "[10**400]": "it returns a list of int: return an array, a number for each state",
+    "level": "it returns a Level: return an array, a number for each state",
     "np.zeros((16_000_000, 0))": "its answer is too large, an array of shape [16000000, 0]",
     "np.zeros(64_000_000, np.int8)": "its answer is too large, an array of shape [64000000]",
-    "input()": "EOFError in f.py, line 10: EOF when reading a line",
+    "input()": "EOFError in f.py, line 10: EOF when reading a line: nobody can type while it is "
+    "graded",
     "1 / 0": "ZeroDivisionError in f.py, line 11: division by zero",
     # Faults have 500 characters.
     "fail(chr(0x1f916) * 600)": "ValueError in f.py, line 21: " + 471 * "\U0001f916",
