@@ -6,6 +6,7 @@
 """
 
 import json
+from dataclasses import replace
 from typing import Any
 
 from babyrobot_levels.extensions.formats.blocks import (
@@ -19,6 +20,7 @@ from babyrobot_levels.extensions.formats.blocks import (
     place_of,
     replaced,
     text_rows,
+    told_starts,
     translated,
     without_margin,
     without_ring,
@@ -31,6 +33,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     Lost,
     World,
     letters_in,
+    on_map,
     read_data,
     sequence,
     shown,
@@ -43,6 +46,7 @@ from babyrobot_levels.extensions.formats.minigrid_grids import (
     moved,
     world_of,
 )
+from babyrobot_levels.extensions.formats.places import At, cell_of, rows_from
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.language.plain_data import plain
@@ -104,13 +108,15 @@ def _with_ends(rows: Rows, lost: list[Lost]) -> Rows:
         if count:
             chosen.append(f"the {what} is {where}")
         else:
-            lost.append(Lost(name, f"no cell is marked: any free one may be it; {where} is used"))
+            message = f"no cell is marked: any free one may be it; {where} is used"
+            lost.append(Lost(name, message, (y, x)))
     if count:
         told = ", ".join([f"{count} of them, each of which may be start or goal there", *chosen])
-        lost.append(Lost("c", f"{told}; the others are free"))
+        message = f"{told}; the others are free"
+        lost.append(Lost("c", message, cell_of(rows, _EITHER)[::-1]))
     if (goals := text.count(d.EXIT)) > 1:
         message = f"each of the {goals} goals ends the episode; there, one is drawn at each reset"
-        lost.append(Lost("g", message))
+        lost.append(Lost("g", message, cell_of(rows, d.EXIT, 1)[::-1]))
     return tuple("".join(row).replace(_EITHER, d.PLAIN) for row in cells)
 
 
@@ -153,13 +159,15 @@ def read_maze_dataset(source: SourceFile) -> World:
         )
     paths = sorted(PATH.intersection("".join(lines)))
     message = "the path of the solution is left out; `babyrobot solve` finds it"
-    lost += (Lost(mark, message) for mark in paths)
+    lost += (Lost(mark, message, cell_of(lines, mark)) for mark in paths)
     cells, east, south = from_lattice(rows)
     cells, has_start = _with_corners(cells, lost)
     fields = {"version": 1, **drawn(cells, east, south)}
     if has_start and not any(d.EXIT in row for row in cells):
         lost.append(Lost("E", "none is drawn, so the level has no exit"))
-    return World(fields, "A maze of maze-dataset.", {}, tuple(lost))
+    lost += told_starts(rows)
+    places = rows_from(place_of(source, 0, 0), len(lines))
+    return World(fields, "A maze of maze-dataset.", {}, on_map(lost, places))
 
 
 def _without_doors(rows: Rows, lost: list[Lost]) -> Rows:
@@ -176,7 +184,7 @@ def _without_doors(rows: Rows, lost: list[Lost]) -> Rows:
             if character in (d.START, d.EXIT) and right > 1 and bottom > 1:
                 cells[inner[1]][inner[0]] = character
             name = character if character != d.PLAIN else "the outer wall"
-            lost.append(Lost(name, f"its door in row {y}, column {x} is closed"))
+            lost.append(Lost(name, f"its door in row {y}, column {x} is closed", (x, y)))
     return tuple("".join(row) for row in cells)
 
 
@@ -229,7 +237,7 @@ def read_minigrid(source: SourceFile) -> World:
     rows: list[str] = []
     objects: list[Object] = []
     agents: dict[Cell, str] = {}
-    floor = False
+    floor: list[Cell] = []
     for y, line in enumerate(text_rows(source, blanks=True)):
         pairs = [line[x : x + 2].ljust(2) for x in range(0, len(line), 2)]
         marks = [d.PLAIN] * len(pairs)
@@ -245,7 +253,7 @@ def read_minigrid(source: SourceFile) -> World:
                 objects.append(Object(_OBJECTS[kind], _OBJECT_COLORS[color], (x, y), state))
             elif kind in _MINIGRID_CELLS and color in _OBJECT_COLORS:
                 marks[x] = _MINIGRID_CELLS[kind]
-                floor |= kind == "F"
+                floor += [(x, y)] * (kind == "F")
             elif pair != "  ":
                 message = f"unknown cell `{pair}`"
                 place = place_of(source, 2 * x, y, blanks=True)
@@ -256,9 +264,17 @@ def read_minigrid(source: SourceFile) -> World:
     inner = without_ring(whole)
     ring = int(len(inner) < len(whole))
     heading = next(iter(agents.values()), "E")
-    found = Snapshot(drawn_rows, tuple(objects), tuple(agents), heading, floor=floor)
+    found = Snapshot(drawn_rows, tuple(objects), tuple(agents), heading, floor=tuple(floor))
     found = moved(found, inner, ring, above + ring)
-    return world_of(found, "A text of MiniGrid's pprint_grid.")
+    world = world_of(found, "A text of MiniGrid's pprint_grid.")
+    # Their cells are those of the level.
+    lost = [replace(each, at=_moved(each.at, ring, above + ring)) for each in world.lost]
+    first = place_of(source, 0, 0, blanks=True)
+    return replace(world, lost=on_map(lost, rows_from(first, len(rows)), 2))
+
+
+def _moved(at: At | None, right: int, down: int) -> At | None:
+    return at and (int(at[0]) + right, int(at[1]) + down)
 
 
 def write_minigrid(level: Level) -> Conversion:

@@ -8,6 +8,7 @@ from itertools import islice
 from typing import Any
 
 from babyrobot_levels.extensions.formats.conversion import ConversionError, Lost, fields_lost
+from babyrobot_levels.extensions.formats.places import cell_of
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Rewards
@@ -91,6 +92,14 @@ def place_of(source: SourceFile, x: int, y: int, *, blanks: bool = False) -> Pos
     """Return the position of a character of the rows that `text_rows` has returned for a text."""
     above, _ = _lines_of_map(source, blanks)
     return Position(above + y + 1, x + 1)
+
+
+def told_starts(rows: Rows) -> Iterator[Lost]:
+    """Yield what becomes of several starts of formats that have one."""
+    starts = "".join(rows).count(d.START)
+    if starts > 1:
+        message = f"{starts} are drawn: each reset draws one of them"
+        yield Lost("start", message, cell_of(rows, d.START, 1))
 
 
 def without_ring(rows: Rows) -> Rows:

@@ -87,10 +87,11 @@ StrictOption = Annotated[
 ]
 
 
-def report_losses(lost: Sequence[Lost], *, strict: bool) -> None:
-    """Report on standard error what is lost; end the command if it is `strict`."""
-    for each in lost[:MAX_REPORTED]:
-        note(f"{'error' if strict else 'warning'}: {one_line(str(each))}")
+def report_losses(lost: Sequence[tuple[str, Lost]], *, strict: bool) -> None:
+    """Report on standard error what is lost of which file; end the command if it is `strict`."""
+    for file, each in lost[:MAX_REPORTED]:
+        severity = "error" if strict else "warning"
+        note(f"{each.place(file)}{severity}: {one_line(str(each))}")
     if len(lost) > MAX_REPORTED:
         note(f"… and {len(lost) - MAX_REPORTED} more")
     if lost and strict:
@@ -205,7 +206,7 @@ def import_level(
     path = output or Path(f"{name or 'level'}.yaml")
     title = (name or slug(file.stem) or "imported").replace("-", " ").capitalize()
     text = _or_end(file, partial(file_text, world, schema=schema_for(path), name=name, title=title))
-    report_losses(world.lost, strict=strict)
+    report_losses([(world.file, each) for each in world.lost], strict=strict)
     put(text, output, force=force)
 
 
@@ -378,7 +379,7 @@ def export_level(
             raise
         except (ValueError, TypeError) as error:
             fail(str(error))
-        report_losses(conversion.warnings, strict=strict)
+        report_losses([("", each) for each in conversion.warnings], strict=strict)
         made, beside = conversion.content, conversion.beside
     for name, data in beside.items():
         if output is not None:

@@ -7,12 +7,13 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
+from babyrobot_levels.extensions.formats.places import At, Places, Route
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import LONGEST_COLOR, is_color
 from babyrobot_levels.language.plain_data import plain
@@ -81,13 +82,38 @@ class Lost:
     Attributes:
         field: its name where it comes from: a field of the level, or a name of the format.
         message: what becomes of it.
+        at: where it stands in the file; None in a conversion from a level, which has its field.
     """
 
     field: str
     message: str
+    at: At | None = None
 
     def __str__(self) -> str:
         return f"{self.field}: {self.message}"
+
+    def place(self, file: str) -> str:
+        """Return what a message about it begins with: file, line and column, if it has them."""
+        at = self.at
+        return f"{one_line(file)}:{at.line}:{at.column}: " if isinstance(at, Position) else ""
+
+
+def on_map(lost: Iterable[Lost], rows: Sequence[Position], wide: int = 1) -> tuple[Lost, ...]:
+    """Return losses with the places in the text of cells `(x, y)` of a map.
+
+    Args:
+        lost: the losses; those without a place are of the whole map.
+        rows: where each row begins.
+        wide: how many characters a cell takes.
+    """
+
+    def place(at: At | None) -> Position:
+        if isinstance(at, Position):
+            return at
+        x, y = map(int, at or (0, 0))
+        return Position(rows[y].line, rows[y].column + wide * x)
+
+    return tuple(replace(each, at=place(each.at)) for each in lost)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,12 +125,14 @@ class World:
         origin: where it comes from, as a sentence.
         comments: for some fields, a comment that stands above them in a file.
         lost: what is not kept.
+        file: the name of the file that it is read from.
     """
 
     fields: dict[str, Any]
     origin: str
     comments: Mapping[str, str] = field(default_factory=dict)
     lost: tuple[Lost, ...] = ()
+    file: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,10 +165,25 @@ class Part(NamedTuple):
     Attributes:
         text: what a text of this format has that holds it alone.
         line: where it begins in the text of all, counted from 1.
+        route: where it is in data, if the text is made of a part of it.
+        rows: where its lines stand, if they do not follow each other in the text of all.
     """
 
     text: str
     line: int = 1
+    route: Route = ()
+    rows: tuple[Position, ...] = ()
+
+    def placed(self, at: At | None, places: Callable[[Route], Position]) -> Position:
+        """Return where a place in this part is in the text of all; None stands for the part."""
+        if at is None:
+            at = START if not self.route else ()
+        if not isinstance(at, Position):
+            return places((*self.route, *at))
+        if self.rows:
+            row = self.rows[min(at.line, len(self.rows)) - 1]
+            return Position(row.line, row.column + at.column - 1)
+        return Position(self.line + at.line - 1, at.column)
 
 
 def _never(*_: Any) -> bool:
@@ -160,6 +203,7 @@ class Codec:
             they are no such file. Formats that are texts have none.
         parts: returns the worlds of a text, each as a text of its own; None if texts of this format
             have a single one.
+        places: returns what finds the places of values in a text, which is data.
     """
 
     read: Callable[..., World]
@@ -168,6 +212,7 @@ class Codec:
     holds: Callable[[Any], bool] = _never
     decodes: Callable[[bytes], str | None] | None = None
     parts: Callable[[SourceFile], Sequence[Part]] | None = None
+    places: Callable[[SourceFile], Callable[[Route], Position]] = Places
 
 
 def level_of(world: World, *, name: str | None = None) -> Level:
@@ -181,7 +226,7 @@ def level_of(world: World, *, name: str | None = None) -> Level:
         LevelError: the world is not a valid level.
     """
     for lost in world.lost:
-        warn(str(lost), ConversionWarning)
+        warn(f"{lost.place(world.file)}{lost}", ConversionWarning)
     return Level.from_fields(world.fields, name=name)
 
 
@@ -331,14 +376,12 @@ def _literal(text: str) -> Any:
     with warnings.catch_warnings():
         # Python warns of invalid escapes in string literals.
         warnings.simplefilter("ignore")
-        try:
-            body = ast.parse(text).body
-        except SyntaxError as error:
-            with suppress(SyntaxError):
-                call = ast.parse(f"f({text}\n)", mode="eval").body
-                if isinstance(call, ast.Call) and call.keywords and not call.args:
-                    return {each.arg: ast.literal_eval(each.value) for each in call.keywords}
-            raise error
+        with suppress(SyntaxError):
+            call = ast.parse(f"f({text}\n)", mode="eval").body
+            # One keyword is a name that is given to data.
+            if isinstance(call, ast.Call) and len(call.keywords) > 1 and not call.args:
+                return {each.arg: ast.literal_eval(each.value) for each in call.keywords}
+        body = ast.parse(text).body
         statement = body[0] if len(body) == 1 else None
         if isinstance(statement, ast.Assign | ast.Expr):
             return ast.literal_eval(statement.value)
@@ -386,7 +429,8 @@ def letters_in(data: Any) -> set[str]:
     """Return what the rows of a map in a list hold, as texts; nothing if data is no such map."""
     if not isinstance(data, list | tuple):
         return set()
-    cells = [cell for row in data if isinstance(row, list | tuple | str) for cell in row]
+    rows = [row.decode("latin-1") if isinstance(row, bytes) else row for row in data]
+    cells = [cell for row in rows if isinstance(row, list | tuple | str) for cell in row]
     return {cell.decode("latin-1") if isinstance(cell, bytes) else str(cell) for cell in cells}
 
 

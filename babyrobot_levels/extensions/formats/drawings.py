@@ -25,15 +25,28 @@ def read_drawing(source: SourceFile) -> World:
     first, last = min(borders, default=0), max(borders, default=0)
     drawing, faults = parse("\n".join(source.lines[first : last + 1]), str.isprintable, MAX_SIZE)
     if drawing is None:
-        mark = faults[0].location
-        assert isinstance(mark, Mark)
-        place = Position(first + mark.row + 1, mark.column + 1)
+        fault = faults[0].location
+        assert isinstance(fault, Mark)
+        place = Position(first + fault.row + 1, fault.column + 1)
         raise ConversionError.at(source, place, faults[0].message, faults[0].help)
     marks = dict.fromkeys(mark for row in drawing.cells for mark in row if mark not in _KNOWN)
-    lost = [Lost(f"`{mark}`", "a plain cell: what it means is not drawn") for mark in marks]
+    border = source.lines[first]
+    line, column = first + 2, len(border) - len(border.lstrip()) + 3
+    lost = []
+    for mark in marks:
+        x, y = drawing.find(mark)[0]
+        place = Position(line + 2 * y, column + 4 * x)
+        lost.append(Lost(f"`{mark}`", "a plain cell: what it means is not drawn", place))
     walls = (drawing.east, drawing.south)
-    if any(d.DOOR in row for rows in walls for row in rows):
-        lost.append(Lost("doors", "left out: what they need is not drawn"))
+    doors = [
+        Position(line + 2 * y + index, column + 4 * x + 2 * (1 - index))
+        for index, rows in enumerate(walls)
+        for y, row in enumerate(rows)
+        for x, mark in enumerate(row)
+        if mark == d.DOOR
+    ]
+    if doors:
+        lost.append(Lost("doors", "left out: what they need is not drawn", doors[0]))
     plain, opened = str.maketrans(dict.fromkeys(marks, d.PLAIN)), str.maketrans(d.DOOR, d.OPEN)
     east, south = (tuple(row.translate(opened) for row in rows) for rows in walls)
     cells = tuple(row.translate(plain) for row in drawing.cells)

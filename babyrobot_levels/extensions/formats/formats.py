@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -104,13 +104,18 @@ class Format:
         """Return the world of a part of a text; see `read`."""
         keywords = {name: each for name, each in given.items() if name in self.keywords}
         try:
-            return self.codec.read(SourceFile(source.name, part.text), **keywords)
+            world = self.codec.read(SourceFile(source.name, part.text), **keywords)
         except ConversionError:
             if part.line == 1:
                 raise
             # So that the place is that in the text of all.
             whole = "\n" * (part.line - 1) + part.text
             return self.codec.read(SourceFile(source.name, whole), **keywords)
+        if source.is_made:
+            return world
+        places = self.codec.places(source)
+        lost = (replace(each, at=part.placed(each.at, places)) for each in world.lost)
+        return replace(world, file=source.name, lost=tuple(lost))
 
     def write(self, level: Level) -> Conversion:
         """Return a level in this format, without a check of what is lost; see `export`."""

@@ -155,12 +155,13 @@ def _unused(name: Any) -> Lost:
         ConversionError: it is one of FrozenLake's, misspelt, which Gymnasium refuses as well.
     """
     if name in _OF_PLAY:
-        return Lost(name, "it does not change the MDP")
+        return Lost(name, "it does not change the MDP", (name,))
     if guess := did_you_mean(str(name), (*KEYWORDS, LIMIT, *_OF_PLAY)):
         raise ConversionError(
             f"FrozenLake has no keyword {shown(name)}{guess}", "correct or remove it"
         )
-    return Lost(shown(name).strip("'"), "FrozenLake has no such keyword, and does not use it")
+    message = "FrozenLake has no such keyword, and does not use it"
+    return Lost(shown(name).strip("'"), message, (name,))
 
 
 def _three(schedule: Any) -> list[Any]:

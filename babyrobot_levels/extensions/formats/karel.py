@@ -27,7 +27,9 @@ def read_karel(source: SourceFile) -> World:
     size, start, heading = _size(source), (1, 1), "E"
     walls: set[Edge] = set()
     beepers: dict[tuple[int, int], str] = {}
-    colors = 0
+    places: dict[tuple[int, int], Position] = {}
+    colors: list[Position] = []
+    lost = [Lost("task", "it is no part of such a file: the level has no exit")]
     for number, line in enumerate(source.lines, 1):
         match, place = _LINE.fullmatch(line.strip()), Position(number, 1)
         if not line.strip():
@@ -35,6 +37,8 @@ def read_karel(source: SourceFile) -> World:
         name = match[1].lower() if match else ""
         if match is None or name not in _KNOWN:
             raise ConversionError.at(source, place, "this is no line of a world of Karel", _HELP)
+        if name == "beeperbag":
+            lost.append(Lost(name, "what Karel carries is left out", place))
         if name in ("beeperbag", "speed", "dimension"):
             continue
         cell, rest = (int(match[2] or 0), int(match[3] or 0)), match[4].strip().lower()
@@ -47,21 +51,23 @@ def read_karel(source: SourceFile) -> World:
         elif name == "wall":
             walls.add(edge_of(cell[0] - 1, size[1] - cell[1], _SIDES[rest]))
         elif name == "beeper":
-            beepers[cell] = rest
+            beepers[cell], places[cell] = rest, place
         else:
-            colors += 1
-    lost = [Lost("task", "it is no part of such a file: the level has no exit")]
+            colors.append(place)
     at = {cell: [cell[0] - 1, size[1] - cell[1]] for cell in (start, *beepers)}
     there = [cell for cell, count in beepers.items() if count != "0"]
     if len(there) > MAX_ITEMS:
-        lost.append(Lost("beepers", f"{len(there)} left out; at most {MAX_ITEMS} become items"))
+        message = f"{len(there)} left out; at most {MAX_ITEMS} become items"
+        lost.append(Lost("beepers", message, places[there[0]]))
         there = []
     elif there:
-        lost.append(Lost("beepers", "one is taken by stepping onto it; there, by an action"))
+        message = "one is taken by stepping onto it; there, by an action"
+        lost.append(Lost("beepers", message, places[there[0]]))
     if several := [cell for cell in there if beepers[cell] != "1"]:
-        lost.append(Lost("beepers", f"of several in a cell, one is kept (in {len(several)} cells)"))
+        message = f"of several in a cell, one is kept (in {len(several)} cells)"
+        lost.append(Lost("beepers", message, places[several[0]]))
     if colors:
-        lost.append(Lost("color", f"{colors} painted cells are left out"))
+        lost.append(Lost("color", f"{len(colors)} painted cells are left out", colors[0]))
     fields: dict[str, Any] = {"version": 1, "size": [*size], "start": at[start], "exit": "none"}
     fields |= {"heading": heading} if heading != "E" else {}
     inner: dict[Edge, dict[str, Any]] = {edge: {} for edge in walls if is_inner(*edge, *size)}

@@ -4,6 +4,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from babyrobot_levels.extensions.formats.blocks import drawn, replaced, without_ring
@@ -20,6 +21,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     shown,
 )
 from babyrobot_levels.extensions.formats.letters import with_start
+from babyrobot_levels.extensions.formats.places import Route
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.text.source import SourceFile
@@ -39,20 +41,25 @@ def ldtk_parts(source: SourceFile) -> list[Part]:
     if data.get("externalLevels"):
         help_text = "in LDtk, turn off Save levels to separate files, and save it again"
         raise ConversionError("the levels of this project are files of their own", help_text)
-    names = {}
+    names: dict[str, Any] = {}
     for layer in sequence(mapping(data.get("defs"), "defs").get("layers"), "defs.layers"):
         values = mapping(layer, "defs.layers").get("intGridValues") or []
         names[str(layer.get("uid"))] = {
             str(mapping(each, "intGridValues").get("value")): each.get("identifier")
             for each in sequence(values, "intGridValues")
         }
-    return [Part(json.dumps({"names": names, "level": each})) for each in _levels(data)]
+    return [
+        Part(json.dumps({"names": names, "level": level}), route=route)
+        for route, level in _levels(data)
+    ]
 
 
-def _levels(data: dict[str, Any]) -> Iterator[Any]:
-    for world in sequence(data.get("worlds", []), "worlds"):
-        yield from sequence(mapping(world, "worlds").get("levels", []), "levels")
-    yield from sequence(data.get("levels", []), "levels")
+def _levels(data: dict[str, Any], above: Route = ()) -> Iterator[tuple[Route, Any]]:
+    """Yield the levels of a project or of a world of it, each with its place."""
+    for index, world in enumerate(sequence(data.get("worlds", []), "worlds")):
+        yield from _levels(mapping(world, "worlds"), ("worlds", index))
+    for index, level in enumerate(sequence(data.get("levels", []), "levels")):
+        yield (*above, "levels", index), level
 
 
 def read_ldtk(source: SourceFile) -> World:
@@ -63,31 +70,43 @@ def read_ldtk(source: SourceFile) -> World:
         mapping(each, "layerInstances")
         for each in sequence(level.get("layerInstances"), "layerInstances")
     ]
-    grids = [layer for layer in layers if layer.get("intGridCsv")]
+    grids = [number for number, layer in enumerate(layers) if layer.get("intGridCsv")]
     if not grids:
         raise ConversionError("the level has no IntGrid layer, which says where walls are")
     lost = [
-        Lost(f"layer {shown(each.get('__identifier'))}", "left out; the first IntGrid layer counts")
-        for each in grids[1:]
+        Lost(
+            f"layer {shown(layers[number].get('__identifier'))}",
+            "left out; the first IntGrid layer counts",
+            ("layerInstances", number),
+        )
+        for number in grids[1:]
     ]
-    cells, size = _cells(grids[0], names.get(str(grids[0].get("layerDefUid")), {}), lost)
+    grid, in_grid = layers[grids[0]], ("layerInstances", grids[0], "intGridCsv")
+    told: list[Lost] = []
+    cells, size = _cells(grid, names.get(str(grid.get("layerDefUid")), {}), told)
     left_out: Counter[str] = Counter()
-    for layer in layers:
-        for entry in sequence(layer.get("entityInstances", []), "entityInstances"):
+    first: dict[str, Route] = {}
+    for number, layer in enumerate(layers):
+        entities = sequence(layer.get("entityInstances", []), "entityInstances")
+        for index, entry in enumerate(entities):
             entity = mapping(entry, "entityInstances")
             name, mark = str(entity.get("__identifier")), None
             if _STARTS.search(name) or _EXITS.search(name):
                 mark = d.START if _STARTS.search(name) else d.EXIT
-            place = _place(entity, layer, grids[0])
+            place = _place(entity, layer, grid)
             if mark is None or not all(
                 0 <= at < most for at, most in zip(place, size, strict=True)
             ):
                 left_out[name] += 1
+                first.setdefault(name, ("layerInstances", number, "entityInstances", index))
             else:
                 cells = replaced(cells, [place], mark)
-    lost += (Lost(f"entity {shown(name)}", f"{n} left out") for name, n in left_out.items())
+    lost += (
+        Lost(f"entity {shown(name)}", f"{n} left out", first[name]) for name, n in left_out.items()
+    )
     title = {"title": str(level["identifier"])} if level.get("identifier") else {}
-    fields = {"version": 1, **title, **drawn(without_ring(with_start(cells, lost)))}
+    fields = {"version": 1, **title, **drawn(without_ring(with_start(cells, told)))}
+    lost = [replace(each, at=in_grid) for each in told] + lost
     return World(fields, "A level of LDtk.", {}, tuple(lost))
 
 

@@ -10,6 +10,7 @@
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from babyrobot_levels.extensions.formats.blocks import (
     drawn,
     replaced,
     room,
+    told_starts,
     without_ring,
 )
 from babyrobot_levels.extensions.formats.conversion import (
@@ -30,9 +32,11 @@ from babyrobot_levels.extensions.formats.conversion import (
     World,
     file_beside,
     mapping,
+    on_map,
     read_data,
     shown,
 )
+from babyrobot_levels.extensions.formats.places import cell_of, places_of_rows
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Rewards
@@ -50,9 +54,9 @@ def _world(
     meanings: Mapping[str, str],
     origin: str,
     *,
-    first_line: int | None = None,
     names: Mapping[str, str] | None = None,
     lost: Sequence[Lost] = (),
+    written: Sequence[str] | None = None,
 ) -> World:
     """Return the world of a map.
 
@@ -61,42 +65,40 @@ def _world(
         rows: its rows; shorter ones are filled with blanks.
         meanings: what each letter means: a mark of the language, or `OBJECT`.
         origin: where the world comes from, as a sentence.
-        first_line: the line of the first row in the text, if rows are whole lines of it.
         names: what letters stand for that are not kept, for the messages.
         lost: what else is not kept.
+        written: the rows as the text has them, if they are others.
     """
     width = max(map(len, rows), default=0)
     if not width:
         raise ConversionError("the map has no rows")
     if max(width, len(rows)) > MAX_SIZE + 2:
         raise ConversionError(f"the map is {width} by {len(rows)}; a level is at most {MAX_SIZE}")
-    told = Counter("".join(rows))
+    told, places = Counter("".join(rows)), places_of_rows(source, written or rows)
     for letter in told:
         if letter not in meanings:
-            y, x = next((y, row.index(letter)) for y, row in enumerate(rows) if letter in row)
-            message = f"unknown character `{letter}`"
-            if first_line is None:
-                raise ConversionError(f"row {y}, column {x}: {message}")
+            x, y = cell_of(rows, letter)
+            place = Position(places[y].line, places[y].column + x)
             known = f"those of the format are {' '.join(each for each in meanings if each != ' ')}"
-            raise ConversionError.at(source, Position(first_line + y, x + 1), message, known)
+            raise ConversionError.at(source, place, f"unknown character `{letter}`", known)
     blocking = (letter for letter, meaning in meanings.items() if meaning == OBJECT)
     table = str.maketrans({**meanings, **dict.fromkeys(blocking, d.BLOCKED)})
     found = list(lost)
     for letter, name in (names or {}).items():
         if letter in told:
             becomes = "blocked cells" if meanings[letter] in (OBJECT, d.BLOCKED) else "plain cells"
-            found.append(Lost(f"`{letter}`", f"{told[letter]} {name} become {becomes}"))
+            message = f"{told[letter]} {name} become {becomes}"
+            found.append(Lost(f"`{letter}`", message, cell_of(rows, letter)))
     cells = tuple(row.ljust(width).translate(table) for row in rows)
     fields = {"version": 1, **drawn(without_ring(with_start(cells, found)))}
-    return World(fields, origin, {}, tuple(found))
+    return World(fields, origin, {}, on_map(found, places))
 
 
 def with_start(cells: Rows, lost: list[Lost]) -> Rows:
     """Return cells with a start: if none is marked, the first free one, with a way if there is."""
     text, width = "".join(cells), len(cells[0])
-    if (starts := text.count(d.START)) > 1:
-        lost.append(Lost("start", f"{starts} are marked: each reset draws one of them"))
-    if starts:
+    lost += told_starts(cells)
+    if d.START in text:
         return cells
     free = [cell for cell, mark in enumerate(text) if mark == d.PLAIN]
     goals = [cell for cell, mark in enumerate(text) if mark == d.EXIT]
@@ -105,7 +107,8 @@ def with_start(cells: Rows, lost: list[Lost]) -> Rows:
     if chosen is None:
         raise ConversionError("the map has no start, and no free cell that may be one")
     y, x = divmod(chosen, width)
-    lost.append(Lost("start", f"none is marked; row {y}, column {x} is used, the first free cell"))
+    message = f"none is marked; row {y}, column {x} is used, the first free cell"
+    lost.append(Lost("start", message, (x, y)))
     return replaced(cells, [(x, y)], d.START)
 
 
@@ -144,7 +147,8 @@ def read_movingai(source: SourceFile, folder: Path | None = None) -> World:
     for x, y in places:
         if y >= len(rows) or x >= len(rows[0]) or rows[y][x] in "@OTW":
             raise ConversionError(f"column {x}, row {y} is no free cell of the map {shown(name)}")
-    return _world_of_map(there, rows, places, lost)
+    world = _world_of_map(there, rows, places, lost)
+    return replace(world, lost=tuple(replace(each, at=Position(2, 1)) for each in world.lost))
 
 
 def _rows_of_map(source: SourceFile) -> tuple[list[str], list[Lost]]:
@@ -186,7 +190,7 @@ def _world_of_map(
     meanings = _TERRAIN | {"s": d.START, "e": d.EXIT}
     origin = "A map of MovingAI's benchmarks."
     marked = _marked(rows, ends)
-    return _world(source, marked, meanings, origin, first_line=5, names=_TOLD, lost=lost)
+    return _world(source, marked, meanings, origin, names=_TOLD, lost=lost, written=rows)
 
 
 def _marked(rows: Sequence[str], ends: Sequence[tuple[int, int]]) -> Rows:
@@ -198,7 +202,7 @@ def _scenarios(source: SourceFile) -> list[Part]:
     if not source.text.lstrip().startswith("version"):
         return [Part(source.text)]
     lines = [(number, line) for number, line in enumerate(source.lines, 1) if line.strip()]
-    return [Part(f"version 1\n{line}", number) for number, line in lines[1:]]
+    return [Part(f"version 1\n{line}", number - 1) for number, line in lines[1:]]
 
 
 def write_movingai(level: Level) -> Conversion:
@@ -279,7 +283,7 @@ def read_rware(source: SourceFile) -> World:
     rows = [line.strip().replace(" ", "") for line in source.text.strip().split("\n")]
     names = {"x": "shelves, which an agent with a load cannot pass,"}
     origin = "A warehouse of RWARE."
-    return _world(source, rows, _WAREHOUSE, origin, first_line=1, names=names)
+    return _world(source, rows, _WAREHOUSE, origin, names=names)
 
 
 RWARE = Codec(read_rware, draws=lambda _, letters: {"x", "g"} <= letters - {" "} <= {*_WAREHOUSE})
@@ -295,7 +299,7 @@ def read_vglc(source: SourceFile) -> World:
     origin = "A dungeon of the Video Game Level Corpus."
     rows = source.text.rstrip().split("\n")
     rows = [row.rstrip("\r") for row in rows]
-    return _world(source, rows, _DUNGEON, origin, first_line=1, names=_DUNGEON_NAMES)
+    return _world(source, rows, _DUNGEON, origin, names=_DUNGEON_NAMES)
 
 
 VGLC = Codec(

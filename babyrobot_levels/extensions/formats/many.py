@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -40,7 +41,8 @@ def _outcome_of(chosen: str | None, slippery: bool | None, strict: bool, file: F
             try:
                 world = read()
                 if strict and world.lost:
-                    raise ConversionError(f"{place.name}: {world.lost[0]}")
+                    first = world.lost[0]
+                    raise ConversionError(f"{first.place(file.name)}error: {first}")
                 title = place.name.replace("-", " ").capitalize()
                 texts.append((place, file_text(world, schema=None, name=None, title=title)))
                 lost += world.lost
@@ -69,26 +71,26 @@ def _reason(error: LevelError) -> str:
     return one_line(f"{first} ({helped[-1]})" if helped else first)
 
 
-def losses(outcomes: Iterable[Outcome]) -> list[Lost]:
-    """Return what is not kept of many files: each kind once, with the files that it is lost in."""
+def losses(outcomes: Iterable[Outcome]) -> list[tuple[str, Lost]]:
+    """Return what is not kept of many files: each kind once, with the first file it is lost in."""
     files: dict[tuple[str, str], list[str]] = {}
-    first: dict[tuple[str, str], str] = {}
+    first: dict[tuple[str, str], Lost] = {}
     for outcome in outcomes:
         for each in outcome.lost:
             # Numbers are of one level.
             kind = each.field, re.sub(r"\d+", "#", each.message)
-            first.setdefault(kind, each.message)
+            first.setdefault(kind, each)
             named = files.setdefault(kind, [])
             if outcome.name not in named[-1:]:
                 named.append(outcome.name)
     return [
-        Lost(kind[0], f"{first[kind]} ({names[0]}{_others(len(names))})")
+        (names[0], replace(first[kind], message=f"{first[kind].message}{_others(len(names))}"))
         for kind, names in files.items()
     ]
 
 
 def _others(count: int) -> str:
-    return f" and {count - 1} more" if count > 1 else ""
+    return f" (in {count} files)" if count > 1 else ""
 
 
 def worker(

@@ -7,7 +7,7 @@ and its goal is the middle.
 import re
 from dataclasses import replace
 from io import BytesIO
-from itertools import chain, product
+from itertools import product
 
 from babyrobot_levels.extensions.formats.blocks import (
     Rows,
@@ -16,6 +16,7 @@ from babyrobot_levels.extensions.formats.blocks import (
     lattice_map,
     replaced,
     room,
+    told_starts,
 )
 from babyrobot_levels.extensions.formats.conversion import (
     Codec,
@@ -23,7 +24,9 @@ from babyrobot_levels.extensions.formats.conversion import (
     ConversionError,
     Lost,
     World,
+    on_map,
 )
+from babyrobot_levels.extensions.formats.places import rows_from
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.library.level import Level
@@ -44,7 +47,7 @@ def read_micromouse(source: SourceFile) -> World:
     """
     first, last = _frame(source)
     lines = [line.rstrip() for line in source.lines]
-    rows = []
+    rows: list[str] = []
     for number in range(first, last + 1):
         line = lines[number].ljust(len(lines[first]))
         wanted = _CELLS if (number - first) % 2 else _POSTS
@@ -55,14 +58,22 @@ def read_micromouse(source: SourceFile) -> World:
         rows.append(line[::2].translate(_MARKS))
     text = "\n".join([*lines[:first], *lines[last + 1 :]]).strip()
     lost: list[Lost] = []
-    edge = (rows[0], rows[-1], *(row[0] + row[-1] for row in rows))
-    if gaps := sum(mark != d.BLOCKED for mark in chain(*edge)):
-        lost.append(Lost("the outer wall", f"{gaps} openings in it are closed"))
+    edge = {0, len(rows) - 1}, {0, len(rows[0]) - 1}
+    gaps = [
+        Position(first + y + 1, 2 * x + 1)
+        for y, row in enumerate(rows)
+        for x, mark in enumerate(row)
+        if mark != d.BLOCKED and (y in edge[0] or x in edge[1])
+    ]
+    if gaps:
+        lost.append(Lost("the outer wall", f"{len(gaps)} openings in it are closed", gaps[0]))
     cells, east, south = from_lattice(tuple(rows))
+    lost += told_starts(cells)
     cells = _with_ends(cells, tuple(rows), lost)
     about = {"description": text} if text else {}
     fields = {"version": 1, **about, **drawn(cells, east, south)}
-    return World(fields, "A maze of a micromouse contest.", {}, tuple(lost))
+    places = rows_from(Position(first + 2, 3), len(cells), 2)
+    return World(fields, "A maze of a micromouse contest.", {}, on_map(lost, places, 4))
 
 
 def _frame(source: SourceFile) -> tuple[int, int]:
@@ -80,7 +91,8 @@ def _with_ends(cells: Rows, lattice: Rows, lost: list[Lost]) -> Rows:
     width, height, text = len(cells[0]), len(cells), "".join(cells)
     if d.START not in text:
         cells = replaced(cells, [(0, height - 1)], d.START)
-        lost.append(Lost("S", "none is drawn, so it is the bottom-left cell, as in contests"))
+        message = "none is drawn, so it is the bottom-left cell, as in contests"
+        lost.append(Lost("S", message, (0, height - 1)))
     if d.EXIT in text:
         return cells
     x, y = next((row.index(d.START), y) for y, row in enumerate(cells) if d.START in row)
@@ -93,7 +105,7 @@ def _with_ends(cells: Rows, lattice: Rows, lost: list[Lost]) -> Rows:
         if (column, row) != (x, y) and (2 * row + 1) * columns + 2 * column + 1 in reached
     ]
     told = "it is the middle, as in contests" if goals else "there is no exit: no way to the middle"
-    lost.append(Lost("G", f"none is drawn, so {told}"))
+    lost.append(Lost("G", f"none is drawn, so {told}", next(iter(goals), None)))
     return replaced(cells, goals, d.EXIT)
 
 

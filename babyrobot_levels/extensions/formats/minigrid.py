@@ -61,12 +61,12 @@ def snapshot_of(env: Any) -> Snapshot:
     obstacles = getattr(env, "obstacles", ())
     rows = [[d.PLAIN] * env.grid.width for _ in range(env.grid.height)]
     objects = []
-    floor = False
+    floor: list[Cell] = []
     for (x, y), thing in _things(env):
         if thing.type in _MARKS:
             rows[y][x] = _MARKS[thing.type]
         elif thing.type == "floor":
-            floor = True
+            floor.append((x, y))
         else:
             is_obstacle = any(thing is each for each in obstacles)
             objects.append(_object(thing, (x, y), is_obstacle=is_obstacle))
@@ -77,7 +77,7 @@ def snapshot_of(env: Any) -> Snapshot:
         (agent,),
         DIRECTIONS[env.agent_dir],
         _task(env),
-        floor,
+        tuple(floor),
     )
 
 

@@ -77,7 +77,7 @@ class Snapshot:
         agents: the cells of the agent; an environment has one.
         heading: where it looks: N, E, S or W.
         task: the task; None if it is to reach a goal.
-        floor: whether there is floor in colours.
+        floor: the cells with floor in colours.
     """
 
     rows: tuple[str, ...]
@@ -85,7 +85,7 @@ class Snapshot:
     agents: tuple[Cell, ...]
     heading: str
     task: Task | None = None
-    floor: bool = False
+    floor: tuple[Cell, ...] = ()
 
     @property
     def drawn_goals(self) -> tuple[Cell, ...]:
@@ -184,9 +184,8 @@ def moved(found: Snapshot, rows: Rows, left: int, top: int) -> Snapshot:
             shown=tuple(map(cell, task.shown)),
         )
     objects = tuple(replace(each, at=cell(each.at)) for each in found.objects)
-    return replace(
-        found, rows=rows, objects=objects, agents=tuple(map(cell, found.agents)), task=task
-    )
+    agents, floor = (tuple(map(cell, cells)) for cells in (found.agents, found.floor))
+    return replace(found, rows=rows, objects=objects, agents=agents, floor=floor, task=task)
 
 
 def _distances(rows: Rows, begin: Iterable[Cell], closed: Collection[Cell] = ()) -> dict[Cell, int]:
@@ -337,25 +336,26 @@ def _lost(
     elif not task.goals:
         yield Lost("goal", "none is drawn, so the level has no exit and no reward")
     if keys:
-        yield Lost(
-            "pickup", "a key is taken by stepping onto it, and kept; in MiniGrid, by an action"
-        )
-        yield Lost("toggle", "holding its key opens a door; in MiniGrid, an action does")
-    if any(each.state == "boxed" for each in keys):
-        yield Lost("box", "the key in it lies open")
+        message = "a key is taken by stepping onto it, and kept; in MiniGrid, by an action"
+        yield Lost("pickup", message, keys[0].at)
+        message = "holding its key opens a door; in MiniGrid, an action does"
+        yield Lost("toggle", message, _locked(found)[0].at)
+    if boxed := [each for each in keys if each.state == "boxed"]:
+        yield Lost("box", "the key in it lies open", boxed[0].at)
     colors = {key.color for key in keys}
-    walls = sum(each.color not in colors for each in _locked(found))
-    if walls:
-        yield Lost("doors", f"{walls} locked, without a key: {'a wall' if walls == 1 else 'walls'}")
-    closed = sum(each.state == "closed" for each in left_out)
-    if closed:
-        yield Lost("doors", f"{closed} closed, not locked: open; in MiniGrid, an action opens it")
+    if walls := [each for each in _locked(found) if each.color not in colors]:
+        become = "a wall" if len(walls) == 1 else "walls"
+        yield Lost("doors", f"{len(walls)} locked, without a key: {become}", walls[0].at)
+    if closed := [each for each in left_out if each.state == "closed"]:
+        message = f"{len(closed)} closed, not locked: open; in MiniGrid, an action opens it"
+        yield Lost("doors", message, closed[0].at)
     if task.shown:
         yield Lost("objects", "stepping onto one takes it; in MiniGrid, they are in the way")
-    counts = Counter(each.kind for each in left_out if each.kind != "door")
-    if counts:
+    if others := [each for each in left_out if each.kind != "door"]:
+        counts = Counter(each.kind for each in others)
         objects = (f"{n} {kind if n == 1 else _PLURALS[kind]}" for kind, n in counts.items())
-        yield Lost("objects", f"{', '.join(objects)} left out; in MiniGrid, in the way until moved")
+        message = f"{', '.join(objects)} left out; in MiniGrid, in the way until moved"
+        yield Lost("objects", message, others[0].at)
     if obstacles:
         message = (
             "they step to one of four neighbours, also onto each other and the goal; in MiniGrid, "
@@ -364,4 +364,7 @@ def _lost(
         yield Lost("obstacles", message)
         yield Lost("walls", "walking into one changes nothing; in MiniGrid, it ends the episode")
     if found.floor:
-        yield Lost("floor", "it gets the colour of the theme")
+        yield Lost("floor", "it gets the colour of the theme", found.floor[0])
+    if len(found.agents) > 1:
+        message = f"{len(found.agents)} are drawn: each reset draws one of them"
+        yield Lost("agents", message, found.agents[1])

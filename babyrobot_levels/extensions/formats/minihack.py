@@ -56,7 +56,11 @@ def read_minihack(source: SourceFile) -> World:
     is_one = len(ends["exit"]) == 1
     cells = replaced(replaced(cells, ends["exit"] * is_one, d.EXIT), ends["start"], d.START)
     fields: dict[str, Any] = {"version": 1, **drawn(cells)}
-    lost = [Lost(name, "left out") for name in _LEFT_OUT if re.search(rf"(?m)^ *{name}\b", text)]
+    lost = [
+        Lost(name, "left out", source.position(match.start(1)))
+        for name in _LEFT_OUT
+        if (match := re.search(rf"(?m)^ *({name})\b", source.text))
+    ]
     if not is_one:
         fields["exit_one_of"] = [[*cell] for cell in ends["exit"]]
     lava = [(x, y) for y, row in enumerate(rows) for x, each in enumerate(row) if each == _LAVA]

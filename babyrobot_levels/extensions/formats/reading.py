@@ -20,6 +20,7 @@ from babyrobot_levels.extensions.formats.conversion import (
 )
 from babyrobot_levels.extensions.formats.formats import FORMATS, Format
 from babyrobot_levels.extensions.formats.sources import Found, found_in, is_archive, opened, single
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
@@ -33,6 +34,8 @@ from babyrobot_levels.text.words import no_format
 
 _PLAIN = ("", ".txt", ".json", ".py", *SUFFIXES_OF_LEVELS)
 """Suffixes that say nothing of a format."""
+
+_FIELDS = LevelFields.model_fields.keys()
 
 
 def guess(source: SourceFile) -> list[str]:
@@ -92,7 +95,9 @@ def _why_unknown(source: SourceFile, found: tuple[str, ...]) -> tuple[str, str]:
     if source.name.lower().endswith(SUFFIXES_OF_LEVELS):
         with suppress(LevelError):
             data = read_yaml(source).data
-            if isinstance(data, dict) and data.get("version") == 1:
+            is_level = isinstance(data, dict) and data.get("version") == 1
+            # Most of its fields are known: others have a version as well.
+            if is_level and 2 * len(data.keys() & _FIELDS) > len(data):
                 return (
                     f"{name} is already a level file",
                     "use `babyrobot export` to convert it for other programs",
@@ -165,7 +170,7 @@ def _literal_of(data: Any) -> SourceFile:
     data = data.tolist() if hasattr(data, "tolist") else data
     with suppress(LevelError):
         data = plain(data)
-    return SourceFile("the data", repr(data))
+    return SourceFile("the data", repr(data), is_made=True)
 
 
 def import_(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.extensions.formats.conversion import (
@@ -22,6 +23,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     shown,
     truncated,
 )
+from babyrobot_levels.extensions.formats.places import route_of
 from babyrobot_levels.extensions.formats.setup_walls import maze_edges, toggle
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
@@ -120,7 +122,8 @@ class _Reader:
             unknown = f"the package has no such keyword{did_you_mean(keyword, KEYWORDS)}"
             self._lose(shown(keyword).strip("'"), _PLAYING.get(keyword, unknown))
         origin = "A setup of PyPI babyrobot 1.0.40."
-        return World(self.fields, origin, self.comments, tuple(self.lost))
+        lost = (replace(each, at=route_of(each.field)) for each in self.lost)
+        return World(self.fields, origin, self.comments, tuple(lost))
 
     def _lose(self, name: str, message: str) -> None:
         self.lost.append(Lost(name, message))

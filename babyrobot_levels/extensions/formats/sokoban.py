@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from itertools import groupby, pairwise
+from dataclasses import replace
+from itertools import groupby, islice, pairwise
 from typing import Any
+from xml.etree.ElementTree import Element
 
 from babyrobot_levels.extensions.formats.block_maps import PATH, is_maze
 from babyrobot_levels.extensions.formats.blocks import (
@@ -11,6 +13,7 @@ from babyrobot_levels.extensions.formats.blocks import (
     drawn,
     has_walls,
     text_rows,
+    told_starts,
     translated,
     without_margin,
     without_ring,
@@ -29,7 +32,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Rewards
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.source import Position, SourceFile
+from babyrobot_levels.text.source import START, Position, SourceFile
 from babyrobot_levels.text.words import listed
 
 _SOKOBAN = "a Sokoban map"
@@ -61,7 +64,7 @@ def read_sokoban(source: SourceFile) -> World:
     the map, and are its title, its author and its description. In a map with boxes `.` is a
     target, in others an exit. Where `E` or `X` marks the exits, `.`, `*` and `+` are free cells.
     """
-    source = _expanded(source)
+    given, source = source, _expanded(source)
     map_only, texts = _without_texts(source)
     if (count := sum(1 for _ in _maps(map_only.lines))) > 1:
         raise ConversionError(f"the text has {count} maps", "keep the one that is to be the level")
@@ -81,10 +84,24 @@ def read_sokoban(source: SourceFile) -> World:
         cell = next([row.find(d.START), y] for y, row in enumerate(cells) if d.START in row)
         fields["targets"] = [{"at": cell}]
     elif _ON_GOAL in text and meanings[_ON_GOAL] == d.START:
-        lost.append(Lost(_ON_GOAL, "a start cannot be an exit; it is only the start"))
-    if (starts := "".join(rows).count(d.START)) > 1:
-        lost.append(Lost("start", f"{starts} are drawn: each reset draws one of them"))
+        message = "a start cannot be an exit; it is only the start"
+        lost.append(Lost(_ON_GOAL, message, _place(given, _ON_GOAL)))
+    second = _place(given, "".join(_STARTS), 1)
+    lost += (replace(each, at=second) for each in told_starts(rows))
+    lost = [replace(each, at=each.at or _place(given, each.field.strip("`"))) for each in lost]
     return World(fields, "A map of `#` and blanks.", {}, tuple(lost))
+
+
+def _place(source: SourceFile, marks: str, number: int = 0) -> Position:
+    """Return the place of one of some marks in the rows of a map, also if these have runs."""
+    found = (
+        Position(line, column)
+        for line, row in enumerate(source.lines, 1)
+        if _is_row(row) or _RUNS.match(row)
+        for column, mark in enumerate(row, 1)
+        if mark in marks
+    )
+    return next(islice(found, number, None), START)
 
 
 def _meanings(text: str, lost: list[Lost]) -> dict[str, str]:
@@ -156,7 +173,8 @@ def _is_row(line: str) -> bool:
 def _is_row_or_faulty(line: str) -> bool:
     """Return whether a line is a row of a map, or one between walls with an unknown character."""
     row = line.strip()
-    return row != "" and (_is_row(line) or row[0] == row[-1] == "#")
+    is_known = _is_row(line) or _RUNS.match(line) is not None
+    return row != "" and (is_known or row[0] == row[-1] == "#")
 
 
 def _maps(lines: Sequence[str]) -> Iterator[tuple[int, int]]:
@@ -173,7 +191,8 @@ def sokoban_parts(source: SourceFile) -> list[Part]:
     """Return the maps of a collection, each with what is written about it."""
     if source.text.lstrip().startswith("<"):
         return [*_parts_of_slc(source)]
-    source = _expanded(source)
+    # It raises an error if the runs of all maps come to too much.
+    _expanded(source)
     lines, maps = source.lines, [*_maps(source.lines)]
     cuts = [_cut(lines, end, begin) for (_, end), (begin, _) in pairwise(maps)]
     first = _cut(lines, 0, maps[0][0]) if len(maps) > 1 else 0
@@ -204,15 +223,20 @@ def _cut(lines: Sequence[str], end: int, begin: int) -> int:
 
 def _parts_of_slc(source: SourceFile) -> Iterator[Part]:
     """Yield the maps of a collection in XML."""
-    root = read_xml(source)
+    places: dict[Element, Position] = {}
+    root = read_xml(source, places)
     title = (root.findtext("Title") or "").strip()
     for collection in root.iter("LevelCollection"):
         for level in collection.iter("Level"):
-            rows = [line.text or "" for line in level.iter("L")]
+            lines = [*level.iter("L")]
+            rows = [line.text or "" for line in lines]
+            begins = (
+                Position(at.line, at.column + len("<L>")) for at in map(places.__getitem__, lines)
+            )
             author = level.get("Copyright") or collection.get("Copyright")
             about = {"Title": level.get("Id"), "Author": author, "Collection": title}
             told = (f"{key}: {' '.join(each.split())}" for key, each in about.items() if each)
-            yield Part("\n".join([*rows, *told]))
+            yield Part("\n".join([*rows, *told]), rows=tuple(begins) or (places[level],))
 
 
 def write_sokoban(level: Level) -> Conversion:

@@ -34,6 +34,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     sequence,
     shown,
 )
+from babyrobot_levels.extensions.formats.places import Places, Route
 from babyrobot_levels.extensions.formats.tiled_tiles import (
     CLASSES,
     FAR,
@@ -42,7 +43,7 @@ from babyrobot_levels.extensions.formats.tiled_tiles import (
     Tilesets,
     tile_layer,
 )
-from babyrobot_levels.extensions.formats.tmx import data_of
+from babyrobot_levels.extensions.formats.tmx import data_of, places_of
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import sides_of
 from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
@@ -107,21 +108,21 @@ class _Reader:
             raise ConversionError("tilewidth and tileheight must be 1 or more")
         tilesets = Tilesets(data.get("tilesets", []), self.folder)
         self.lost += tilesets.lost
-        layers = list(self._layers(data.get("layers"), "layers"))
+        layers = list(self._layers(data.get("layers"), ("layers",)))
         tiled = {
             index: tile_layer(layer, f"layer {shown(layer.get('name'))}", size)
-            for index, layer in enumerate(layers)
+            for index, (_, layer) in enumerate(layers)
             if layer.get("type") == "tilelayer"
         }
         if sum(layer.count for layer in tiled.values()) > MAX_TILES:
             raise ConversionError(f"its layers have more than {MAX_TILES:,} tiles")
         box = (0, 0, *size) if size else _box(tiled.values())
         self.left, self.top, self.width, self.height = box
-        for index, layer in enumerate(layers):
+        for index, (route, layer) in enumerate(layers):
             if index in tiled:
-                self._tiles(tiled[index], tilesets)
+                self._tiles(tiled[index], tilesets, route)
             else:
-                self._layer(layer)
+                self._layer(layer, route)
         properties = self._properties()
         cells = self._cells()
         if "exit_one_of" in properties and cells["exit"] == "none":
@@ -137,35 +138,38 @@ class _Reader:
             raise ConversionError(f"a level is at most {MAX_SIZE} cells wide and high")
         return width, height
 
-    def _layers(self, layers: Any, where: str) -> Iterator[dict[str, Any]]:
+    def _layers(self, layers: Any, above: Route) -> Iterator[tuple[Route, dict[str, Any]]]:
+        """Yield the layers that count, also those of groups, each with its place."""
+        where = ".".join(map(str, above))
         for index, entry in enumerate(sequence(layers, where)):
-            layer = mapping(entry, f"{where}[{index}]")
-            if self._is_unseen(layer, f"layer {shown(layer.get('name'))}"):
+            layer, route = mapping(entry, f"{where}.{index}"), (*above, index)
+            name = f"layer {shown(layer.get('name'))}"
+            if self._is_unseen(layer, name, route):
                 continue
             if layer.get("type") == "group":
-                yield from self._layers(layer.get("layers"), f"{where}[{index}].layers")
+                yield from self._layers(layer.get("layers"), (*route, "layers"))
             else:
-                yield layer
+                yield route, layer
             if layer.get("offsetx") or layer.get("offsety"):
-                self.lost.append(Lost(f"layer {shown(layer.get('name'))}", "its offset is ignored"))
+                self.lost.append(Lost(name, "its offset is ignored", route))
 
-    def _is_unseen(self, part: dict[str, Any], where: str) -> bool:
+    def _is_unseen(self, part: dict[str, Any], where: str, route: Route) -> bool:
         """Return whether Tiled does not show a layer or an object, which is then left out."""
         why = "hidden" if part.get("visible") is False else "transparent"
         is_unseen = part.get("visible") is False or part.get("opacity") == 0
         if is_unseen:
-            self.lost.append(Lost(where, f"left out, because it is {why}"))
+            self.lost.append(Lost(where, f"left out, because it is {why}", route))
         return is_unseen
 
-    def _layer(self, layer: dict[str, Any]) -> None:
-        name = shown(layer.get("name"))
+    def _layer(self, layer: dict[str, Any], route: Route) -> None:
+        name = f"layer {shown(layer.get('name'))}"
         if layer.get("type") == "objectgroup":
-            for thing in sequence(layer.get("objects"), f"layer {name}"):
-                self._object(mapping(thing, f"layer {name}"), f"layer {name}")
+            for index, thing in enumerate(sequence(layer.get("objects"), name)):
+                self._object(mapping(thing, name), name, (*route, "objects", index))
         else:
-            self.lost.append(Lost(f"layer {name}", "neither a tile layer nor an object layer"))
+            self.lost.append(Lost(name, "neither a tile layer nor an object layer", route))
 
-    def _tiles(self, layer: TileLayer, tilesets: Tilesets) -> None:
+    def _tiles(self, layer: TileLayer, tilesets: Tilesets, route: Route) -> None:
         unknown = 0
         for x, y, number in layer.placed():
             name = tilesets.class_of(number)
@@ -175,24 +179,26 @@ class _Reader:
                 self.found[name].append((x - self.left, y - self.top))
         if unknown:
             message = f"{unknown} tiles without a known class become plain cells; {_HINT}"
-            self.lost.append(Lost(layer.where, message))
+            self.lost.append(Lost(layer.where, message, route))
 
-    def _object(self, thing: dict[str, Any], where: str) -> None:
+    def _object(self, thing: dict[str, Any], where: str, route: Route) -> None:
         label = f"{where}, object {shown(thing.get('id'))}"
-        if self._is_unseen(thing, label):
+        if self._is_unseen(thing, label, route):
             return
         corners = list(self._corners(thing))
         if len(corners) < 2:
-            self.lost.append(Lost(label, "only polylines along edges of cells become walls"))
+            message = "only polylines along edges of cells become walls"
+            self.lost.append(Lost(label, message, route))
             return
-        properties = self._wall_properties(thing, label)
+        properties = self._wall_properties(thing, label, route)
         for start, end in pairwise(corners):
             edges = list(self._edges(start, end))
             self.length += len(edges)
             if self.length > MAX_LENGTH:
                 raise ConversionError(f"{where} has walls along more than {MAX_LENGTH:,} cells")
             if not edges:
-                self.lost.append(Lost(label, "a part of it is not along edges of cells of the map"))
+                message = "a part of it is not along edges of cells of the map"
+                self.lost.append(Lost(label, message, route))
             self.walls |= dict.fromkeys(edges, properties)
 
     def _corners(self, thing: dict[str, Any]) -> Iterator[tuple[int, int]]:
@@ -224,30 +230,30 @@ class _Reader:
         elif top == bottom:
             yield from (edge_of(x, top, "N") for x in range(left, right))
 
-    def _wall_properties(self, thing: dict[str, Any], where: str) -> dict[str, Any]:
+    def _wall_properties(self, thing: dict[str, Any], where: str, route: Route) -> dict[str, Any]:
         given = {}
-        for entry in sequence(thing.get("properties", []), where):
+        for index, entry in enumerate(sequence(thing.get("properties", []), where)):
             found = mapping(entry, where)
             if found.get("name") in _WALL_PROPERTIES:
                 given[str(found["name"])] = found.get("value")
             else:
                 name = found.get("name")
                 guess = did_you_mean(str(name), _WALL_PROPERTIES)
-                self.lost.append(Lost(where, f"a wall has no property {shown(name)}{guess}"))
+                message = f"a wall has no property {shown(name)}{guess}"
+                self.lost.append(Lost(where, message, (*route, "properties", index)))
         return given
 
     def _properties(self) -> dict[str, Any]:
         """Return the fields in the map's properties, which are written as in a level file."""
         fields: dict[str, Any] = {}
         known = LevelFields.model_fields.keys() - SPATIAL - {"version"}
-        for entry in sequence(self.data.get("properties", []), "properties"):
+        for index, entry in enumerate(sequence(self.data.get("properties", []), "properties")):
             found = mapping(entry, "properties")
             name, value = found.get("name"), found.get("value")
             if not isinstance(name, str) or name not in known:
                 guess = did_you_mean(str(name), known)
-                self.lost.append(
-                    Lost(f"property {shown(name)}", f"a level has no such field{guess}")
-                )
+                message = f"a level has no such field{guess}"
+                self.lost.append(Lost(f"property {shown(name)}", message, ("properties", index)))
             elif isinstance(value, str) and name not in TEXTS:
                 try:
                     fields[name] = read(SourceFile(f"property {name}", value)).data
@@ -511,4 +517,10 @@ def dumped(value: Any, indent: str = "") -> str:
     return json.dumps(value)
 
 
-CODEC = Codec(read_tiled, write_tiled, draws=_is_tmx, holds=is_tiled)
+CODEC = Codec(
+    read_tiled,
+    write_tiled,
+    draws=_is_tmx,
+    holds=is_tiled,
+    places=lambda source: places_of(source) if _is_tmx(source) else Places(source),
+)

@@ -18,6 +18,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     sequence,
     shown,
 )
+from babyrobot_levels.extensions.formats.places import route_of
 from babyrobot_levels.extensions.formats.tmx import data_of
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.text.diagnostics import one_line
@@ -186,7 +187,8 @@ class Tilesets:
         """Return the classes of a tileset in a file, none if it is not read."""
         found = self._file(name)
         if isinstance(found, str):
-            self.lost.append(Lost(where, f"{shown(name)} {found}; {_EMBED}"))
+            message = f"{shown(name)} {found}; {_EMBED}"
+            self.lost.append(Lost(where, message, route_of(where)))
             return {}
         if found.name.lower().endswith((".tsj", ".json")):
             return _classes(mapping(read_data(found), one_line(found.name)), one_line(found.name))

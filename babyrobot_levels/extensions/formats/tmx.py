@@ -1,12 +1,16 @@
 """Maps of Tiled in its own XML (`.tmx`, `.tsx`), as the data that its JSON holds."""
 
 import re
+from collections.abc import Callable, Sequence
+from functools import cache
+from itertools import pairwise
 from typing import Any
 from xml.etree.ElementTree import Element
 
 from babyrobot_levels.extensions.formats.conversion import ConversionError, shown
+from babyrobot_levels.extensions.formats.places import Route
 from babyrobot_levels.extensions.formats.xml import read_xml
-from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.source import Position, SourceFile
 
 _NUMBER = re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?")
 _LAYERS = {
@@ -15,6 +19,7 @@ _LAYERS = {
     "imagelayer": "imagelayer",
     "group": "group",
 }
+_LISTS = {"objects": "object", "tilesets": "tileset", "properties": "properties/property"}
 _TEXTS = ("name", "class", "type", "source", "orientation", "encoding", "compression", "template")
 
 
@@ -34,12 +39,34 @@ def data_of(source: SourceFile, root: str) -> dict[str, Any]:
     return _tileset(element) if root == "tileset" else _map(element)
 
 
+def places_of(source: SourceFile) -> Callable[[Route], Position]:
+    """Return what finds the element of a value of the data of a map."""
+    places: dict[Element, Position] = {}
+    root, children = read_xml(source, places), cache(_children)
+
+    def place(route: Route) -> Position:
+        element = root
+        for key, index in pairwise(route):
+            if isinstance(index, int):
+                element = children(element, key)[index]
+        return places[element]
+
+    return place
+
+
+def _children(element: Element, key: str | int) -> Sequence[Element]:
+    """Return the elements that become the entries of a list."""
+    if key == "layers":
+        return [each for each in element if each.tag in _LAYERS]
+    return element.findall(_LISTS[str(key)])
+
+
 def _map(element: Element) -> dict[str, Any]:
     found = _attributes(element)
     return found | {
         "infinite": found.get("infinite") == 1,
         "layers": _layers(element),
-        "tilesets": [_tileset(each) for each in element.iterfind("tileset")],
+        "tilesets": [_tileset(each) for each in _children(element, "tilesets")],
     }
 
 
@@ -50,9 +77,8 @@ def _attributes(element: Element) -> dict[str, Any]:
     }
     if "visible" in found:
         found["visible"] = found["visible"] != 0
-    properties = element.find("properties")
-    if properties is not None:
-        found["properties"] = [_property(each) for each in properties.iterfind("property")]
+    if properties := _children(element, "properties"):
+        found["properties"] = [_property(each) for each in properties]
     return found
 
 
@@ -79,7 +105,7 @@ def _tileset(element: Element) -> dict[str, Any]:
 
 
 def _layers(element: Element) -> list[dict[str, Any]]:
-    return [_layer(each) for each in element if each.tag in _LAYERS]
+    return [_layer(each) for each in _children(element, "layers")]
 
 
 def _layer(element: Element) -> dict[str, Any]:
@@ -88,7 +114,7 @@ def _layer(element: Element) -> dict[str, Any]:
     if element.tag == "group":
         found["layers"] = _layers(element)
     elif element.tag == "objectgroup":
-        found["objects"] = [_object(each) for each in element.iterfind("object")]
+        found["objects"] = [_object(each) for each in _children(element, "objects")]
     elif data is not None:
         encoding = data.get("encoding")
         found["compression"] = data.get("compression", "")

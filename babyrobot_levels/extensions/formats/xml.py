@@ -7,24 +7,32 @@ from babyrobot_levels.extensions.formats.conversion import MAX_DEPTH, Conversion
 from babyrobot_levels.text.source import Position, SourceFile
 
 
-def read_xml(source: SourceFile) -> Element:
+def read_xml(source: SourceFile, places: dict[Element, Position] | None = None) -> Element:
     """Return the root of a text in XML.
+
+    Args:
+        source: the text.
+        places: filled with the place of each element.
 
     Raises:
         ConversionError: it is not well-formed, declares entities, or is nested too deep.
     """
     builder, parser, depth = TreeBuilder(), expat.ParserCreate(), 0
 
+    def here() -> Position:
+        return Position(parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+
     def refuse(message: str) -> None:
-        place = Position(parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
-        raise ConversionError.at(source, place, message)
+        raise ConversionError.at(source, here(), message)
 
     def start(name: str, attributes: dict[str, str]) -> None:
         nonlocal depth
         depth += 1
         if depth > MAX_DEPTH:
             refuse(f"nested deeper than {MAX_DEPTH} levels")
-        builder.start(name, attributes)
+        element = builder.start(name, attributes)
+        if places is not None:
+            places[element] = here()
 
     def end(name: str) -> None:
         nonlocal depth

@@ -442,7 +442,8 @@ def test_making_a_level_of_a_world_warns_of_what_is_lost() -> None:
     world = world_of(MINIGRIDS["DoorKey-8x8"], "minigrid")
     with pytest.warns(brl.ConversionWarning) as caught:
         assert level_of(world).exits
-    assert [str(each.message).partition(":")[0] for each in caught] == ["pickup", "toggle"]
+    told = [str(each.message).split(": ")[:2] for each in caught]
+    assert told == [["world.txt:5:5", "pickup"], ["world.txt:6:11", "toggle"]]
     assert caught[0].filename == __file__
 
 

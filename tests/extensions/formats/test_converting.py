@@ -190,7 +190,7 @@ def test_a_map_with_dots_and_an_exit_has_one_exit() -> None:
     result = babyrobot("import", "map.txt")
     assert result.status == 0
     assert brl.loads(result.out).exits == ((3, 1),)
-    assert result.err.startswith("warning: `.`: read as free, because `E` is the exit")
+    assert result.err.startswith("map.txt:2:3: warning: `.`: read as free, because `E` is the exit")
 
 
 def test_a_map_that_has_no_room_in_a_file_is_told_what_has() -> None:

@@ -59,6 +59,7 @@ GUESSES = {
     "setup = {'width': 4}": ["babyrobot"],
     '{"is_slippery": false}': ["frozen-lake"],
     "[[b'S', b'G']]": ["frozen-lake"],
+    "[b'SF', b'FG']": ["frozen-lake"],
     '"SFF", "FFG"': ["frozen-lake"],
     '{"unheard": 1}': [],
     '{"layers": [], "tilewidth": 8, "tileheight": 8}': ["tiled"],
@@ -93,6 +94,7 @@ def test_a_format_is_recognised_by_its_suffix(name: str, form: str) -> None:
 
 UNKNOWN = {
     "docker.yaml": ('version: "3.8"\n', "docker.yaml is YAML, but no level", "formats"),
+    "compose.yaml": ("version: 1\nservices: {}\n", "compose.yaml is YAML, but no level", "formats"),
     "maze.yaml": ("version: 1\n", "maze.yaml is already a level file", "babyrobot export"),
     "levels.xml": ('<?xml version="1.0"?>\n<Levels/>', "levels.xml is XML", "a text"),
     "game.txt": ("title Box\n====\n0123\n", "the format of game.txt is unknown", "one of"),

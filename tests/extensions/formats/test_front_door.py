@@ -128,7 +128,7 @@ def test_strict_refuses_each_that_would_lose_something() -> None:
     Path("set.txt").write_text(starts, encoding="utf-8")
     result = babyrobot("import", "set.txt", "-o", "levels", "--strict")
     assert (result.status, written("levels")) == (1, ["set-2.yaml"])
-    assert "set.txt: error: set-1: +: a start cannot be an exit" in result.err
+    assert "set.txt:3:2: error: +: a start cannot be an exit" in result.err
 
 
 def test_commands_take_such_a_file_directly(mazes: Path) -> None:
@@ -143,7 +143,9 @@ def test_commands_take_such_a_file_directly(mazes: Path) -> None:
 def test_what_is_lost_is_told_there_too() -> None:
     Path("maze.txt").write_text(MAZE.replace("S", " "), encoding="utf-8")
     result = babyrobot("show", "maze.txt")
-    told = "warning: S: none is drawn, so it is the bottom-left cell, as in contests\n"
+    told = (
+        "warning: maze.txt:2:3: S: none is drawn, so it is the bottom-left cell, as in contests\n"
+    )
     assert (result.status, result.err) == (0, told)
 
 

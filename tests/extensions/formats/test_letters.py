@@ -99,7 +99,7 @@ def test_what_is_not_kept_is_told_with_how_often_it_is_there() -> None:
     assert [*map(str, world_of(METTA, "mettagrid").lost)] == [
         "objects: their tasks are left out: the level has no exit",
         "`c`: 1 objects 'chest' become blocked cells",
-        "start: 2 are marked: each reset draws one of them",
+        "start: 2 are drawn: each reset draws one of them",
     ]
     assert lost_fields(world_of(OCTILE, "movingai")) == ["diagonal moves", "start, exit", "`W`"]
     assert lost_fields(world_of(DUNGEON, "vglc")) == ["`D`", "`M`", "start"]
@@ -108,7 +108,7 @@ def test_what_is_not_kept_is_told_with_how_often_it_is_there() -> None:
 def test_an_unknown_letter_is_pointed_at() -> None:
     with pytest.raises(ConversionError, match=r"world.txt:6:3: error: unknown character `\?`"):
         world_of(OCTILE.replace("@T..@", "@T?.@"), "movingai")
-    with pytest.raises(ConversionError, match=r"row 1, column 2: unknown character `\?`"):
+    with pytest.raises(ConversionError, match=r"world.txt:4:5: error: unknown character `\?`"):
         world_of(METTA.replace("#@.c#", "#@?c#"), "mettagrid")
 
 
@@ -193,7 +193,7 @@ def test_a_world_of_karel_has_its_walls_between_cells() -> None:
     is_open = level.grid().open
     assert not is_open[2, 0, 1]
     assert not is_open[1, 2, 0]
-    assert lost_fields(world) == ["task", "beepers"]
+    assert lost_fields(world) == ["task", "beeperbag", "beepers"]
 
 
 def test_many_beepers_are_left_out() -> None:
