@@ -1,4 +1,4 @@
-"""Several robots on a page: two sets of keys, the optimum as a partner, and plays that are valid."""
+"""Several robots on a page: two sets of keys, the optimum as a partner, and valid plays."""
 
 from __future__ import annotations
 
