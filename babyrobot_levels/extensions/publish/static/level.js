@@ -31,7 +31,7 @@ function beginIfSeen() {
   begin();
 }
 
-function choose(tab) {
+function chooseTab(tab) {
   for (const each of tabs) {
     each.setAttribute("aria-selected", each === tab);
     each.tabIndex = each === tab ? 0 : -1;
@@ -43,12 +43,12 @@ function choose(tab) {
 
 /** Show a tab that the visitor chose; the address leads to it. */
 function open(tab) {
-  choose(tab);
+  chooseTab(tab);
   history.replaceState(null, "", `#${nameOf(tab)}`);
 }
 
 function openAddressed() {
-  choose(tabs.find((tab) => `#${nameOf(tab)}` === location.hash) ?? tabs[0]);
+  chooseTab(tabs.find((tab) => `#${nameOf(tab)}` === location.hash) ?? tabs[0]);
 }
 
 for (const tab of tabs) {
