@@ -65,7 +65,8 @@ def random_gesture(rng: Random, session: Session) -> dict[str, Any]:
     x, y, side = (
         rng.choice(sides) if sides and rng.random() < 0.5 else (*cell(), rng.choice("NESW"))
     )
-    do = rng.choices(["walls", "paint", "fill", "resize", "wind", "resolve"], [9, 9, 3, 2, 2, 1])[0]
+    names = ["walls", "paint", "fill", "resize", "stamp", "wind", "resolve"]
+    do = rng.choices(names, [9, 9, 3, 2, 3, 2, 1])[0]
     brush = rng.choice([*GROUND, "start", "exit"] if do == "paint" else GROUND)
     looks: dict[str, Any] = {"color": rng.choice(["red", "gold"])}
     traits: dict[str, Any] = rng.choice(
@@ -86,7 +87,11 @@ def random_gesture(rng: Random, session: Session) -> dict[str, Any]:
         "paint": painted | fields,
         "fill": {"brush": brush, "at": cell()} | fields,
         "resize": {"size": other, "shift": [rng.randint(-1, 1), rng.randint(-1, 1)]},
+        "stamp": {"at": cell(), "mirror": rng.choice(["", "x", "y", "xy"])},
         "wind": {"side": side, "index": rng.randrange(max(size)), "strength": rng.randrange(3)},
         "resolve": {},
     }
+    if do == "stamp":
+        (x, y), (right, down) = cell(), cell()
+        session.lift((x, y), (right, down))
     return {"do": do, **messages[do]}

@@ -138,6 +138,16 @@ class Wind(_Model):
     strength: Annotated[int, Field(ge=0, le=MAX_SIZE, strict=True)]
 
 
+class Stamp(_Model):
+    """Put the region that was copied last to another place."""
+
+    do: Literal["stamp"]
+    at: Cell
+    """Its first cell there. What lies off the grid is left out."""
+    mirror: Literal["", "x", "y", "xy"] = ""
+    """The axes along which it is mirrored: `x` swaps west and east."""
+
+
 class Resolve(_Model):
     """Write the maze out as walls."""
 
@@ -153,7 +163,9 @@ class Fix(_Model):
     column: int
 
 
-Gesture = Walls | Paint | Fill | Warp | Path | Move | Remove | Set | Resize | Wind | Resolve | Fix
+Gesture = (
+    Walls | Paint | Fill | Warp | Path | Move | Remove | Set | Resize | Wind | Stamp | Resolve | Fix
+)
 
 gesture_of: TypeAdapter[Gesture] = TypeAdapter(Annotated[Gesture, Field(discriminator="do")])
 """Checks plain data as a gesture."""

@@ -28,6 +28,8 @@ instead, and `from`, its number. Questions change nothing:
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
   `worth.worth_of`. The reply has `policy`;
 - `filled`, with `revision` and the fields of the gesture `fill`: the `cells` that it paints;
+- `lift`, with `revision`: the region between two corners, `cells`, is what the gesture `stamp` puts
+  elsewhere from now on. The reply has its `size`;
 - `levels`: what can be opened by name, and from texts, see `sources.known`;
 - `copy`: the level in a `form` (`editor/sources.py`). The reply has `copy`;
 - `quit`: end the server. The reply has `ended`; with unsaved changes, and without `force`, it is
@@ -45,7 +47,7 @@ from pydantic import ValidationError
 from babyrobot_levels.extensions.editor.changes.cells import filled
 from babyrobot_levels.extensions.editor.changes.draft import RefusedError
 from babyrobot_levels.extensions.editor.forms import forms
-from babyrobot_levels.extensions.editor.gestures import Cell, Fill, Gesture, gesture_of
+from babyrobot_levels.extensions.editor.gestures import Cell, Fill, Gesture, Paint, gesture_of
 from babyrobot_levels.extensions.editor.session import ConflictError, Session
 from babyrobot_levels.extensions.editor.sources import FORMS, copied, known, opened
 from babyrobot_levels.extensions.editor.state import state_of, themes_beside
@@ -55,7 +57,7 @@ from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
 
-QUESTIONS = ("state", "levels", "answers", "policy", "filled", "copy", "quit")
+QUESTIONS = ("state", "levels", "answers", "policy", "filled", "lift", "copy", "quit")
 """What changes nothing."""
 
 
@@ -159,6 +161,8 @@ def _asked(
             return {"policy": _policy(session, fields.get("actions"))}
         case {"do": "filled"}:
             return {"cells": _filled(session, fields)} if is_current else {}
+        case {"do": "lift"}:
+            return {"size": _lifted(session, fields)} if is_current else {}
         case {"do": "copy", "form": str(form)} if form in FORMS:
             return {"copy": copied(session, form)}
         case {"do": "levels"}:
@@ -211,6 +215,12 @@ def _filled(session: Session, fields: dict[str, Any]) -> list[Cell]:
     if session.level is None or not isinstance(gesture, Fill):
         raise RefusedError("there is no valid level yet")
     return filled(session.level, gesture)
+
+
+def _lifted(session: Session, fields: dict[str, Any]) -> tuple[int, int]:
+    gesture = _gesture({**fields, "do": "paint", "brush": "erase"})
+    assert isinstance(gesture, Paint)
+    return session.lift(gesture.cells[0], gesture.cells[-1]).size
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:

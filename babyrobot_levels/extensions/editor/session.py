@@ -12,9 +12,11 @@ from babyrobot_levels.extensions.editor.answers import Answers
 from babyrobot_levels.extensions.editor.changes.dispatch import change, is_regrown
 from babyrobot_levels.extensions.editor.changes.draft import Draft, RefusedError
 from babyrobot_levels.extensions.editor.changes.fields import fixed
+from babyrobot_levels.extensions.editor.changes.region import Region, lifted, stamp
 from babyrobot_levels.extensions.editor.differences import LastShown
 from babyrobot_levels.extensions.editor.findings import Linter, Linting
-from babyrobot_levels.extensions.editor.gestures import Fix, Gesture, Resolve
+from babyrobot_levels.extensions.editor.gestures import Fix, Gesture, Resolve, Stamp
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.runner import Report, lint_document, lint_source
 from babyrobot_levels.text.document import Document, comments
@@ -44,6 +46,8 @@ class Session:
         answers: the optimum of the level.
         shown: the state that was shown last.
         lost: how many of which kinds the last gesture removed that it did not point at.
+        left: how many of which kinds the last gesture, a stamp, left out.
+        region: what is stamped, see `lift`; None at first.
     """
 
     def __init__(
@@ -59,6 +63,8 @@ class Session:
         self.linting: Linting
         self._linter = Linter()
         self.lost: Counter[str] = Counter()
+        self.left: Counter[str] = Counter()
+        self.region: Region | None = None
         self._regrown_by: Gesture | None = None
         self._history = History(text)
         self._saved = text
@@ -137,10 +143,12 @@ class Session:
             raise RefusedError("the text has errors; correct them before you go on drawing")
         before = self.report.level
         draft = Draft(document, before)
-        change(draft, gesture)
+        self._change_draft(draft, gesture)
         data = draft.result()
         after = spliced(document, data, [*Level.model_fields])
         if after is document:
+            if draft.left.total():
+                raise RefusedError("nothing of what is copied can stand there")
             return
         if after is None:
             after = _written_anew(document, data)
@@ -151,9 +159,28 @@ class Session:
             raise RefusedError(report.diagnostics[0].message)
         self._history.change(after.source.text, gesture.do, joined=joined)
         self._take(report)
-        self.lost = draft.lost
+        self.lost, self.left = draft.lost, draft.left
         if is_regrown(before, report.level, gesture):
             self._regrown_by = gesture
+
+    def _change_draft(self, draft: Draft, gesture: Gesture) -> None:
+        if not isinstance(gesture, Stamp):
+            change(draft, gesture)
+        elif self.region is None:
+            raise RefusedError("nothing is copied yet: drag over some cells first")
+        else:
+            stamp(draft, self.region, gesture)
+
+    def lift(self, one: Cell, other: Cell) -> Region:
+        """Copy the region between two cells, which `stamp` then puts elsewhere.
+
+        Raises:
+            RefusedError: the text has errors, or the cells are off the grid or too many.
+        """
+        if self.report.level is None or self.report.document is None:
+            raise RefusedError("the text has errors; correct them before you copy")
+        self.region = lifted(self.report.level, self.report.document, one, other)
+        return self.region
 
     def _fix(self, fix: Fix) -> None:
         text = fixed(self.report, fix)
@@ -231,7 +258,7 @@ class Session:
         """Take the text at hand, of which a report has the errors."""
         self.revision += 1
         self._regrown_by = None
-        self.lost = Counter()
+        self.lost, self.left = Counter(), Counter()
         if report.level is not None:
             self.level, self.document = report.level, report.document
             self.answers.follow(report.level)

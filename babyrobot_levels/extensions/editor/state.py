@@ -1,6 +1,7 @@
 """What the editor shows of a session, as plain data for JSON."""
 
 import json
+from collections import Counter
 from functools import cache
 from math import floor
 from pathlib import Path
@@ -29,6 +30,7 @@ def state_of(session: Session) -> dict[str, Any]:
     `lacks`, why nothing is solved or played here, empty where it is;
     `maze_regrown`, whether the last gesture made the maze grow anew, which `keep_maze` undoes;
     `lost`, what it removed that it did not point at, such as `a door`, in words;
+    `left`, what it left out of a stamp, in the same way;
     `findings`, see `findings_of`; `findings_pending`, whether some are still to be looked for,
     which the question `answers` does; and of the level of the text or, if the text is invalid, of
     the last valid one:
@@ -69,13 +71,8 @@ def state_of(session: Session) -> dict[str, Any]:
         "can_redo": session.can_redo,
         "lacks": "" if is_numeric() else NEEDS_NUMPY,
         "maze_regrown": session.is_maze_regrown,
-        "lost": listed(
-            [
-                KIND[name].one if count == 1 else f"{count} {KIND[name].plural}"
-                for name, count in session.lost.items()
-                if count
-            ]
-        ),
+        "lost": _counted(session.lost),
+        "left": _counted(session.left),
         "findings": findings_of(session.linting, size),
         "findings_pending": bool(session.linting.waiting),
         "unreachable": answers.unreachable,
@@ -86,6 +83,17 @@ def state_of(session: Session) -> dict[str, Any]:
         "too_large": too_large,
         **look,
     }
+
+
+def _counted(counts: Counter[str]) -> str:
+    """Return how many of which kinds, in words."""
+    return listed(
+        [
+            KIND[name].one if count == 1 else f"{count} {KIND[name].plural}"
+            for name, count in counts.items()
+            if count
+        ]
+    )
 
 
 # -- themes ------------------------------------------------------------------------------

@@ -93,8 +93,11 @@ def standing(places: list[dict[str, Any]]) -> Counter[Thing]:
     )
 
 
-def may_change(message: dict[str, Any]) -> Callable[[Thing], bool]:
-    """Return what tells whether a gesture may change what stands somewhere."""
+def may_change(message: dict[str, Any], size: tuple[int, int]) -> Callable[[Thing], bool]:
+    """Return what tells whether a gesture may change what stands somewhere.
+
+    `size` is that of the region that is stamped.
+    """
     match message["do"]:
         case "walls":
             (x, y), side, along = message["at"], message["side"], range(message["length"])
@@ -111,6 +114,17 @@ def may_change(message: dict[str, Any]) -> Callable[[Thing], bool]:
             return lambda thing: thing[1:] in cells or thing[0] in whole
         case "fill":
             return lambda thing: thing[0] not in ("start", "exit", "wall", "opening")
+        case "stamp":
+            (x, y), (columns, rows) = message["at"], size
+            whole = {"door", "mover", "warp"}
+            # The sides before it are those of the cells to the west and north.
+            return lambda thing: (
+                thing[0] in whole
+                or (
+                    x - (len(thing) > 3) <= thing[1] < x + columns
+                    and y - (len(thing) > 3) <= thing[2] < y + rows
+                )
+            )
         case "resolve":
             return lambda thing: thing[0] in ("wall", "opening")
         case _:
@@ -156,7 +170,10 @@ def test_a_gesture_changes_nothing_elsewhere(text: str, seed: int) -> None:
                 assert sum(found.pop(each) for each in [*found] if each[0] == "start") == 1
             assert found == expected
             continue
-        changed, may = (before - after) + (after - before), may_change(message)
+        changed, may = (
+            (before - after) + (after - before),
+            may_change(message, session.region.size if session.region else (0, 0)),
+        )
         assert [thing for thing in changed if not may(thing)] == []
 
 

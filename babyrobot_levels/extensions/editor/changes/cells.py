@@ -100,11 +100,22 @@ def _cells_of(level: Level, gesture: Paint) -> list[Cell]:
         _check_inside(level, cell)
     cells = [*dict.fromkeys(gesture.cells)]
     if gesture.rectangle:
-        box = Box.between(cells[0], cells[-1])
-        _check_count(box.columns * box.rows)
-        cells = [*box.cells]
+        return [*box_between(level, cells[0], cells[-1]).cells]
     _check_count(len(cells))
     return cells
+
+
+def box_between(level: Level, one: Cell, other: Cell) -> Box:
+    """Return the rectangle of which two cells are opposite corners.
+
+    Raises:
+        RefusedError: one is off the grid, or these are too many cells.
+    """
+    for cell in (one, other):
+        _check_inside(level, cell)
+    box = Box.between(one, other)
+    _check_count(box.columns * box.rows)
+    return box
 
 
 def _check_inside(level: Level, cell: Cell) -> None:
@@ -358,8 +369,7 @@ def add_warp(draft: Draft, gesture: Warp) -> None:
 
 def add_mover(draft: Draft, gesture: Path) -> None:
     """Add a guard on a path, or a wanderer in a rectangle. To meet the first costs something."""
-    if not draft.level.movers and "hit" not in draft.data:
-        draft.data["hit"] = {"reward": hit_reward(draft.level.rewards, draft.level.size)}
+    cost_of_hits(draft)
     if gesture.rectangle:
         x, y, columns, rows = Box.between(gesture.cells[0], gesture.cells[-1])
         within = {"at": [x, y], "size": [columns, rows]}
@@ -371,6 +381,12 @@ def add_mover(draft: Draft, gesture: Path) -> None:
     is_loop = sum(abs(to - at) for at, to in zip(path[-1], path[0], strict=True)) <= 1
     back = {} if is_loop else {"back": True}
     draft.entries("movers").append({"path": [[*cell] for cell in path], **back})
+
+
+def cost_of_hits(draft: Draft) -> None:
+    """Let it cost something to meet the first mover."""
+    if not draft.level.movers and "hit" not in draft.data:
+        draft.data["hit"] = {"reward": hit_reward(draft.level.rewards, draft.level.size)}
 
 
 def _joined(cells: list[Cell]) -> Iterator[Cell]:

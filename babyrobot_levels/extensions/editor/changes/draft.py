@@ -29,6 +29,7 @@ class Draft:
         document: the text before the gesture.
         canvas: the drawing of `map`, which gestures change in place; None if there is none.
         lost: how many of which kinds are gone that the gesture did not point at.
+        left: how many of which kinds a stamp left out.
     """
 
     def __init__(self, document: Document, level: Level) -> None:
@@ -36,6 +37,7 @@ class Draft:
         self.data: dict[str, Any] = _copied(document.data)
         self.canvas = None if level.drawing is None else Canvas(level.drawing)
         self.lost: Counter[str] = Counter()
+        self.left: Counter[str] = Counter()
 
     def entries(self, field: str) -> list[Any]:
         """Return the entries of a list, to be changed in place; a new list if there is none."""
@@ -208,10 +210,10 @@ def replace_names(draft: Draft, names: Mapping[str, str | None]) -> None:
 
     A door that is left without any name would always be open: it is removed, too.
     """
-    _replace(draft.data, "exit_needs", names)
+    replace_in(draft.data, "exit_needs", names)
     for door in [*draft.data.get("doors", ())]:
         # Each of them, so no short cut.
-        replaced = [_replace(door, field, names) for field in ("needs", "unless")]
+        replaced = [replace_in(door, field, names) for field in ("needs", "unless")]
         if any(replaced) and "needs" not in door and "unless" not in door:
             draft.data["doors"].remove(door)
             draft.lost["door"] += 1
@@ -234,7 +236,7 @@ def unused_name(draft: Draft, base: str) -> str:
     return next(name for name in names if name not in used)
 
 
-def _replace(entry: dict[str, Any], field: str, names: Mapping[str, str | None]) -> bool:
+def replace_in(entry: dict[str, Any], field: str, names: Mapping[str, str | None]) -> bool:
     """Replace names in a field, and tell whether there were any."""
     before = as_names(entry.get(field, ()))
     replaced = (names.get(name, name) for name in before)
@@ -352,12 +354,12 @@ def forget_missing(draft: Draft) -> None:
         shown = {character for row in draft.canvas.cells for character in row}
         for character in {*"".join(draft.level.drawing.cells)} - shown:
             draft.data.get("legend", {}).pop(character, None)
-    gone = {*names_of(draft.level)} - {*_names(draft)}
+    gone = {*names_of(draft.level)} - {*known_names(draft)}
     if gone:
         replace_names(draft, dict.fromkeys(gone))
 
 
-def _names(draft: Draft) -> list[str]:
+def known_names(draft: Draft) -> list[str]:
     """Return the names of what doors and exits can need now."""
     things = [thing for kind in NEEDED for thing in draft.data.get(kind.field, ())]
     drawn = [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from babyrobot_levels.extensions.editor.changes.draft import (
     GROUND,
@@ -11,15 +10,14 @@ from babyrobot_levels.extensions.editor.changes.draft import (
     STANDING,
     Draft,
     RefusedError,
-    as_cell,
     cells_of,
     drawn_field,
     forget_missing,
-    lying_in,
     put_exits,
     put_starts,
 )
-from babyrobot_levels.extensions.editor.changes.shapes import Box, Entry, Run, placed
+from babyrobot_levels.extensions.editor.changes.placement import Placement
+from babyrobot_levels.extensions.editor.changes.shapes import Box
 from babyrobot_levels.extensions.editor.gestures import Resize, Wind
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDE_NAMES
@@ -37,7 +35,7 @@ def resize(draft: Draft, gesture: Resize) -> None:
     in the nearest cells that are free.
     """
     level = draft.level
-    change = _Change(level.size, gesture.size, gesture.shift)
+    change = Placement(level.size, gesture.size, gesture.shift, is_frame=True)
     starts, exits = change.cells(level.starts), change.cells(level.exits)
     is_default = not {"exit", "exit_one_of", "map"} & {*draft.data}
     if is_default:
@@ -68,7 +66,7 @@ def resize(draft: Draft, gesture: Resize) -> None:
     forget_missing(draft)
 
 
-def _nearest_free(draft: Draft, change: _Change, cell: Cell, ends: Iterable[Cell]) -> Cell:
+def _nearest_free(draft: Draft, change: Placement, cell: Cell, ends: Iterable[Cell]) -> Cell:
     """Return the cell nearest to one outside in which nothing stands, for a start or an exit."""
     width, height = change.new
     standing = (entry for field in STANDING for entry in draft.data.get(field, ()))
@@ -128,7 +126,7 @@ def _put_wind(draft: Draft, wind: dict[str, list[int]]) -> None:
     draft.data["wind"] = {side: wind[side] for side in SIDE_NAMES if any(wind.get(side) or ())}
 
 
-def _move_wind(draft: Draft, change: _Change) -> None:
+def _move_wind(draft: Draft, change: Placement) -> None:
     wind = draft.data.get("wind")
     if wind:
         across, down = change.shift
@@ -148,80 +146,3 @@ def _moved_line(values: list[int], shift: int, count: int) -> list[int]:
     """Return a value for each of so many columns or rows, 0 for those that are new."""
     places = range(-shift, count - shift)
     return [values[place] if 0 <= place < len(values) else 0 for place in places]
-
-
-@dataclass(frozen=True, slots=True)
-class _Change:
-    """A size that becomes another one, and how far everything moves to the east and south."""
-
-    old: tuple[int, int]
-    new: tuple[int, int]
-    shift: tuple[int, int]
-
-    def cells(self, cells: Iterable[Cell]) -> list[Cell]:
-        """Return where cells come to lie, without those outside."""
-        return [moved for cell in cells if (moved := self.cell(cell)) is not None]
-
-    def cell(self, cell: Cell) -> Cell | None:
-        """Return where a cell comes to lie, None outside."""
-        x, y = cell[0] + self.shift[0], cell[1] + self.shift[1]
-        return (x, y) if 0 <= x < self.new[0] and 0 <= y < self.new[1] else None
-
-    def box(self, box: Box) -> Box | None:
-        """Return what comes to lie inside of a rectangle."""
-        moved = Box(box.x + self.shift[0], box.y + self.shift[1], box.columns, box.rows)
-        return moved.within(Box(0, 0, *self.new))
-
-    def run(self, run: Run) -> Run | None:
-        """Return what comes to lie inside of a run of sides. The outer wall moves with the rim."""
-        across, along = (0, 1) if run.axis == "E" else (1, 0)
-        last = self.new[across] - 1
-        if run.line < 0:
-            line = -1
-        elif run.line == self.old[across] - 1:
-            line = last
-        else:
-            line = run.line + self.shift[across]
-            if not 0 <= line < last:
-                return None
-        step = self.shift[along]
-        moved = Run(run.axis, line, run.first + step, run.stop + step).part(0, self.new[along])
-        return moved if moved.first < moved.stop else None
-
-    def entry(self, field: str, entry: Entry) -> Entry | None:
-        """Return an entry with its new place, None if that is outside."""
-        if KIND_OF_FIELD[field].where == "side":
-            run = self.run(Run.of_entry(entry))
-            return None if run is None else placed(entry, run)
-        if KIND_OF_FIELD[field].where == "rectangle":
-            box = self.box(Box.of(entry))
-            return None if box is None else box.put(entry)
-        return self._thing(entry)
-
-    def _thing(self, entry: Entry) -> Entry | None:
-        """Return an entry that stands in cells with its new place."""
-        moved = {**entry}
-        for name in ("at", "to"):
-            if isinstance(entry.get(name), list):
-                cell = self.cell(as_cell(entry[name]))
-                if cell is None:
-                    return None
-                moved[name] = [*cell]
-        if entry.get("path"):
-            path = self.cells(map(as_cell, entry["path"]))
-            if len(path) < len(entry["path"]):
-                return None
-            moved["path"] = [[*cell] for cell in path]
-        if entry.get("within"):
-            box = self.box(Box.of(entry["within"]))
-            if box is None:
-                return None
-            moved["within"] = box.put(entry["within"])
-        if entry.get("start"):
-            begin = self.cells([as_cell(entry["start"])])
-            moved |= {"start": [*begin[0]]} if begin else {}
-            if not begin:
-                del moved["start"]
-        if entry.get("one_of"):
-            return lying_in(moved, self.cells(map(as_cell, entry["one_of"])))
-        return moved

@@ -12,7 +12,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
 from babyrobot_levels.text.words import listed
 
-_PLAIN = {"at", "side", "length"}
+PLAIN_FIELDS = {"at", "side", "length"}
 """The fields of a wall that looks like any other."""
 
 _MARKS = {"none": d.OPEN, "wall": d.SOLID, "glass": d.GLASS, "door": d.DOOR}
@@ -84,7 +84,7 @@ class _Builder:
         entry.pop("pass", None)
         if self.chance and not (is_drawn and self.chance == GLASS_PASS):
             entry["pass"] = self.chance
-        is_plain = _PLAIN.issuperset(entry)
+        is_plain = PLAIN_FIELDS.issuperset(entry)
         if is_plain and (is_drawn or _is_of_maze(self.draft.level, run)):
             cut_sides(self.draft.entries("walls"), run)
         elif kept is None:
