@@ -165,6 +165,7 @@ interface EditorState {
   lacks: string;
   maze_regrown: boolean;
   lost: string;
+  left: string;
   findings: Finding[];
   findings_pending: boolean;
   unreachable: Cell[];

@@ -18,7 +18,7 @@ Point = tuple[float, float]
 SIDES: dict[str, Point] = {"N": (0.5, 0), "E": (1, 0.5), "S": (0.5, 1), "W": (0, 0.5)}
 """Where the middles of a cell's sides are in it."""
 
-TOOL_KEYS = {"walls": "1", "small": "2", "large": "3", "select": "9"}
+TOOL_KEYS = {"walls": "1", "small": "2", "large": "3", "select": "9", "stamp": "C"}
 
 
 class Hand(ABC):
@@ -67,6 +67,10 @@ class Hand(ABC):
         """Use the tool in each of some cells."""
 
     @abstractmethod
+    def copy(self, one: tuple[int, int], other: tuple[int, int]) -> None:
+        """Copy the rectangle between two cells."""
+
+    @abstractmethod
     def move(self, cell: tuple[int, int], target: tuple[int, int]) -> None:
         """Drag what stands in a cell to another one."""
 
@@ -106,6 +110,11 @@ class Pointing(Hand):
         for x, y in cells:
             with self.changing():
                 self.drag(self.at(x + 0.5, y + 0.5))
+
+    def copy(self, one: tuple[int, int], other: tuple[int, int]) -> None:
+        self.choose("stamp")
+        self.drag(*(self.at(x + 0.5, y + 0.5) for x, y in (one, other)))
+        self.page.wait_for_function(SAYS, arg="Copied")
 
     def move(self, cell: tuple[int, int], target: tuple[int, int]) -> None:
         with self.changing():
@@ -222,6 +231,14 @@ class Keys(Hand):
             with self.changing():
                 self.type("Space")
 
+    def copy(self, one: tuple[int, int], other: tuple[int, int]) -> None:
+        self.choose("stamp")
+        self.go(one)
+        self.type("m")
+        self.go(other)
+        self.type("Space")
+        self.page.wait_for_function(SAYS, arg="Copied")
+
     def move(self, cell: tuple[int, int], target: tuple[int, int]) -> None:
         self.choose("select")
         self.go(cell)
@@ -234,3 +251,6 @@ class Keys(Hand):
 SHOWS = """(revision) =>
   Number(document.querySelector('#editor').shadowRoot.querySelector('.editor').dataset.revision)
     > revision"""
+
+SAYS = """(words) =>
+  document.querySelector('#editor').shadowRoot.querySelector('.said').innerText.startsWith(words)"""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from support.editors import OpenEditor
-from support.hands import Finger, Hand, Keys, Mouse
+from support.hands import SAYS, Finger, Hand, Keys, Mouse
 from support.packs import babyrobot
 
 from babyrobot_levels.library.catalogue import load
@@ -15,6 +15,16 @@ from babyrobot_levels.library.level import load_file
 pytestmark = pytest.mark.slow
 
 EMPTY = "version: 1\n"
+
+ROOM = """\
+version: 1
+size: [4, 2]
+exit: [3, 0]
+walls:
+  - {at: [0, 1], side: E}
+items:
+  - {name: key, at: [0, 1]}
+"""
 
 
 @pytest.mark.parametrize("kind", [Mouse, Keys, Finger])
@@ -37,3 +47,22 @@ def test_the_final_maze_is_drawn_from_an_empty_grid(
     for command in (["format", "--check"], ["lint"]):
         result = babyrobot(*command, str(path))
         assert result.status == 0, result.out + result.err
+
+
+@pytest.mark.parametrize("kind", [Mouse, Keys, Finger])
+def test_a_region_is_copied_and_stamped_mirrored(kind: type[Hand], editor_page: OpenEditor) -> None:
+    hand = kind(editor_page(ROOM, **kind.context))
+    hand.copy((0, 0), (0, 1))
+    if kind is Keys:
+        hand.page.keyboard.press("h")
+    else:
+        hand.page.get_by_role("button", name="Mirror ↔").click()
+    hand.paint((2, 0))
+    level = hand.level
+    assert [(wall.at, wall.side) for wall in level.walls] == [((0, 1), "E"), ((1, 1), "E")]
+    assert [(item.name, item.at) for item in level.items] == [("key", (0, 1)), ("key-2", (2, 1))]
+    said = hand.page.locator(".said")
+    assert said.inner_text().startswith("Stamped at [2, 0]. Left out: a start.")
+    hand.page.keyboard.press("Control+z")
+    hand.page.wait_for_function(SAYS, arg="Undone: stamp")
+    assert hand.editor.session.text == ROOM

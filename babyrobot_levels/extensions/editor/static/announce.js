@@ -67,6 +67,7 @@ const DONE = {
       : `${toolNamed(brush).title} in ${cellName(at)} and all cells like it around it`,
   warp: (editor, { at, to }) => `Warp from ${cellName(at)} to ${cellName(to)}`,
   path: (editor, { cells, rectangle }) => `Mover ${rectangle ? "in" : "through"} ${cellsInWords(cells, rectangle)}`,
+  stamp: (editor, { at }) => `Stamped at ${cellName(at)}`,
   move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
   remove: () => "Removed",
   set: (editor, { route, value }) =>
@@ -88,6 +89,7 @@ const STEPS = {
   fill: "filling",
   warp: "warp",
   path: "mover",
+  stamp: "stamp",
   move: "moving",
   remove: "removing",
   set: "setting a field",
@@ -132,12 +134,13 @@ export class Announcer {
     const { editor } = this;
     const { length: count } = editor.state.findings;
     const done = DONE[editor.done.do]?.(editor, editor.done);
-    const { maze_regrown, lost } = editor.state;
+    const { maze_regrown, lost, left } = editor.state;
     const grown = maze_regrown ? "The maze has grown anew" : undefined;
     const gone = lost ? `This also removed ${lost}` : undefined;
     const words = [
       done,
       gone,
+      left ? `Left out: ${left}` : undefined,
       grown,
       count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`,
     ];

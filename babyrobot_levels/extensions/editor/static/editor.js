@@ -43,6 +43,8 @@ export class Editor {
     this.caret = null;
     this.tool = "walls";
     this.options = structuredClone(DEFAULT_OPTIONS);
+    /** @type {{ size: [number, number], picture: SVGElement } | null} */
+    this.region = null; // What was copied, to be stamped.
     this.modifiers = { rectangle: false, fill: false };
     this.mode = "edit";
     this.panel = "inspector";

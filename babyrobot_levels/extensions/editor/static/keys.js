@@ -3,6 +3,7 @@
 import { ZOOM_STEP } from "../../../render/static/view.js";
 import { cellName, SIDE_NAMES } from "./announce.js";
 import { MODIFIERS } from "./rail.js";
+import { copy, MIRRORS, mirror } from "./region.js";
 import { beyond, isSameCell, spotOf } from "./spots.js";
 import { drawnWalls, gestureOf, sizeOf, TOOLS, toolNamed, wallAt } from "./tools.js";
 
@@ -88,6 +89,17 @@ export const KEYS = [
           Delete: (keyboard) => keyboard.erase(),
           Backspace: (keyboard) => keyboard.erase(),
         },
+      ],
+      [
+        "Ctrl + C",
+        "copy what is selected, or the cell; C, M and Space copy a rectangle",
+        { "Ctrl+C": (keyboard) => keyboard.copy() },
+      ],
+      ["Ctrl + V", "stamp what is copied", { "Ctrl+V": (keyboard) => keyboard.stamp() }],
+      [
+        "H, Y",
+        "mirror what is copied",
+        Object.fromEntries(MIRRORS.map(({ axis, key }) => [key, ({ editor }) => mirror(editor, axis)])),
       ],
       ["Escape", "end a drag without a change; select nothing", { Escape: (keyboard) => keyboard.cancel() }],
     ],
@@ -383,8 +395,28 @@ export class KeyBindings {
     else this.useStraight({ erases: true });
   }
 
+  /** Copy the cells of what is selected, or that of the cursor. */
+  copy() {
+    const { cells = [] } = this.editor.selection ?? {};
+    copy(this.editor, cells.length > 0 ? cells : [this.cell]);
+  }
+
+  /** Stamp what is copied where the cursor is; the pointer is shown what it would stamp. */
+  stamp() {
+    const { editor, pointer } = this;
+    if (editor.region === null) {
+      editor.say("Nothing is copied yet: drag over some cells first.");
+      return;
+    }
+    editor.choose("stamp");
+    if (editor.pointed === null) pointer.pressTool(spotOf(this.cell));
+    if (editor.pointed === null) pointer.release();
+    else pointer.hover(spotOf(editor.pointed));
+  }
+
   cancel() {
     const { editor, pointer } = this;
+    if (!this.isDragging && editor.tool === "stamp") editor.region = null;
     if (!this.isDragging) editor.select(null);
     else editor.say("Cancelled: nothing has changed.");
     pointer.cancel();

@@ -2,7 +2,8 @@
 
 import { COMMON } from "../../../render/static/common.js";
 import { element } from "../../../render/static/paint.js";
-import { isSameCell, sidesOfRun } from "./spots.js";
+import { stamped } from "./region.js";
+import { cornersOf, isSameCell, sidesOfRun } from "./spots.js";
 import { sizeOf, toolNamed } from "./tools.js";
 
 const TARGET = matchMedia("(pointer: coarse)").matches ? 44 : 28; // The side of what takes a handle, in pixels,
@@ -45,6 +46,8 @@ export class Overlay {
       warp: ({ at, to }) => [...this.arrow([at, to]), ...this.boxes([to], "build")],
       path: ({ cells, rectangle }) => (rectangle ? this.rectangle(cells, "build") : this.arrow(cells)),
       resize: (each) => this.previewOfSize(each),
+      lift: ({ cells }) => this.rectangle(cells, "build"),
+      stamp: (each) => this.previewOfStamp(each),
       wind: () => [],
     };
     this.draw("preview", message === null ? [] : shapes[message.do](message, spot));
@@ -89,12 +92,15 @@ export class Overlay {
     if (this.filled === asked && this.previewed?.do === "fill") this.preview(this.previewed);
   }
 
+  previewOfStamp(stamp) {
+    const { region } = this.editor;
+    const outline = boxPath(this.box(stamp.at, region.size));
+    return [stamped(region, stamp, this.corner(...stamp.at)), ...this.outlined(outline, "build")];
+  }
+
   /** Return the rectangle between two corners. */
   rectangle(cells, kind) {
-    const [left, right, top, bottom] = [0, 1].flatMap((axis) => {
-      const places = cells.map((cell) => cell[axis]);
-      return [Math.min(...places), Math.max(...places)];
-    });
+    const [[left, top], [right, bottom]] = cornersOf(cells);
     const box = this.box([left, top], [right - left + 1, bottom - top + 1]);
     return [element("rect", { ...box, class: `ghost ${kind}` }), ...this.outlined(boxPath(box), kind)];
   }

@@ -2,6 +2,7 @@
 
 import { element } from "../../../render/static/paint.js";
 import { html, tapped } from "./html.js";
+import { MIRRORS, mirror } from "./region.js";
 import { TOOLS, toolNamed } from "./tools.js";
 
 /** Return an icon of strokes in a square of 24 by 24. */
@@ -113,7 +114,10 @@ export class Options {
     this.shown = tool;
     const { title, hint: told } = toolNamed(tool);
     const hint = tapped(told);
-    const fields = { glass: () => this.glass(), area: () => this.area(), item: () => this.item() }[tool]?.() ?? [];
+    const fields =
+      { glass: () => this.glass(), area: () => this.area(), item: () => this.item(), stamp: () => this.mirrors() }[
+        tool
+      ]?.() ?? [];
     this.place.replaceChildren(
       html("strong", {}, title),
       ...fields,
@@ -125,6 +129,8 @@ export class Options {
   /** Show the values at hand in the fields. */
   refresh() {
     const { tool, options } = this.editor;
+    for (const button of this.place.querySelectorAll("[data-axis]"))
+      button.setAttribute("aria-pressed", options.stamp.mirror.includes(button.dataset.axis));
     for (const field of this.place.querySelectorAll("[data-option]")) {
       const value = options[tool]?.[field.dataset.option];
       if (field.tagName === "BUTTON") field.setAttribute("aria-pressed", value === field.value);
@@ -170,6 +176,12 @@ export class Options {
       this.field("color", "Colour", { type: "color" }, ({ value }) => value),
       this.number("reward", "Reward", { step: "any", placeholder: "as it is" }),
     ];
+  }
+
+  mirrors() {
+    return MIRRORS.map(({ axis, ...shown }) =>
+      toolButton({ ...shown, "data-axis": axis }, () => mirror(this.editor, axis)),
+    );
   }
 
   item() {

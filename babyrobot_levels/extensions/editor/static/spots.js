@@ -69,6 +69,20 @@ export function isSameCell(one, other) {
 }
 
 /**
+ * Return the first and the last cell of the smallest rectangle that has some cells.
+ *
+ * @param {Cell[]} cells
+ * @returns {[Cell, Cell]}
+ */
+export function cornersOf(cells) {
+  const [xs, ys] = [0, 1].map((axis) => cells.map((cell) => cell[axis]));
+  return [
+    [Math.min(...xs), Math.min(...ys)],
+    [Math.max(...xs), Math.max(...ys)],
+  ];
+}
+
+/**
  * Return a side as level files prefer it: of the cell to the north or west, where there is one.
  *
  * @param {Cell} cell

@@ -3,6 +3,7 @@
 // still draws, it is the preview of what will be sent.
 
 import { COMMON } from "../../../render/static/common.js";
+import { copy } from "./region.js";
 import { beyond, cellsAlong, isSameCell, runAlong, sidesOfRun, spotOf, usualSide } from "./spots.js";
 
 /**
@@ -124,6 +125,14 @@ export const TOOLS = [
     gesture: moved,
   },
   {
+    name: "stamp",
+    key: "C",
+    title: "Copy and stamp",
+    hint: "Drag over what to copy; then click where its upper left cell goes",
+    icon: "M5 21h14M5 17h14v-2a2 2 0 0 0-2-2h-3.500c0-3 1.500-4 1.500-6.500a3 3 0 0 0-6 0c0 2.500 1.500 3.500 1.500 6.500H7a2 2 0 0 0-2 2z",
+    gesture: copied,
+  },
+  {
     name: "start",
     key: "S",
     title: "Start",
@@ -178,6 +187,7 @@ export const DEFAULT_OPTIONS = {
   glass: { pass: 0.5 },
   area: { color: "#8fb996" },
   item: { shape: "key" },
+  stamp: { mirror: "" },
 };
 
 /** Return a tool by its name. */
@@ -205,7 +215,8 @@ export function gestureOf(editor, spots, { erases = false, ...modifiers } = {}) 
 
 /** Send a message; if there is none, select what is where one clicked. */
 export function sendOrSelect(editor, spots, message) {
-  if (message !== null) editor.send(message);
+  if (message?.do === "lift") copy(editor, message.cells);
+  else if (message !== null) editor.send(message);
   else if (cellsAlong(spots).length === 1) selectAt(editor, spots[0]);
 }
 
@@ -219,7 +230,7 @@ export function selectAt(editor, spot) {
 /** Return what a drag from a spot moves, or null. Start and exit are moved by every tool for cells. */
 export function takenAt(editor, spot, tool = toolNamed(editor.tool)) {
   if (tool.name === "select") return pickedAt(editor, spot);
-  if (["erase", "warp", "path"].includes(tool.name) || (tool.builds && spot.side !== null)) return null;
+  if (["erase", "warp", "path", "stamp"].includes(tool.name) || (tool.builds && spot.side !== null)) return null;
   return thingsAt(editor, { ...spot, side: null }).find(({ kind }) => kind === "start" || kind === "exit") ?? null;
 }
 
@@ -251,7 +262,8 @@ function painted(editor, tool, spots, { rectangle = false, fill = false }) {
   if (fill && !tool.isSingle) return { do: "fill", ...paint, at: cells[0] };
   if (tool.isSingle)
     return { do: "paint", ...paint, cells: cells.slice(-1), ...(rectangle && tool.isMore ? { add: true } : {}) };
-  if (rectangle || tool.isRectangle) return { do: "paint", ...paint, cells: cornersOf(editor, spots), rectangle: true };
+  if (rectangle || tool.isRectangle)
+    return { do: "paint", ...paint, cells: cornersBetween(editor, spots), rectangle: true };
   return { do: "paint", ...paint, cells };
 }
 
@@ -277,9 +289,15 @@ function warped(editor, tool, spots) {
 }
 
 function walked(editor, tool, spots, { rectangle }) {
-  if (rectangle) return { do: "path", cells: cornersOf(editor, spots), rectangle };
+  if (rectangle) return { do: "path", cells: cornersBetween(editor, spots), rectangle };
   const cells = insideOf(editor, cellsAlong(spots));
   return cells.length < 2 ? null : { do: "path", cells };
+}
+
+function copied(editor, tool, spots) {
+  const isClick = cellsAlong(spots).length === 1;
+  if (isClick && editor.region !== null) return { do: "stamp", at: spots[0].cell, ...editor.options.stamp };
+  return { do: "lift", cells: cornersBetween(editor, spots) };
 }
 
 /**
@@ -295,7 +313,7 @@ function insideOf(editor, cells) {
   return cells.filter(([x, y]) => x >= 0 && y >= 0 && x < width && y < height);
 }
 
-function cornersOf(editor, spots) {
+function cornersBetween(editor, spots) {
   const size = sizeOf(editor);
   return [spots[0], spots.at(-1)].map(({ at }) =>
     at.map((place, axis) => Math.min(size[axis] - 1, Math.max(0, Math.floor(place)))),
