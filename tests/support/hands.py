@@ -97,6 +97,9 @@ class Pointing(Hand):
         return box["x"] + (margin + CELL * x) * scale, box["y"] + (margin + CELL * y) * scale
 
     def choose(self, tool: str) -> None:
+        sheet = self.page.locator(".tool-sheet")
+        if sheet.is_visible():
+            self.press(sheet)
         self.press(self.page.locator(f"[data-tool={tool}]"))
 
     def draw_wall(self, at: tuple[int, int], side: str, length: int = 1) -> None:

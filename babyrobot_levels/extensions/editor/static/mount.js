@@ -33,7 +33,7 @@ const LAYOUT = `
 <div class="history" role="group" aria-label="History"></div>
 <div class="files" role="group" aria-label="File"></div>
 </section>
-<div class="tools" data-part="tools" role="toolbar" aria-label="Tools" aria-orientation="vertical"></div>
+<div class="tools" popover data-part="tools" role="toolbar" aria-label="Tools" aria-orientation="vertical"></div>
 <section class="board" aria-label="Picture">
 <div class="options"></div>
 <div class="view">
@@ -95,7 +95,7 @@ export function mount(place, connection, style = "") {
   new PolicyDrawing(editor, find("policy"));
   const sets = offerSets(editor, find("answers"));
   new Rail(editor, find("tools"));
-  new Options(editor, find("options"));
+  new Options(editor, find("options"), find("tools"));
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
   new Panels(editor, find("tabs"), find("panels"));
   find("zoom").append(

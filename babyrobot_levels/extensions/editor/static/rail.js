@@ -59,7 +59,10 @@ export class Rail {
           "aria-keyshortcuts": key,
           "data-tool": name,
         },
-        () => editor.choose(name),
+        () => {
+          editor.choose(name);
+          place.hidePopover();
+        },
       ),
     );
     this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) =>
@@ -68,8 +71,7 @@ export class Rail {
         () => editor.toggle(name),
       ),
     );
-    const line = html("span", { class: "divider", role: "separator" });
-    place.append(...this.tools, line, ...this.modifiers);
+    place.append(...this.tools, ...this.modifiers);
     place.addEventListener("keydown", (event) => this.step(event));
     editor.on("tool", () => this.show());
     editor.on("mode", () => place.toggleAttribute("inert", editor.mode !== "edit"));
@@ -101,24 +103,33 @@ export class Rail {
 
 /** What the tool at hand draws, in words, with the fields that can be chosen beforehand. */
 export class Options {
-  constructor(editor, place) {
+  constructor(editor, place, tools) {
     this.editor = editor;
     this.place = place;
+    this.tools = tools;
     editor.on("tool", () => this.show());
     this.show();
+  }
+
+  /** Return the button that opens the tools where they are a sheet. */
+  sheet({ icon, title }) {
+    const button = toolButton({ icon, text: title, class: "tool-sheet", title: "Tools" });
+    button.popoverTargetElement = this.tools;
+    return button;
   }
 
   show() {
     const { tool } = this.editor;
     if (this.shown === tool) return this.refresh();
     this.shown = tool;
-    const { title, hint: told } = toolNamed(tool);
+    const { icon, title, hint: told } = toolNamed(tool);
     const hint = tapped(told);
     const fields =
       { glass: () => this.glass(), area: () => this.area(), item: () => this.item(), stamp: () => this.mirrors() }[
         tool
       ]?.() ?? [];
     this.place.replaceChildren(
+      this.sheet({ icon, title }),
       html("strong", {}, title),
       ...fields,
       html("span", { class: "hint", title: hint }, hint),
