@@ -7,7 +7,7 @@ EXTENSION = Extension(
     commands={
         "play": Command(
             "Look and play",
-            "babyrobot_levels.extensions.play.commands:play",
+            "babyrobot_levels.extensions.play.commands.play:play",
             "Play a level in the terminal.",
             limited=True,
         )

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.mdp.grid import door_name, door_sides
 from babyrobot_levels.render.words.rules import spoken
 
@@ -51,6 +52,34 @@ def happenings(
     yield from changes(level, then, now)
     if hit:
         yield f"The {hitter(level, mdp, before, action, after)} hits the robot!"
+
+
+def moves_of_team(level: GridWorld, before: int, action: int, after: int) -> Iterator[str]:
+    """Yield what each of several robots did in a step, a sentence each.
+
+    Args:
+        level: the level.
+        before: the state before the step, as in `level.compile()`.
+        action: the joint action.
+        after: the state after it.
+    """
+    mdp = level.compile()
+    then, now = (level.configuration(mdp.configuration(state)) for state in (before, after))
+    starts, ends = (mdp.cell(before), *then.robots), (mdp.cell(after), *now.robots)
+    actions = mdp.robot_actions(action).tolist()
+    for number, robot in enumerate(level.robots):
+        if then.arrived[number]:
+            continue
+        way, (x, y), end = Action(actions[number]), starts[number], ends[number]
+        side = way.name.lower()
+        dx, dy = DELTAS.get(way, (0, 0))
+        if end == (x, y):
+            told = "waits" if way is Action.STAY else f"cannot move {side}"
+        else:
+            told = f"moves {side}" if end == (x + dx, y + dy) else f"comes to {show_cell(end)}"
+        home = ", and has arrived" if now.arrived[number] else ""
+        name = spoken([robot.name])
+        yield f"{name[:1].upper()}{name[1:]} {told}{home}."
 
 
 def changes(level: GridWorld, then: Configuration, now: Configuration) -> Iterator[str]:

@@ -1,23 +1,16 @@
-"""`babyrobot play`: a level in the terminal, played with the arrow keys."""
+"""The game in the terminal: its state, and the screen that shows it."""
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 import babyrobot_levels as brl
-from babyrobot_levels.cli.console import fail, note, speaks_unicode, value_option, write
-from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
-from babyrobot_levels.cli.reporting import STANDARD_INPUT
-from babyrobot_levels.extensions.play.keyboard import NextKey, keyboard
+from babyrobot_levels.cli.console import fail, speaks_unicode, styled
 from babyrobot_levels.mdp.actions import Action, Turn
-from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.render.terminal import colors_of
 from babyrobot_levels.render.words.happenings import bump, changes, hitter
 from babyrobot_levels.render.words.phrases import counted, with_limit
@@ -26,12 +19,7 @@ from babyrobot_levels.text.source import printable
 if TYPE_CHECKING:
     import os
 
-
-PlayActions = Literal["all", "turns"]
-"""The actions with which a level can be played."""
-
-
-_MOVES = {
+MOVES = {
     **dict.fromkeys(("up", "w"), Action.NORTH),
     **dict.fromkeys(("right", "d"), Action.EAST),
     **dict.fromkeys(("down", "s"), Action.SOUTH),
@@ -43,109 +31,18 @@ _TURNS = {
     **dict.fromkeys(("right", "d"), Turn.RIGHT),
     **dict.fromkeys(("up", "w"), Turn.FORWARD),
 }
-_HINT, _UNDO, _RESTART, _QUIT = ("h", "?"), ("u", "z"), "r", ("q", "\x04")
-_ALL_SCREEN, _SCREEN_AS_IT_WAS = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
-_Style = dict[str, Any]
-_BOLD: _Style = {"bold": True}
-_DIM: _Style = {"dim": True}
-_WARNING: _Style = {"fg": "yellow"}
-_GOOD: _Style = {"fg": "green", "bold": True}
+Style = dict[str, Any]
+"""How a line is shown, as `styled` takes it."""
+
+_BOLD: Style = {"bold": True}
+DIM: Style = {"dim": True}
+WARNING: Style = {"fg": "yellow"}
+GOOD: Style = {"fg": "green", "bold": True}
 MAX_SOLVED = 5_000
 """The most states of a level that is solved without being asked for."""
 
-_LOOK_AGAIN = 0.25
-"""Seconds without a key after which the size of the window is checked."""
 
-
-def play(
-    level: LevelArgument,
-    seed: Annotated[
-        int | None, value_option("N", "Random seed: the same moves have the same results.", min=0)
-    ] = None,
-    maze_seed: MazeSeedOption = None,
-    actions: Annotated[
-        PlayActions,
-        typer.Option(
-            help="What the robot can do: move to all sides, or turn left, turn right and move "
-            "forward."
-        ),
-    ] = "all",
-    record: Annotated[
-        Path | None,
-        value_option(
-            "FILE",
-            "Append each episode to this file, for example ada.brlplay: see `babyrobot replay`.",
-        ),
-    ] = None,
-) -> None:
-    """Play a level in the terminal with the arrow keys.
-
-    W, A, S and D move the robot, too. Space or a full stop lets it stay, h shows the best action, u
-    takes a step back, r restarts, q quits. A robot that turns does so with the arrow keys left and
-    right, and moves forward with up. The end tells the best average, that of an optimal policy.
-
-    Examples:
-
-      babyrobot play final-maze
-
-      babyrobot play frozen-lake --seed 7
-
-      babyrobot play first-key --actions turns
-
-      babyrobot play final-maze --record ada.brlplay
-    """
-    from babyrobot_levels.render.terminal import moves_cursor
-
-    loaded = load_level(level)
-    if level == str(STANDARD_INPUT) and moves_cursor(sys.stdout):
-        _take_keys_from_the_terminal()
-    if maze_seed is not None and not loaded.has_random_maze:
-        fail("the level's maze is not random", "leave out --maze-seed")
-    if sys.stdin is None or not (sys.stdin.isatty() and moves_cursor(sys.stdout)):
-        fail("`babyrobot play` needs a terminal", "use `babyrobot preview` to look at a level")
-    game = _Game(loaded, seed, maze_seed, record, turns=actions == "turns")
-    # A closed terminal ends the game as q does. However it ends, its last episode is recorded.
-    with closing(game), suppress(EOFError), _whole_screen(), keyboard() as next_key:
-        _play(game, next_key)
-    write(game.summary() + "\n")
-    if record is not None:
-        note(f"recorded in {record}")
-
-
-def _take_keys_from_the_terminal() -> None:
-    """Read keys from the terminal although standard input was the level."""
-    # Without a terminal, the command then reports that it needs one.
-    with suppress(OSError):
-        terminal = Path("CONIN$" if sys.platform == "win32" else "/dev/tty")
-        sys.stdin = terminal.open(encoding="utf-8")
-
-
-def _play(game: _Game, next_key: NextKey) -> None:
-    """Show the game and act on keys, until one quits."""
-    from babyrobot_levels.render.terminal import room_of
-
-    shown: tuple[int, os.terminal_size] | None = None
-    while True:
-        room = room_of(sys.stdout)
-        if shown != (game.moment, room):
-            shown = game.moment, room
-            lines = game.screen(room)
-            sys.stdout.write("\x1b[H" + "\x1b[K\r\n".join(lines) + "\x1b[K\x1b[J")
-            sys.stdout.flush()
-        key = (next_key(_LOOK_AGAIN) or "").lower()
-        if key in _QUIT:
-            return
-        if key == _RESTART:
-            game.begin()
-        elif key in _HINT:
-            game.hint()
-        elif key in _UNDO:
-            game.undo()
-        elif key in game.keys:
-            game.act(game.keys[key])
-
-
-class _Game:
+class Game:
     """The game: its state, and the screen that shows it.
 
     Attributes:
@@ -163,8 +60,8 @@ class _Game:
         turns: bool,
     ) -> None:
         self._turns = turns
-        self.keys: dict[str, int] = {**(_TURNS if turns else _MOVES)}
-        self._inner = level.make(observation="index", actions="turns" if turns else "valid")
+        self.keys = self._make_keys()
+        self._inner = self._make(level)
         self._recorder = None if record is None else _recorded(self._inner, record)
         self._env = self._recorder or self._inner
         self._options = {} if maze_seed is None else {"maze_seed": maze_seed}
@@ -176,12 +73,17 @@ class _Game:
         self._use(self._env.get_wrapper_attr("level"))
         self.begin(seed)
 
+    def _make_keys(self) -> dict[str, Any]:
+        return {**(_TURNS if self._turns else MOVES)}
+
+    def _make(self, level: brl.Level) -> Any:
+        return level.make(observation="index", actions="turns" if self._turns else "valid")
+
     def _use(self, level: brl.Level) -> None:
         """Set the level of the episode: one with a random maze has others."""
         from babyrobot_levels.render.text import TextPainter
         from babyrobot_levels.render.words.describe import goal_of
 
-        check_one_robot(level, "games in the terminal")
         self._goal, self._best = goal_of(level), ""
         self._policy: list[int] | None = None
         self._level, self._painter = level, TextPainter(level, plain=not self._unicode)
@@ -203,22 +105,22 @@ class _Game:
         if level is not self._level:
             self._use(level)
         self._enter(state)
-        self._taken: list[int] = []
+        self._taken: list[Any] = []
         self._reward, self._return = 0.0, 0.0
         self._end, self._is_hinted = "", False
-        self._say(self._goal, _DIM)
+        self._say(self._goal, DIM)
 
     def _enter(self, state: int) -> None:
         """Set the state and what it means."""
         self._state, self._now = state, self._level.configuration(self._mdp.configuration(state))
 
-    def act(self, action: int) -> None:
-        """Take an action, if the episode is not over."""
+    def act(self, choice: Any) -> None:
+        """Take the choice of a key, if the episode is not over."""
         if not self._end:
-            self._take(action, self._env)
+            self._take(choice, self._env)
 
-    def _take(self, action: int, env: Any) -> None:
-        possible, before, then = self._mask[action], self._state, self._now
+    def _take(self, action: Any, env: Any) -> None:
+        before, then, mask = self._state, self._now, self._mask
         state, reward, over, late, info = env.step(action)
         self._enter(state)
         self._reward = float(reward)
@@ -226,30 +128,44 @@ class _Game:
         self._return += self._reward * self._level.discount**self._steps
         self._taken.append(action)
         self._is_hinted = False
-        level = self._level
-        told = list(changes(level, then, self._now))
+        told = list(changes(self._level, then, self._now))
+        style = WARNING if info.get("hit") else {}
         if info.get("hit"):
-            told.insert(0, f"The {hitter(level, self._mdp, before, action, state)} hits the robot!")
-        style = _WARNING if info.get("hit") else {}
-        if over and not info.get("hit") and self._is_at_exit():
-            self._end, style = "reached the exit", _GOOD
-            told = ["The exit! Well done."]
+            told.insert(0, self._blow(before, action))
+        won = self._won() if over and not info.get("hit") else None
+        if won is not None:
+            (self._end, sentence), style = won, GOOD
+            told = [f"{sentence} Well done."]
         elif over:
-            self._end, style = "ended", _WARNING
+            self._end, style = "ended", WARNING
             told.append("The episode is over.")
         elif late:
-            self._end, style = "ran out of steps", _WARNING
+            self._end, style = "ran out of steps", WARNING
             told.append("No steps left.")
-        elif info["skidded"]:
-            style = _WARNING
-            told.insert(0, "Whoops, the robot skids!")
-        elif not possible:
-            style = _WARNING
-            told.insert(0, bump(level, self._mdp, before, self._move(before, action), then))
-        elif not info["target_reached"]:
-            style = _WARNING
-            told.insert(0, "The glass throws the robot back.")
+        elif moved := self._moved(before, action, then, mask, info):
+            style = style or self._moved_style
+            told.insert(0, moved)
         self._say(" ".join(told), style)
+
+    _moved_style = WARNING
+    """How it is told that moves had another end than usual."""
+
+    def _moved(self, before: int, action: Any, then: Any, mask: Any, info: dict[str, Any]) -> str:
+        """Return what is to be told of a move; nothing of one that went where it should."""
+        if info["skidded"]:
+            return "Whoops, the robot skids!"
+        if not mask[action]:
+            return bump(self._level, self._mdp, before, self._move(before, action), then)
+        return "" if info["target_reached"] else "The glass throws the robot back."
+
+    def _blow(self, before: int, action: Any) -> str:
+        """Return who hit the robot in a step, as a sentence."""
+        name = hitter(self._level, self._mdp, before, self._number(action), self._state)
+        return f"The {name} hits {'a' if self._level.robots else 'the'} robot!"
+
+    def _number(self, action: Any) -> int:
+        """Return the number of an action in the tables."""
+        return int(self._inner.unwrapped.action_number(action))
 
     @property
     def _steps(self) -> int:
@@ -262,28 +178,32 @@ class _Game:
 
     def hint(self) -> None:
         """Tell the best action, and count that it was asked for."""
-        from babyrobot_levels.analysis.solver.results import action_names
-
         policy = self._solved()
         action = policy[self._state] if policy and not self._end else -1
         if action < 0:
             why = "the episode has ended" if self._end else "no policy is the best here"
-            self._say(f"There is no hint: {why}.", _DIM)
+            self._say(f"There is no hint: {why}.", DIM)
             return
         self._hints += not self._is_hinted
         self._is_hinted = True
         if self._recorder is not None:
             self._recorder.hints = self._hints
+        self._say(f"Hint: {self._advice(action)}.", GOOD)
+
+    def _advice(self, action: int) -> str:
+        """Return an action of the tables in words."""
+        from babyrobot_levels.analysis.solver.results import action_names
+
         name = action_names("turns" if self._turns else "all")[action]
         told = name if name == "stay" else f"turn {name}" if self._turns else f"move {name}"
-        self._say(f"Hint: {told.replace('turn forward', 'move forward')}.", _GOOD)
+        return told.replace("turn forward", "move forward")
 
     def undo(self) -> None:
         """Go back to before the last action; the same action will have the same outcome again."""
         if not self._taken:
-            self._say("There is no action to undo.", _DIM)
+            self._say("There is no action to undo.", DIM)
         elif self._is_final:
-            self._say("The episode is recorded as it ended.", _DIM)
+            self._say("The episode is recorded as it ended.", DIM)
         else:
             *taken, _ = self._taken
             # An episode follows from its random numbers and actions.
@@ -294,8 +214,12 @@ class _Game:
             self._undone += 1
             if self._recorder is not None:
                 self._recorder.take_back()
-            x, y = self._mdp.cell(self._state)
-            self._say(f"Undone: back at [{x}, {y}] after {counted(self._steps, 'step')}.", _DIM)
+            after = f"after {counted(self._steps, 'step')}"
+            self._say(f"Undone: back at {self._place()} {after}.", DIM)
+
+    def _place(self) -> str:
+        x, y = self._mdp.cell(self._state)
+        return f"[{x}, {y}]"
 
     def _solved(self) -> list[int]:
         """Return the optimal action of each state; none if the level has no solution."""
@@ -328,8 +252,12 @@ class _Game:
         """Return the move that an action is: forward is the one in the robot's direction."""
         return self._mdp.heading(state) + Action.NORTH if self._turns else action
 
-    def _is_at_exit(self) -> bool:
-        return self._now.exit_is_open and self._mdp.cell(self._state) in self._now.exits
+    def _won(self) -> tuple[str, str] | None:
+        """Return how an episode that is over was won, for the summary and for the message."""
+        now = self._now
+        if now.exit_is_open and self._mdp.cell(self._state) in now.exits:
+            return "reached the exit", "The exit!"
+        return ("covered all targets", "All targets are covered!") if now.is_solved else None
 
     def _status(self) -> str:
         """Return what is held and on; nothing for a level without such things."""
@@ -360,7 +288,7 @@ class _Game:
             *(self._styled("   ".join(each), {}, room) for each in (facts, self._result()) if each),
             *([self._styled(status, {}, room)] if status else []),
             self._styled(*self._message, room),
-            self._styled(self._keys(room.columns - 2), _DIM, room),
+            self._styled(self._keys(room.columns - 2), DIM, room),
         ]
         size = type(room)((room.columns - 2, max(1, room.lines - len(above) - len(below))))
         heading = self._mdp.heading(self._state) if self._turns else None
@@ -382,17 +310,8 @@ class _Game:
 
     def _keys(self, width: int) -> str:
         """Return what the keys do, in the longest of the forms that fit."""
-        dot, arrows = (" · ", "←↑↓→") if self._unicode else (", ", "arrows")
-        turns, forward = ("←→", "↑") if self._unicode else ("left, right", "up")
-        long, short = (
-            [f"{turns} or AD turn", f"{forward} or W moves", "h hints"],
-            [f"{turns} turn", f"{forward} moves", "h hint"],
-        ) if self._turns else (
-            [f"{arrows} or WASD move", "space stays", "h hints"],
-            [f"{arrows} move", "h hint"],
-        )  # fmt: skip
-        if self._end:
-            long = short = []
+        dot = " · " if self._unicode else ", "
+        long, short = ([], []) if self._end else self._moving_keys()
         undo = [] if self._is_final else ["u undo"]
         rest = [*undo, "r restart", "q quits"]
         forms = (
@@ -402,20 +321,29 @@ class _Game:
         )
         return next((form for form in forms if len(form) <= width), forms[-1])
 
+    def _moving_keys(self) -> tuple[list[str], list[str]]:
+        """Return what the keys of actions do, at length and in brief."""
+        arrows = "←↑↓→" if self._unicode else "arrows"
+        turns, forward = ("←→", "↑") if self._unicode else ("left, right", "up")
+        if self._turns:
+            long = [f"{turns} or AD turn", f"{forward} or W moves", "h hints"]
+            return long, [f"{turns} turn", f"{forward} moves", "h hint"]
+        return [f"{arrows} or WASD move", "space stays", "h hints"], [f"{arrows} move", "h hint"]
+
     def _shown(self) -> int:
         """Return the state in the numbering of the level's tables."""
         mdp = self._mdp
         return mdp.configuration(self._state) * mdp.cells + self._state % mdp.cells
 
-    def _say(self, text: str, style: _Style | None = None) -> None:
+    def _say(self, text: str, style: Style | None = None) -> None:
         """Set the message about what has just happened."""
         self._message = text, style or {}
         self.moment += 1
 
-    def _styled(self, text: str, style: _Style, room: os.terminal_size) -> str:
+    def _styled(self, text: str, style: Style, room: os.terminal_size) -> str:
         """Return a line that fits, in a style if the terminal takes colour."""
         text = " " + text[: room.columns - 2]
-        return typer.style(text, **style) if style and self._colors and text.strip() else text
+        return styled(text, **style) if style and text.strip() else text
 
 
 def _recorded(env: Any, path: Path) -> Any:
@@ -426,16 +354,3 @@ def _recorded(env: Any, path: Path) -> Any:
         fail(str(error))
     except OSError as error:
         fail(f"{path} cannot be written ({error.strerror or error})")
-
-
-@contextmanager
-def _whole_screen() -> Iterator[None]:
-    """Use the whole screen, and restore it at the end."""
-    sys.stdout.write(_ALL_SCREEN)
-    try:
-        yield
-    finally:
-        # The terminal may be closed.
-        with suppress(OSError):
-            sys.stdout.write(_SCREEN_AS_IT_WAS)
-            sys.stdout.flush()

@@ -1,0 +1,1 @@
+"""The command `play`, and its game."""

@@ -1,0 +1,47 @@
+"""Two robots in the terminal: two sets of keys, and a step once both have their action."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from support.games import DOWN, RIGHT, UP, Game
+
+import babyrobot_levels as brl
+from babyrobot_levels.agents.verify import verify_play
+
+TWO_PADS = Path(__file__).parents[3] / "examples" / "robots" / "two-pads.yaml"
+
+
+def test_two_players_share_the_keyboard(tmp_path: Path) -> None:
+    with Game(tmp_path, str(TWO_PADS), "--seed", "1", "--record", "a.brlplay") as game:
+        assert "WASD red · ←↑↓→ blue" in game.until("Move all robots to the exit. And red?")
+        game.press(RIGHT)
+        game.until("blue: east. And red?")
+        # Until both have chosen, a choice can be changed, or taken back.
+        game.press(DOWN + b"u")
+        game.until("And red?")
+        game.press(b"h")
+        game.until("Hint: red east, blue east.")
+        game.press(b"d" + RIGHT)
+        told = game.until("The pad is covered.")
+        assert "Red moves east. Blue moves east." in told
+        assert "step 1 of 100   reward -2   return -2" in told
+        # The space bar is for who is asked.
+        game.press(b"d ")
+        game.until("Red moves east. Blue waits.")
+        game.press(b"s" + b" " + b"d" + b" " + b" " + RIGHT)
+        game.until("step 5 ")
+        game.press(b"w" + UP + RIGHT)
+        screen = game.until("All have arrived! Well done.")
+        assert "best average -10 within 100 steps   help: 1 hint" in screen
+        game.press(b"q")
+        assert game.ended()[1].startswith("two-pads: arrived after 7 steps, return -1")
+    (play,) = brl.read_plays(tmp_path / "a.brlplay")
+    assert (play.end, play.steps, verify_play(play).fault) == ("terminated", 7, None)
+
+
+def test_a_team_does_not_turn(tmp_path: Path) -> None:
+    with Game(tmp_path, str(TWO_PADS), "--actions", "turns") as game:
+        status, told = game.ended()
+    assert status == 2
+    assert "the robots of a team do not turn" in told
