@@ -112,6 +112,7 @@ from .extensions.scoring.novelty import NoveltyArchive as NoveltyArchive
 from .extensions.scoring.play_grades import Defect as Defect
 from .extensions.scoring.play_grades import Grade as Grade
 from .extensions.scoring.results import LevelScore as LevelScore
+from .extensions.scoring.results import PooledScore as PooledScore
 from .extensions.scoring.results import Scores as Scores
 from .extensions.scoring.results import improvement as improvement
 from .extensions.scoring.results import summary as summary

@@ -136,6 +136,37 @@ class LevelScore(Telling, public=True):
         return self.share + (returns - self.expected_return) / way
 
 
+@dataclass(frozen=True, slots=True)
+class PooledScore(Telling, public=True):
+    """The score of an agent that is put into one of several levels, and not told into which.
+
+    All levels are equally likely.
+
+    Attributes:
+        expected_return: the expected return of the agent: the mean over the levels.
+        optimum: that of one who sees everything, and so knows in which level it is.
+        random: that of the random policy.
+        knowable: the best expected return of any agent that observes what this one does, remembers
+            it, and knows the levels, but not in which it is; an upper bound of it where it is not
+            found exactly.
+    """
+
+    expected_return: float
+    optimum: float
+    random: float
+    knowable: float
+
+    @property
+    def share(self) -> float:
+        """How much of the way from the random policy to `optimum` the agent covers."""
+        return share(self.expected_return, self.random, self.optimum)
+
+    @property
+    def knowable_share(self) -> float:
+        """How much of the way from the random policy to `knowable` it covers."""
+        return share(self.expected_return, self.random, self.knowable)
+
+
 Row = TypeVar("Row", bound=Any)
 """A dataclass."""
 
@@ -195,15 +226,21 @@ class Scores(Table[LevelScore], public=True):
 
     ROW = LevelScore
 
-    def __init__(self, scores: Sequence[LevelScore], played: Sequence[Played] = ()) -> None:
+    def __init__(
+        self,
+        scores: Sequence[LevelScore],
+        played: Sequence[Played] = (),
+        knowable: float | None = None,
+    ) -> None:
         """Make scores.
 
         Args:
             scores: that of each level.
             played: the episodes in each level, if there were any.
+            knowable: what can be expected in one of the levels, if that was asked for.
         """
         super().__init__(scores)
-        self._played = tuple(played)
+        self._played, self._knowable = tuple(played), knowable
 
     def _part(self, rows: slice) -> Scores:
         return Scores(self._rows[rows], self._played[rows])
@@ -229,10 +266,21 @@ class Scores(Table[LevelScore], public=True):
         """The scores of all levels in a few numbers."""
         return summary(self)
 
+    @property
+    def pooled(self) -> PooledScore | None:
+        """The score in one of the levels, of who is not told in which; None if not asked for."""
+        if self._knowable is None:
+            return None
+        rows = [(each.expected_return, each.optimum, each.random) for each in self]
+        earned, optimum, chance = np.mean(rows, axis=0).tolist()
+        return PooledScore(earned, optimum, chance, self._knowable)
+
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
+        pooled = {} if self.pooled is None else {"pooled": json_mapping(asdict(self.pooled))}
         return {
             "summary": json_mapping(asdict(self.summary)),
+            **pooled,
             "levels": [json_mapping(asdict(score)) for score in self],
         }
 

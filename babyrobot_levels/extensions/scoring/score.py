@@ -4,7 +4,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -64,7 +64,7 @@ def score(
     record: str | os.PathLike[str] | None = None,
     positive_advantage: bool = False,
     cvar: float | None = None,
-    knowable: bool = False,
+    knowable: bool | Literal["suite"] = False,
     **options: Any,
 ) -> Scores:
     """Return the scores of an agent: its expected return in each level, beside the best one.
@@ -114,7 +114,8 @@ def score(
             simulated episodes; this can take a second for each level.
         knowable: whether to find the best that can be expected of any agent that observes what this
             one does, of an agent that observes, reads or has a memory; this can take seconds for
-            each level.
+            each level. `"suite"`: of any that is not told in which of the levels it is, as
+            `pooled` of the result.
         options: the other options of the observation.
 
     Raises:
@@ -153,6 +154,8 @@ def score(
         raise ValueError("positive_advantage and cvar are for agents without memory: tables")
     if cvar is not None and not 0 < cvar <= 1:
         raise ValueError(f"cvar must be above 0 and at most 1, not {cvar!r}")
+    if knowable not in (False, True, "suite"):
+        raise ValueError(f"knowable must be True, False or 'suite', not {knowable!r}")
     if knowable and isinstance(taken, Table):
         raise ValueError("knowable is for agents that observe: this one is a table of all states")
     best = _best(problems)
@@ -174,12 +177,17 @@ def score(
     ]
     for number, policy in enumerate(policies):
         rows[number] = _with_more(rows[number], problems[number], policy, positive_advantage, cvar)
+    together = None
     if knowable:
         seen: dict[str, Any] = {"sight": observation, **options}
         if sight is not None:
             seen = {"sight": f"text-{sight}"}
-        rows = [_known(row, each, seen) for row, each in zip(rows, problems, strict=True)]
-    scores = Scores(rows, played)
+        if knowable == "suite":
+            together = _knowable(problems, discount, seen)
+        else:
+            pairs = zip(rows, problems, strict=True)
+            rows = [replace(row, knowable=_knowable([each], discount, seen)) for row, each in pairs]
+    scores = Scores(rows, played, together)
     if scores.notice is not None and sight is None:
         warn(scores.notice)
     return scores
@@ -274,17 +282,18 @@ MOST_BELIEFS = 10_000
 """So many beliefs are explored for what can be known of a level."""
 
 
-def _known(row: LevelScore, problem: _Problem, seen: dict[str, Any]) -> LevelScore:
-    """Return a row with what can be expected at most of an agent that observes something."""
-    found = solve(
-        problem.level,
-        problem.discount,
-        actions=problem.space.actions,
-        within=problem.limit,
-        beliefs=MOST_BELIEFS,
-        **seen,
-    )
-    return replace(row, knowable=found.upper)
+def _knowable(problems: Sequence[_Problem], discount: float | None, seen: dict[str, Any]) -> float:
+    """Return what can be expected at most of an agent that observes something, in one of levels.
+
+    Raises:
+        ValueError: the levels have several limits.
+    """
+    limits = {each.limit for each in problems}
+    if len(limits) > 1:
+        raise ValueError("the levels have several max_steps; give a number of steps: `within`")
+    levels, how = [each.level for each in problems], {"actions": problems[0].space.actions}
+    found = solve(levels, discount, within=limits.pop(), beliefs=MOST_BELIEFS, **how, **seen)
+    return float(found.upper)
 
 
 def _arguments(

@@ -151,6 +151,29 @@ def test_a_score_of_a_reader_is_set_beside_what_its_texts_tell() -> None:
     assert row.knowable <= row.optimum
 
 
+def test_what_can_be_known_in_one_of_several_levels_is_less_than_in_each() -> None:
+    mazes = brl.load_suite("small-mazes").split("test")[:10]
+    how: Any = {"actions": "moves", "within": 40}
+    best = brl.solve(list(mazes), sight="position", **how)
+    scores = brl.score(mazes, best.policy(), episodes=100, knowable="suite", **how)
+    pooled = scores.pooled
+    assert pooled is not None
+    assert pooled.knowable == pytest.approx(best.upper)
+    assert pooled.expected_return == pytest.approx(pooled.knowable)
+    assert pooled.knowable < pooled.optimum - 0.5
+    assert pooled.share < 0.998
+    assert pooled.knowable_share == pytest.approx(1)
+    assert scores.to_dict()["pooled"]["knowable"] == pooled.knowable
+    assert brl.score(mazes, best.policy(), episodes=100, **how).pooled is None
+
+
+def test_one_of_several_levels_has_one_limit() -> None:
+    with pytest.raises(ValueError, match="several max_steps"):
+        brl.score(["frozen-lake", "shell-game"], lambda place: 1, knowable="suite")
+    with pytest.raises(ValueError, match="knowable must be"):
+        brl.score("frozen-lake", lambda place: 1, knowable="all")  # type: ignore[arg-type]
+
+
 def test_a_table_of_all_states_has_no_sight() -> None:
     with pytest.raises(ValueError, match="agents that observe"):
         brl.score("frozen-lake", "best", knowable=True)

@@ -123,6 +123,14 @@ def score(
             "share of that: takes seconds for each level.",
         ),
     ] = False,
+    knowable_suite: Annotated[
+        bool,
+        flag(
+            "--knowable-suite",
+            "Find the best that any agent can expect that is put into one of these levels, and not "
+            "told into which.",
+        ),
+    ] = False,
     record: Annotated[
         Path | None,
         value_option("FILE", f"With --sight: append each episode to this file ({PLAYS})."),
@@ -182,10 +190,12 @@ def score(
         )
     if level is not None or are_plays == {True}:
         options = split, within, discount, episodes, sight, record
-        if any(each is not None for each in options) or any((stochastic, trust, chat, knowable)):
+        if any(each is not None for each in options) or any(
+            (stochastic, trust, chat, knowable, knowable_suite)
+        ):
             fail(
                 "--split, --within, --discount, --stochastic, --trust, --episodes, --sight, "
-                "--chat, --knowable and --record are for agents",
+                "--chat, --knowable, --knowable-suite and --record are for agents",
                 "leave them out: episodes are scored under the conditions under which they were "
                 "played",
             )
@@ -196,6 +206,8 @@ def score(
         return
     if Path(what[0]).is_dir() and any(Path(what[0]).rglob(f"*{PLAYS}")):
         fail(f"{what[0]} is a folder of recorded episodes", "add --level LEVEL")
+    if knowable and knowable_suite:
+        fail("--knowable and --knowable-suite are two questions", "ask one of them")
     if len(what) < 2:
         agent = RANDOM if names_levels(what[0]) else quoted(what[0])
         if agent != RANDOM:
@@ -217,7 +229,7 @@ def score(
         episodes=episodes,
         sight=sight,
         chat=chat,
-        knowable=knowable,
+        knowable="suite" if knowable_suite else knowable,
         record=record,
     )
     if scores.notice is not None and sight is None:
@@ -264,7 +276,8 @@ def _put(scores: brl.Scores, kind: TableFormat, output: Path | None, *, force: b
         has_more["of knowable"] = has_more["knowable"]
         heading = [name for name in rows[0] if has_more.get(name, True)]
         write_table(heading, [[row[name] for name in heading] for row in rows])
-        write("\n" + fact_lines({**_summary(scores), "returns": _limits(scores)}))
+        facts = {**_summary(scores), **_pooled(scores), "returns": _limits(scores)}
+        write("\n" + fact_lines(facts))
 
 
 def _written(found: brl.Scores | brl.Grades, kind: TableFormat) -> bool:
@@ -299,6 +312,17 @@ def _score_cells(row: brl.LevelScore) -> dict[str, str]:
         "invalid": short(row.invalid),
         "knowable": short(row.knowable),
         "of knowable": short(row.knowable_share),
+    }
+
+
+def _pooled(scores: brl.Scores) -> dict[str, str]:
+    """Return what can be known in one of the levels, if that was asked for."""
+    found = scores.pooled
+    if found is None:
+        return {}
+    rows = {"in one of them": found.expected_return, "knowable there": found.knowable}
+    return {name: short(value) for name, value in rows.items()} | {
+        "share of knowable": short(found.knowable_share)
     }
 
 
