@@ -13,7 +13,7 @@ import sys
 import tarfile
 import tempfile
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -133,12 +133,12 @@ def runtime_file(file: RuntimeFile, folder: Path) -> bytes:
     return data
 
 
-def numeric_wheels(folder: Path) -> dict[str, bytes]:
-    """Return the wheels of NumPy and SciPy that a folder has, by their names; none if one lacks.
+def numeric_wheels(folder: Path, libraries: Sequence[str] = LIBRARIES) -> dict[str, bytes]:
+    """Return the wheels of libraries that a folder has, by their names; none if one lacks.
 
     They may be of any version, and are not compared with what is published.
     """
-    found = [[*folder.glob(f"{name}-*-{PLATFORM}.whl")] for name in LIBRARIES]
+    found = [[*folder.glob(f"{name}-*-{PLATFORM}.whl")] for name in libraries]
     return {max(each).name: max(each).read_bytes() for each in found} if all(found) else {}
 
 

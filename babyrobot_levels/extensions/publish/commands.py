@@ -382,6 +382,17 @@ def course(
             "DIR", "Folder to build in.  [default: the folder's name with -built]", "--output", "-o"
         ),
     ] = None,
+    browser: Annotated[
+        bool, typer.Option("--browser", help="Build a page in which functions are written and run.")
+    ] = False,
+    runtime: Annotated[
+        Path | None,
+        value_option(
+            "FOLDER",
+            "Take Python for browsers from this folder.  [default: fetched by npm and pip, 8 MB]",
+            "--runtime",
+        ),
+    ] = None,
 ) -> None:
     """Begin a course, or build all that students and teachers get of it.
 
@@ -392,7 +403,9 @@ def course(
     `build` makes for students, without hidden levels and answers: a site, sheets, a pack, share
     codes, and the code with the levels; for teachers: the site and the sheets with the answers,
     autograders for Gradescope, PrairieLearn, Classroom 50 and GitHub Classroom, and pages that
-    report to a school's system (SCORM). What was built before is replaced.
+    report to a school's system (SCORM). With --browser there is a page for students who cannot
+    install anything: functions of values and policies are written and run there. What was built
+    before is replaced.
 
     Exits with status 1 if a file of the course has an error.
 
@@ -401,7 +414,10 @@ def course(
       babyrobot course new robots
 
       babyrobot course build robots -o robots-built
+
+      babyrobot course build robots --browser
     """
+    from babyrobot_levels.extensions.editor.runtime import TARBALL, RuntimeFileError
     from babyrobot_levels.extensions.publish import course as courses
 
     try:
@@ -415,7 +431,11 @@ def course(
         whole = folder.resolve()
         with working("building") as report:
             target = output or whole.with_name(f"{whole.name}-built")
-            built = courses.course(folder, target, progress=report)
+            built = courses.course(
+                folder, target, browser=browser, runtime=runtime, progress=report
+            )
+    except RuntimeFileError as error:
+        fail(str(error), f"get {TARBALL.name} from npm, and give its folder with --runtime")
     except brl.FolderError as error:
         fail(str(error), error.help)
     except brl.PackError as error:

@@ -10,6 +10,7 @@ from pathlib import Path
 from babyrobot_levels.analysis.sharing import share
 from babyrobot_levels.extensions.packs.archive import SUFFIX, PackError
 from babyrobot_levels.extensions.packs.build import Course, read_course
+from babyrobot_levels.extensions.publish.desk import write_desk
 from babyrobot_levels.extensions.publish.gallery import gallery
 from babyrobot_levels.extensions.publish.packing import pack
 from babyrobot_levels.extensions.publish.schools import (
@@ -97,6 +98,8 @@ def course(
     folder: str | os.PathLike[str],
     output: str | os.PathLike[str],
     *,
+    browser: bool = False,
+    runtime: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> BuiltCourse:
     """Make of a course all that students and teachers get.
@@ -107,12 +110,17 @@ def course(
     Args:
         folder: the folder of the course, whose `pack.yaml` lists `levels`.
         output: the folder to write to: new, empty, or made by this function.
+        browser: whether there is a page, too, in which students write the functions of values and
+            policies, and run them without installing.
+        runtime: a folder with the files of Python for browsers, which `babyrobot editor --site`
+            takes, too: then there is that page. By default, npm fetches them.
         progress: told how many of how many parts are done.
 
     Raises:
         PackError: there is no course in the folder.
         LevelError: a file of the course has errors, or a maze is random.
         FolderError: the output is a folder of something else, or inside the course.
+        RuntimeFileError: a file of Python for browsers cannot be had.
         OSError: a folder cannot be written.
     """
     found, path = read_course(folder), Path(output)
@@ -120,6 +128,9 @@ def course(
     title = found.fields.title or found.fields.name
     with written_folder(path) as new:
         parts = [*_parts(found, title, new)]
+        if browser or runtime is not None:
+            given = None if runtime is None else Path(runtime)
+            parts.append(lambda: write_desk(found, title, new / "students" / "browser", given))
         for number, make in enumerate(parts, 1):
             make()
             if progress is not None:

@@ -4,7 +4,7 @@ from babyrobot_levels.registry.manifest import Command, Extension
 
 EXTENSION = Extension(
     summary="Galleries, data sets, courses and exercise sheets.",
-    needs=("learning", "packs"),
+    needs=("editor", "learning", "packs"),
     commands={
         "sheet": Command(
             "Share",
