@@ -93,9 +93,11 @@ class Lost:
         return f"{self.field}: {self.message}"
 
     def place(self, file: str) -> str:
-        """Return what a message about it begins with: file, line and column, if it has them."""
+        """Return what a message about it begins with: file, line and column, as far as known."""
         at = self.at
-        return f"{one_line(file)}:{at.line}:{at.column}: " if isinstance(at, Position) else ""
+        if not isinstance(at, Position):
+            return f"{one_line(file)}: " if file else ""
+        return f"{one_line(file)}:{at.line}:{at.column}: "
 
 
 def on_map(lost: Iterable[Lost], rows: Sequence[Position], wide: int = 1) -> tuple[Lost, ...]:

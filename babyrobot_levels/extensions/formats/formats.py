@@ -112,7 +112,7 @@ class Format:
             whole = "\n" * (part.line - 1) + part.text
             return self.codec.read(SourceFile(source.name, whole), **keywords)
         if source.is_made:
-            return world
+            return replace(world, lost=tuple(replace(each, at=None) for each in world.lost))
         places = self.codec.places(source)
         lost = (replace(each, at=part.placed(each.at, places)) for each in world.lost)
         return replace(world, file=source.name, lost=tuple(lost))
@@ -125,6 +125,7 @@ class Format:
 
 
 _OWN = {
+    "arc": Format("task of ARC", "tasks of ARC", letters.ARC),
     "babyrobot": Format(
         "keyword setup of PyPI babyrobot", "setups of PyPI babyrobot", setups.CODEC
     ),
@@ -143,9 +144,14 @@ _OWN = {
     "karel": Format("world of Karel", "worlds of Karel", karel.CODEC),
     "ldtk": Format("level of LDtk", "LDtk's levels", ldtk.CODEC, suffixes=(".ldtk",)),
     "mettagrid": Format("map of MettaGrid", "MettaGrid's maps", letters.METTAGRID),
-    "micromouse": Format(
-        "micromouse maze", "micromouse mazes", micromouse.MICROMOUSE, suffixes=(".maz",)
+    "maz": Format(
+        "micromouse maze of 256 bytes",
+        "micromouse mazes of 256 bytes",
+        micromouse.MAZ,
+        suffixes=(".maz",),
+        written_suffixes=(".maz",),
     ),
+    "micromouse": Format("micromouse maze", "micromouse mazes", micromouse.MICROMOUSE),
     "minihack": Format("level of MiniHack", "MiniHack's levels", minihack.CODEC),
     "movingai": Format(
         "map of MovingAI", "MovingAI's maps", letters.MOVINGAI, keywords=("folder",)
@@ -308,7 +314,7 @@ def converted(level: Level, name: str, **seen: Any) -> Conversion:
     if unsaid is None:
         return conversion
     lost = (*conversion.warnings, Lost("MDP", unsaid))
-    return Conversion(conversion.text, lost, conversion.beside)
+    return replace(conversion, warnings=lost)
 
 
 def _unsaid(level: Level, conversion: Conversion, name: str) -> str | None:

@@ -4,9 +4,11 @@
 - `mettagrid`: MettaGrid's drawings with a legend, in YAML.
 - `overcooked`: the kitchens of Overcooked-AI.
 - `rware`: the layouts of RWARE's warehouses.
+- `arc`: the grids of colours of the Abstraction and Reasoning Corpus (ARC-AGI).
 - `vglc`: the dungeons of The Legend of Zelda in the Video Game Level Corpus.
 """
 
+import json
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -31,9 +33,11 @@ from babyrobot_levels.extensions.formats.conversion import (
     Part,
     World,
     file_beside,
+    integer,
     mapping,
     on_map,
     read_data,
+    sequence,
     shown,
 )
 from babyrobot_levels.extensions.formats.places import cell_of, places_of_rows
@@ -287,6 +291,58 @@ def read_rware(source: SourceFile) -> World:
 
 
 RWARE = Codec(read_rware, draws=lambda _, letters: {"x", "g"} <= letters - {" "} <= {*_WAREHOUSE})
+
+# -- arc -------------------------------------------------------------------------------------
+
+_COLORS = (
+    *("", "#0074d9", "#ff4136", "#2ecc40", "#ffdc00"),
+    *("#aaaaaa", "#f012be", "#ff851b", "#7fdbff", "#870c25"),
+)
+"""The colours of the cells 1 to 9, as ARC's own page shows them; 0 is the ground."""
+
+
+def arc_parts(source: SourceFile) -> list[Part]:
+    """Return the grids of a task: inputs and outputs of its pairs, one after the other."""
+    data = mapping(read_data(source), "the task")
+    pairs = [
+        ((name, number), mapping(pair, name))
+        for name in ("train", "test")
+        for number, pair in enumerate(sequence(data.get(name), name))
+    ]
+    return [
+        Part(json.dumps(pair[kind]), route=(*route, kind))
+        for route, pair in pairs
+        for kind in ("input", "output")
+        if kind in pair
+    ]
+
+
+def read_arc(source: SourceFile) -> World:
+    """Return the world of a grid: its colours are areas."""
+    numbers = [
+        [integer(cell, f"row {y}") for cell in sequence(row, f"row {y}")]
+        for y, row in enumerate(sequence(read_data(source), "the grid"))
+    ]
+    rows = ["".join(str(cell) for cell in row if 0 <= cell <= 9) for row in numbers]
+    text = "".join(rows)
+    if not text or {*map(len, rows), *map(len, numbers)} != {len(rows[0])}:
+        raise ConversionError("the grid must be rows of 0 to 9, all of one length")
+    x, y = cell_of(rows, "0" if "0" in text else text[0])
+    legend = {mark: {"color": _COLORS[int(mark)]} for mark in sorted({*text} - {"0"})}
+    cells = tuple(row.replace("0", d.PLAIN) for row in rows)
+    fields = {"version": 1, **drawn(replaced(cells, [(x, y)], d.START)), "legend": legend}
+    lost = (
+        Lost("task", "it is left out: the level has no exit", ()),
+        Lost("start", f"none is marked; row {y}, column {x} is used", (y, x)),
+    )
+    return World(fields, "A grid of ARC.", {}, lost)
+
+
+def _is_arc(data: Any) -> bool:
+    return isinstance(data, dict) and all(isinstance(data.get(n), list) for n in ("train", "test"))
+
+
+ARC = Codec(read_arc, holds=_is_arc, parts=arc_parts)
 
 # -- vglc ------------------------------------------------------------------------------------
 

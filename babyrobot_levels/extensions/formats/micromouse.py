@@ -143,6 +143,7 @@ def is_micromouse(source: SourceFile, _: object = None) -> bool:
 
 # -- 256 bytes -------------------------------------------------------------------------------
 
+_BYTES = "a maze of 256 bytes"
 _SIDE = 16
 _BITS = {"N": 1, "E": 2, "S": 4, "W": 8}
 _STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
@@ -182,7 +183,35 @@ def decode_maz(data: bytes) -> str | None:
     )
 
 
-MICROMOUSE = Codec(read_micromouse, write_micromouse, draws=is_micromouse, decodes=decode_maz)
+def write_maz(level: Level) -> Conversion:
+    """Return a level of 16 by 16 cells as a maze of 256 bytes, and as it is drawn.
+
+    Raises:
+        ValueError: it has another size.
+    """
+    if level.size != (_SIDE, _SIDE):
+        width, height = level.size
+        raise ValueError(f"{_BYTES} has {_SIDE} by {_SIDE} cells, not {width} by {height}")
+    lattice, lost = lattice_map(level, _BYTES, many="E")
+    bare = tuple(row.replace(d.START, d.PLAIN).replace(d.EXIT, d.PLAIN) for row in lattice)
+    contest = _with_ends(from_lattice(bare)[0], bare, [])
+    for mark, name, cells in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
+        places = {(x, y) for y, row in enumerate(contest) for x, c in enumerate(row) if c == mark}
+        if places != {*cells}:
+            lost.append(Lost(name, f"{_BYTES} has none: it is where contests have it"))
+    data = bytes(
+        sum(
+            bit
+            for side, bit in _BITS.items()
+            if lattice[y + _STEPS[side][1]][x + _STEPS[side][0]] == d.BLOCKED
+        )
+        for x, y in _places()
+    )
+    return Conversion(_text_of(bare), tuple(lost), data=data)
+
+
+MICROMOUSE = Codec(read_micromouse, write_micromouse, draws=is_micromouse)
+MAZ = Codec(read_micromouse, write_maz, decodes=decode_maz)
 
 # -- gym-maze --------------------------------------------------------------------------------
 

@@ -62,7 +62,7 @@ def decoded(data: bytes, name: str) -> SourceFile:
     for each in FORMATS.own.values():
         text = each.codec.decodes(data) if each.codec.decodes else None
         if text is not None:
-            return SourceFile(name, text)
+            return SourceFile(name, text, is_made=True)
     return source_of(data, name)
 
 

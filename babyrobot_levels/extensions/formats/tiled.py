@@ -10,7 +10,7 @@ import json
 import math
 import re
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,7 @@ from babyrobot_levels.extensions.formats.tiled_tiles import (
     CLASSES,
     FAR,
     MAX_TILES,
+    Beside,
     TileLayer,
     Tilesets,
     tile_layer,
@@ -77,8 +78,8 @@ def read_tiled(source: SourceFile, folder: Path | None = None) -> World:
 
     Args:
         source: the map.
-        folder: the folder of the map: tilesets that are files in it, or below it, are read. None
-            to read no other file.
+        folder: the folder of the map: tilesets and templates that are files in it, or below it,
+            are read. None to read no other file.
 
     Raises:
         ConversionError: it is not such a map, malformed, or larger than a level may be.
@@ -90,7 +91,7 @@ def read_tiled(source: SourceFile, folder: Path | None = None) -> World:
 class _Reader:
     def __init__(self, data: dict[str, Any], folder: Path | None):
         self.data = data
-        self.folder = folder
+        self.beside = Beside(folder)
         self.lost: list[Lost] = []
         self.found: dict[str, list[tuple[int, int]]] = {name: [] for name in CLASSES}
         self.walls: dict[Edge, dict[str, Any]] = {}
@@ -106,7 +107,7 @@ class _Reader:
         self.tile = tuple(integer(data.get(n), n) for n in ("tilewidth", "tileheight"))
         if min(self.tile) < 1:
             raise ConversionError("tilewidth and tileheight must be 1 or more")
-        tilesets = Tilesets(data.get("tilesets", []), self.folder)
+        tilesets = Tilesets(data.get("tilesets", []), self.beside)
         self.lost += tilesets.lost
         layers = list(self._layers(data.get("layers"), ("layers",)))
         tiled = {
@@ -183,6 +184,7 @@ class _Reader:
 
     def _object(self, thing: dict[str, Any], where: str, route: Route) -> None:
         label = f"{where}, object {shown(thing.get('id'))}"
+        thing = self._with_template(thing, label, route)
         if self._is_unseen(thing, label, route):
             return
         corners = list(self._corners(thing))
@@ -200,6 +202,17 @@ class _Reader:
                 message = "a part of it is not along edges of cells of the map"
                 self.lost.append(Lost(label, message, route))
             self.walls |= dict.fromkeys(edges, properties)
+
+    def _with_template(self, thing: dict[str, Any], where: str, route: Route) -> dict[str, Any]:
+        """Return an object with what its template says of it, if it has one."""
+        name = thing.get("template")
+        found = {} if name is None else self.beside.data(name, "template")
+        if isinstance(found, str):
+            self.lost.append(Lost(where, f"its template {shown(name)} {found}", route))
+            return thing
+        whole = mapping(found.get("object", {}), f"template {shown(name)}")
+        properties = (each.get("properties") or [] for each in (whole, thing))
+        return whole | thing | {"properties": [*chain.from_iterable(properties)]}
 
     def _corners(self, thing: dict[str, Any]) -> Iterator[tuple[int, int]]:
         """Yield the corners of a polyline in cells; none if one is not a corner of a cell."""

@@ -24,7 +24,7 @@ from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import read_source
-from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.words import listed
 
 MAX_TILES = 4 * MAX_SIZE**2
 """As many tiles as four layers of the largest map have."""
@@ -44,7 +44,7 @@ CLASSES = ("start", "exit", "small-puddle", "large-puddle", "blocked")
 """The classes by which tiles say what they are, in the order of the tileset."""
 
 MAX_FILES = 16
-"""How many tilesets of a map may be files of their own."""
+"""How many files a map may name: tilesets and templates."""
 
 _EMBED = "`tiled --embed-tilesets --export-map MAP NEW.tmj` writes a map that holds it"
 
@@ -140,6 +140,53 @@ def tile_layer(layer: dict[str, Any], where: str, size: tuple[int, int] | None) 
     return TileLayer(where, tuple(chunks), compression)
 
 
+# -- files beside the map --------------------------------------------------------------------
+
+_SUFFIXES = {"tileset": (".tsx", ".tsj", ".json"), "template": (".tx", ".tj", ".json")}
+
+
+class Beside:
+    """The files that a map names, in its folder or below it: a few, each of which is read once."""
+
+    def __init__(self, folder: Path | None):
+        """Take the folder of the map, None to read no files."""
+        self._folder = folder
+        self._read: dict[str, dict[str, Any] | str] = {}
+
+    def data(self, name: Any, kind: str) -> dict[str, Any] | str:
+        """Return what a file holds, or why it is not read.
+
+        Args:
+            name: its name in the map.
+            kind: what it is: `tileset` or `template`.
+
+        Raises:
+            ConversionError: it is malformed.
+        """
+        if self._folder is None or not isinstance(name, str):
+            return "is a file of its own"
+        if name not in self._read and len(self._read) == MAX_FILES:
+            return f"is one of more than {MAX_FILES} files"
+        if name not in self._read:
+            self._read[name] = self._data(self._folder, name, kind)
+        return self._read[name]
+
+    def _data(self, folder: Path, name: str, kind: str) -> dict[str, Any] | str:
+        try:
+            home, path = folder.resolve(), (folder / name).resolve()
+            if not path.is_relative_to(home):
+                return "is outside the map's folder, and is not read"
+            if path.suffix.lower() not in _SUFFIXES[kind]:
+                return f"has none of the suffixes {listed(_SUFFIXES[kind])}"
+            found = read_source(path, str(path.relative_to(home)))
+        except LevelError as error:
+            return f"cannot be read: {error.diagnostics[0].message}"
+        except (OSError, ValueError):
+            return "is not a valid file name"
+        is_json = not path.suffix.lower().endswith("x")
+        return mapping(read_data(found), one_line(name)) if is_json else data_of(found, kind)
+
+
 # -- tilesets --------------------------------------------------------------------------------
 
 
@@ -150,20 +197,18 @@ class Tilesets:
         lost: those that are not read.
     """
 
-    def __init__(self, entries: Any, folder: Path | None):
+    def __init__(self, entries: Any, beside: Beside):
         """Read them.
 
         Args:
             entries: the map's `tilesets`.
-            folder: the folder of the map: files of tilesets in it, or below it, are read. None to
-                read no files.
+            beside: the files beside the map.
 
         Raises:
             ConversionError: one of them is malformed.
         """
         self.lost: list[Lost] = []
-        self._folder = folder
-        self._files = 0
+        self._beside = beside
         found = sorted(self._read(entries), key=lambda entry: entry[0])
         self._firsts = [first for first, _ in found]
         self._classes = [classes for _, classes in found]
@@ -185,33 +230,12 @@ class Tilesets:
 
     def _from_file(self, name: Any, where: str) -> dict[int, str]:
         """Return the classes of a tileset in a file, none if it is not read."""
-        found = self._file(name)
+        found = self._beside.data(name, "tileset")
         if isinstance(found, str):
             message = f"{shown(name)} {found}; {_EMBED}"
             self.lost.append(Lost(where, message, route_of(where)))
             return {}
-        if found.name.lower().endswith((".tsj", ".json")):
-            return _classes(mapping(read_data(found), one_line(found.name)), one_line(found.name))
-        return _classes(data_of(found, "tileset"), one_line(found.name))
-
-    def _file(self, name: Any) -> SourceFile | str:
-        """Return the file of a tileset, or why it is not read."""
-        if self._folder is None or not isinstance(name, str):
-            return "is a file of its own"
-        self._files += 1
-        if self._files > MAX_FILES:
-            return f"is one of more than {MAX_FILES} files"
-        try:
-            home, path = self._folder.resolve(), (self._folder / name).resolve()
-            if not path.is_relative_to(home):
-                return "is outside the map's folder, and is not read"
-            if path.suffix.lower() not in (".tsj", ".json", ".tsx"):
-                return "has none of the suffixes .tsx, .tsj and .json"
-            return read_source(path, str(path.relative_to(home)))
-        except LevelError as error:
-            return f"cannot be read: {error.diagnostics[0].message}"
-        except (OSError, ValueError):
-            return "is not a valid file name"
+        return _classes(found, one_line(name))
 
 
 def _classes(tileset: dict[str, Any], where: str) -> dict[int, str]:

@@ -24,11 +24,11 @@ _TEXTS = ("name", "class", "type", "source", "orientation", "encoding", "compres
 
 
 def data_of(source: SourceFile, root: str) -> dict[str, Any]:
-    """Return a map or a tileset in XML as Tiled writes it in JSON.
+    """Return a map, a tileset or a template in XML as Tiled writes it in JSON.
 
     Args:
         source: the text.
-        root: its outermost element: `map` or `tileset`.
+        root: its outermost element: `map`, `tileset` or `template`.
 
     Raises:
         ConversionError: it is malformed, or another element.
@@ -36,7 +36,7 @@ def data_of(source: SourceFile, root: str) -> dict[str, Any]:
     element = read_xml(source)
     if element.tag != root:
         raise ConversionError(f"{shown(source.name)} is not a {root} of Tiled")
-    return _tileset(element) if root == "tileset" else _map(element)
+    return {"map": _map, "tileset": _tileset, "template": _template}[root](element)
 
 
 def places_of(source: SourceFile) -> Callable[[Route], Position]:
@@ -102,6 +102,11 @@ def _tileset(element: Element) -> dict[str, Any]:
     return _attributes(element) | {
         "tiles": [_attributes(each) for each in element.iterfind("tile")]
     }
+
+
+def _template(element: Element) -> dict[str, Any]:
+    found = element.find("object")
+    return {} if found is None else {"object": _object(found)}
 
 
 def _layers(element: Element) -> list[dict[str, Any]]:

@@ -23,7 +23,8 @@ from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 
-WRITTEN = [name for name, each in FORMATS.items() if each.is_written]
+WRITTEN = [name for name, each in FORMATS.items() if each.is_written and name != "maz"]
+"""The formats that levels of all sizes are written in."""
 
 GALLERY = [info.name for info in brl.levels() if not brl.load(info.name).has_random_maze]
 

@@ -41,7 +41,7 @@ def test_what_is_read_and_not_written() -> None:
     read_only = [name for name, each in FORMATS.items() if not each.is_written]
     others = ["gym-maze", "karel", "ldtk", "mettagrid"]
     others += ["minihack", "overcooked", "rware", "vglc"]
-    assert read_only == ["babyrobot", "drawing", *others]
+    assert read_only == ["arc", "babyrobot", "drawing", *others]
     with pytest.raises(ValueError, match="not written as a keyword setup"):
         FORMATS["babyrobot"].write(brl.load("maze"))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -180,6 +181,28 @@ def test_maps_that_no_file_has_room_for_are_refused_at_once() -> None:
         world_of(f"type tile\nheight 300\nwidth 600\nmap\n{board}\n", "movingai")
     with pytest.raises(ConversionError, match="2000 by 2; a level is at most 1024"):
         world_of("xg" * 1000 + "\n" + ".." * 1000, "rware")
+
+
+# -- ARC -------------------------------------------------------------------------------------
+
+
+def test_each_grid_of_a_task_is_a_level() -> None:
+    pair = {"input": [[0, 3], [3, 0]], "output": [[3, 3, 9]]}
+    source = SourceFile("a.json", json.dumps({"train": [pair], "test": [{"input": [[5]]}]}))
+    assert guess(source) == ["arc"]
+    sizes = [(2, 2), (3, 1), (1, 1)]
+    levels = [level_of_world(FORMATS["arc"].read(source, number=n)) for n in (1, 2, 3)]
+    assert [level.size for level in levels] == sizes
+    assert [[area.at, area.color] for area in levels[0].areas] == [
+        [(1, 0), "#2ecc40"],
+        [(0, 1), "#2ecc40"],
+    ]
+
+
+@pytest.mark.parametrize("grid", ["[]", "[[]]", "[[1], [1, 2]]", "[[10]]", "[[-1]]", "[[true]]"])
+def test_other_grids_are_refused(grid: str) -> None:
+    with pytest.raises(ConversionError):
+        world_of(f'{{"train": [{{"input": {grid}}}], "test": []}}', "arc")
 
 
 # -- Karel -----------------------------------------------------------------------------------

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from support.conversions import level_of_world, lost_fields, world_of
 
 import babyrobot_levels as brl
@@ -10,6 +14,7 @@ from babyrobot_levels.extensions.formats.conversion import ConversionError
 from babyrobot_levels.extensions.formats.formats import export
 from babyrobot_levels.extensions.formats.micromouse import decode_maz
 from babyrobot_levels.extensions.formats.reading import guess
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 
 MAZE = """\
@@ -143,6 +148,30 @@ def test_further_bits_are_the_mouses_own() -> None:
 @pytest.mark.parametrize("data", [b"", b"\x0e" * 255, b"a" * 256])
 def test_other_bytes_are_no_maze(data: bytes) -> None:
     assert decode_maz(data) is None
+
+
+@given(st.integers(0, 2**32), st.sampled_from(["depth-first", "prim", "sidewinder"]))
+def test_a_maze_of_a_contest_goes_there_and_back(seed: int, algorithm: str) -> None:
+    middle = [[x, y] for x in (7, 8) for y in (7, 8)]
+    maze = {"seed": seed, "algorithm": algorithm}
+    fields = {"version": 1, "size": [16, 16], "start": [0, 15], "exit": middle, "maze": maze}
+    level = Level.from_fields(fields)
+    conversion = export(level, "maz")
+    assert conversion.warnings == ()
+    assert conversion.data is not None
+    text = decode_maz(conversion.data)
+    assert text == conversion.text
+    assert level_of_world(world_of(text, "maz")).digest == level.digest
+
+
+def test_what_256_bytes_do_not_hold_is_told(tmp_path: Path) -> None:
+    level = Level.from_fields({"version": 1, "size": [16, 16], "start": [3, 3], "exit": [9, 9]})
+    told = [lost.field for lost in export(level, path=tmp_path / "a.maz").warnings]
+    assert (told, len((tmp_path / "a.maz").read_bytes())) == (["start", "exit"], 256)
+    with pytest.warns(brl.ConversionWarning, match="^[SG]: none is drawn"):
+        assert brl.load(tmp_path / "a.maz").starts == ((0, 15),)
+    with pytest.raises(ValueError, match="has 16 by 16 cells, not 8 by 5"):
+        export(brl.load("final-maze"), "maz")
 
 
 def test_cells_that_disagree_are_named() -> None:

@@ -19,7 +19,7 @@ from support.conversions import SAMPLES, level_of_world, lost_fields, world_of
 from support.worlds import World, decorated_worlds, level_of
 
 import babyrobot_levels as brl
-from babyrobot_levels.extensions.formats import tiled
+from babyrobot_levels.extensions.formats import conversion, tiled
 from babyrobot_levels.extensions.formats.conversion import ConversionError
 from babyrobot_levels.extensions.formats.formats import export
 from babyrobot_levels.extensions.formats.reading import guess
@@ -563,8 +563,9 @@ def test_chunks_in_xml_make_a_map_as_large_as_its_tiles() -> None:
 
 
 def test_files_of_tilesets_are_bounded(tmp_path: Path) -> None:
-    (tmp_path / "t.tsj").write_text(TILESET_JSON, encoding="utf-8")
-    tilesets = [{"firstgid": 1 + n, "source": "t.tsj"} for n in range(20)]
+    for n in range(20):
+        (tmp_path / f"{n}.tsj").write_text(TILESET_JSON, encoding="utf-8")
+    tilesets = [{"firstgid": 1 + n, "source": f"{n}.tsj"} for n in range(20)]
     world = read_tiled(SourceFile("map.tmj", foreign(tilesets=tilesets)), tmp_path)
     told = [str(lost) for lost in world.lost if lost.field.startswith("tilesets")]
     assert len(told) == 4
@@ -600,3 +601,57 @@ def test_misspelt_properties_are_told_with_what_is_meant() -> None:
 def test_an_offset_of_a_layer_is_reported() -> None:
     layer = {"type": "objectgroup", "name": "w", "objects": [], "offsetx": 4}
     assert "layer 'w'" in lost_fields(world_of(foreign(layers=[layer]), "tiled"))
+
+
+# -- templates -------------------------------------------------------------------------------
+
+TEMPLATE = """<template>
+ <object type="wall">
+  <properties>
+   <property name="pass" type="float" value="0.5"/>
+   <property name="width" type="int" value="3"/>
+  </properties>
+  <polyline points="0,0 16,0"/>
+ </object>
+</template>"""
+
+
+def with_template(name: str, folder: Path | None, **thing: Any) -> conversion.World:
+    """Return the world of a map with objects that have a template."""
+    things = [{"id": 1, "x": 0, "y": 8, "template": name, **thing}] * 2
+    layer = {"type": "objectgroup", "name": "o", "objects": things}
+    return read_tiled(SourceFile("map.tmj", foreign(layers=[layer], tilesets=[])), folder)
+
+
+@pytest.mark.parametrize("kind", ["tx", "tj"])
+def test_an_object_has_what_its_template_says_unless_it_says_more(
+    kind: str, tmp_path: Path
+) -> None:
+    data = {
+        "polyline": [{"x": 0, "y": 0}, {"x": 16, "y": 0}],
+        "properties": [{"name": "pass", "value": 0.5}, {"name": "width", "value": 3}],
+    }
+    text = TEMPLATE if kind == "tx" else json.dumps({"type": "template", "object": data})
+    (tmp_path / f"t.{kind}").write_text(text, encoding="utf-8")
+    own = [{"name": "width", "value": 2}]
+    world = with_template(f"t.{kind}", tmp_path, properties=own)
+    assert world.fields["walls"] == [{"at": [0, 0], "side": "S", "pass": 0.5, "width": 2}]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("../t.tx", TEMPLATE, "is outside the map's folder"),
+        ("none.tx", TEMPLATE, "no such file"),
+        ("t.png", TEMPLATE, "has none of the suffixes .tx, .tj and .json"),
+        # It would be its own template.
+        ("t.tx", '<template><object template="t.tx"/></template>', "only polylines"),
+        ("t.tx", "<template/>", "only polylines"),
+    ],
+)
+def test_templates_that_help_nothing_are_told(
+    name: str, text: str, message: str, tmp_path: Path
+) -> None:
+    (tmp_path / "t.tx").write_text(text, encoding="utf-8")
+    assert message in str(with_template(name, tmp_path).lost[0])
+    assert "is a file of its own" in str(with_template(name, None).lost[0])
