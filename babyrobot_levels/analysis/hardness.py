@@ -14,7 +14,7 @@ from babyrobot_levels.mdp.compiler.things import compile_things
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import Reach, ends_by_hit, reach_of, transitions
-from babyrobot_levels.mdp.tables import Flags, Mdp
+from babyrobot_levels.mdp.tables import Flags, Mdp, leads_to
 from babyrobot_levels.text.errors import LevelError
 
 MISTAKES = 0.1
@@ -142,10 +142,8 @@ def intended_states(solution: Solution) -> Flags:
     states, actions = best.reshape(mdp.num_states, -1).nonzero()
     actions += solution.first_action
     target, intended = mdp.next_state[states, actions], mdp.intended_next_state[states, actions]
-    sent = intended == mdp.num_states
-    begins = np.isin(np.arange(mdp.cells), np.flatnonzero(mdp.start) % mdp.cells)
-    cells = target % mdp.cells
-    happens = np.where(sent[:, None], begins[cells], cells == (intended % mdp.cells)[:, None])
+    sent = intended >= mdp.num_states
+    happens = leads_to(mdp, intended[:, None], target)
     happens &= mdp.probability[states, actions] > 0
     # By chance alone the robot may never get there.
     never = ~happens.any(axis=1) & ~sent

@@ -9,6 +9,7 @@ from pydantic import Field
 from babyrobot_levels.language.base import (
     MAX_SIZE,
     Cell,
+    Cells,
     Flag,
     Integer,
     Model,
@@ -17,6 +18,7 @@ from babyrobot_levels.language.base import (
     Side,
     Size,
     Text,
+    cell_or_cells,
     form,
     forms,
 )
@@ -211,18 +213,29 @@ _Strengths = Annotated[
 ]
 
 
+Weights = tuple[Annotated[Number, Field(ge=1e-6, le=1e6)], ...]
+"""How often each of several is drawn, compared with the others; none for all alike."""
+
+
 class Warp(Model):
     """A cell that moves the robot to another cell."""
 
     at: Cell
     """The cell."""
     to: Annotated[
-        Annotated[Cell, form("cell")] | Annotated[Literal["start"], form("word")],
+        Annotated[Cell, form("cell")]
+        | Annotated[Cells, form("cells")]
+        | Annotated[Literal["start"], form("word")],
         forms(
-            "a cell `[x, y]` or `start`", lambda value: "word" if isinstance(value, str) else "cell"
+            "a cell `[x, y]`, a list of cells, or `start`",
+            lambda value: "word" if isinstance(value, str) else cell_or_cells(value),
         ),
     ]
-    """The target: a cell, or `start`."""
+    """The target: a cell, one of several, or `start`."""
+    weights: Weights = ()
+    """How often each of several cells is the target; by default all are alike."""
+    probability: Annotated[Probability, Field(gt=0)] = 1.0
+    """The probability with which it acts."""
     when: Literal["enter", "leave"] = "enter"
     """When it acts: as the robot enters the cell, or as it leaves it."""
     reward: Number | None = None
@@ -258,8 +271,7 @@ class Rewards(Model):
         Annotated[Number, form("number")] | Annotated[Literal["cell"], form("word")],
         forms("a number or `cell`", lambda value: "word" if isinstance(value, str) else "number"),
     ] = 0.0
-    """A step onto an exit, or the step that covers the last target and so ends the episode: a
-    number, or `cell` for the reward of the cell in which it ends."""
+    """A step onto an exit, or that covers the last target; `cell` is the reward of its cell."""
     bump: Annotated[Number | None, Told("wall", "bumping into a wall")] = None
     """A move into a wall."""
     bounce: Number = -1.0

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterator
 
-from babyrobot_levels.language.cells import RECTANGULAR, Opening, sides_of
-from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.cells import RECTANGULAR, Opening, Warp, sides_of
+from babyrobot_levels.language.fields import LevelFields, as_cells
 from babyrobot_levels.language.geometry import (
     Cell,
     Route,
@@ -146,7 +146,7 @@ def issues_of(level: LevelFields) -> list[Issue]:
     for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
         _collect(issues, check(level))
     blocked = blocked_cells(level)
-    for check_cells in (check_ends, _check_puddles, _check_warps):
+    for check_cells in (check_ends, _check_puddles, _check_warps, _check_weights):
         _collect(issues, check_cells(level, blocked))
     if level.has_things or level.exit_keys:
         # Most levels have none.
@@ -259,13 +259,10 @@ def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Itera
 def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
     exits = set(level.exits)
     seen: set[Cell] = set()
-    entered: dict[Cell, Cell] = {}
+    entered: dict[Cell, list[Cell]] = {}
     for index, warp in enumerate(level.warps):
         at_is_good = True
-        for field, cell in (("at", warp.at), ("to", warp.to)):
-            if cell == "start" or isinstance(cell, str):
-                continue
-            route = ("warps", index, field)
+        for route, cell in _cells_of_warp(index, warp):
             if not is_inside(level, cell):
                 yield off_the_grid(level, "the warp's cell", cell, route)
             elif blocked(cell):
@@ -282,31 +279,72 @@ def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterato
                 f"the warp {show_cell(warp.at)} is on an exit, where the episode ends",
             )
         elif at_is_good and warp.when == "enter" and not isinstance(warp.to, str):
-            entered[warp.at] = warp.to
+            entered[warp.at] = [*level.targets_of(warp)]
         seen.add(warp.at)
     yield from _check_circles(level, entered)
 
 
-def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Issue]:
-    """Yield the warps that form a cycle, which never ends."""
+def _cells_of_warp(index: int, warp: Warp) -> Iterator[tuple[Route, Cell]]:
+    """Yield the cells that a warp names, each with its route."""
+    yield ("warps", index, "at"), warp.at
+    if isinstance(warp.to, str):
+        return
+    several = isinstance(warp.to[0], tuple)
+    for number, cell in enumerate(as_cells(warp.to)):
+        yield ("warps", index, "to", *[number] * several), cell
+
+
+def _check_circles(level: LevelFields, entered: dict[Cell, list[Cell]]) -> Iterator[Issue]:
+    """Yield the warps that form a cycle, which might never end."""
     index_of = {warp.at: index for index, warp in enumerate(level.warps)}
     done: set[Cell] = set()
     for first in entered:
-        path: dict[Cell, None] = {}
-        cell = first
-        while cell in entered and cell not in done and cell not in path:
-            path[cell] = None
-            cell = entered[cell]
-        if cell in path:
-            circle = [*path][[*path].index(cell) :]
-            path_text = " to ".join(show_cell(step) for step in [*circle[:8], cell])
-            yield Issue(
-                "BR308",
-                ("warps", index_of[cell], "to"),
-                f"the warps form a cycle: {path_text}",
-                "change the target of one of them",
+        # The cells on the way here, each with those that are still to be tried from it.
+        path: dict[Cell, Iterator[Cell]] = (
+            {first: iter(entered[first])} if first not in done else {}
+        )
+        while path:
+            at = next(reversed(path))
+            cell = next(path[at], None)
+            if cell is None:
+                done.add(at)
+                del path[at]
+            elif cell in path:
+                circle = [*path][[*path].index(cell) :]
+                path_text = " to ".join(show_cell(step) for step in [*circle[:8], cell])
+                yield Issue(
+                    "BR308",
+                    ("warps", index_of[cell], "to"),
+                    f"the warps form a cycle: {path_text}",
+                    "change the target of one of them",
+                )
+            elif cell in entered and cell not in done:
+                path[cell] = iter(entered[cell])
+
+
+def _check_weights(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
+    """Yield lists of weights that do not fit what is drawn."""
+    given: list[tuple[Route, tuple[float, ...], int, str]] = [
+        (("start_weights",), level.start_weights, len(level.starts), "start"),
+        (("exit_weights",), level.exit_weights, len(level.exit_one_of or ()), "cell"),
+    ]
+    for index, warp in enumerate(level.warps):
+        count = 0 if isinstance(warp.to, str) else len(as_cells(warp.to))
+        given.append((("warps", index, "weights"), warp.weights, count, "target"))
+    for route, weights, count, what in given:
+        if weights and route == ("start_weights",) and level.robots:
+            message = "of several robots each has a start of its own, and none is drawn"
+            yield Issue("BR329", route, message, "remove `start_weights`")
+        elif weights and not count:
+            lists = {"start": "start", "cell": "exit_one_of", "target": "to"}[what]
+            message = f"`{route[-1]}` is given, but `{lists}` has no list of cells"
+            yield Issue("BR329", route, message, f"remove `{route[-1]}`, or list the cells")
+        elif weights and len(weights) != count:
+            message = (
+                f"`{route[-1]}` gives {len(weights)} weight{'s' * (len(weights) != 1)} "
+                f"for {count} {what}{'s' * (count != 1)}"
             )
-        done.update(path)
+            yield Issue("BR329", route, message, f"give one for each {what}")
 
 
 def _check_wind(level: LevelFields) -> Iterator[Issue]:

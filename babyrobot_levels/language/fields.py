@@ -35,6 +35,7 @@ from babyrobot_levels.language.cells import (
     SkidLike,
     Wall,
     Warp,
+    Weights,
     Wind,
 )
 from babyrobot_levels.language.drawing import RESERVED
@@ -135,7 +136,9 @@ class LevelFields(Model):
     legend: Annotated[dict[LegendKey, LegendEntry], Role.GEOMETRY] = Field(default_factory=dict)
     """The meaning of further characters of the drawing."""
     start: Annotated[CellOrCells, Role.GEOMETRY, DRAWN] = (0, 0)
-    """The start; of several cells, one is drawn uniformly at each reset."""
+    """The start; of several cells, one is drawn at each reset."""
+    start_weights: Annotated[Weights, Role.DYNAMICS] = ()
+    """How often each start is drawn, compared with the others; by default all are alike."""
     heading: Annotated[Side, Role.DYNAMICS] = "E"
     """Where the robot looks at the start; for `actions="turns"`."""
     exit: Annotated[
@@ -148,7 +151,9 @@ class LevelFields(Model):
     ] = "none"
     """The exit: a cell, several, or `none`; by default bottom right, or `none` with targets."""
     exit_one_of: Annotated[Places | None, Role.GEOMETRY] = None
-    """Cells of which one is drawn uniformly at each reset: it is the exit of that episode."""
+    """Cells of which one is drawn at each reset: it is the exit of that episode."""
+    exit_weights: Annotated[Weights, Role.DYNAMICS] = ()
+    """How often each cell of `exit_one_of` is drawn; by default all are alike."""
     exit_needs: Annotated[NameOrNames, Role.DYNAMICS] = ()
     """The items, switches and targets without which the exits are plain cells."""
     maze: Annotated[Maze | None, Role.GEOMETRY] = None
@@ -230,7 +235,7 @@ class LevelFields(Model):
     @property
     def common_starts(self) -> tuple[tuple[int, int], ...]:
         """The starts but those that are given with one of several robots."""
-        return _as_cells(self.start)
+        return as_cells(self.start)
 
     @property
     def exits(self) -> tuple[tuple[int, int], ...]:
@@ -246,11 +251,31 @@ class LevelFields(Model):
         """The exits but those that only one of several robots may leave by."""
         if self.exit_one_of is not None:
             return self.exit_one_of
-        return () if self.exit == "none" else _as_cells(self.exit)
+        return () if self.exit == "none" else as_cells(self.exit)
 
     def exits_of(self, robot: TeamRobot) -> tuple[tuple[int, int], ...]:
         """Return the exits by which one of several robots may leave."""
         return self.common_exits if robot.exit is None else (robot.exit,)
+
+    @property
+    def weights_of_starts(self) -> tuple[float, ...]:
+        """How often each start is drawn, compared with the others."""
+        return self.start_weights or (1.0,) * len(self.starts)
+
+    @property
+    def weights_of_exits(self) -> tuple[float, ...]:
+        """How often each cell of `exit_one_of` is drawn, compared with the others."""
+        return self.exit_weights or (1.0,) * len(self.exit_one_of or ())
+
+    def targets_of(self, warp: Warp) -> tuple[tuple[int, int], ...]:
+        """Return the cells to which a warp may lead."""
+        return self.starts if isinstance(warp.to, str) else as_cells(warp.to)
+
+    def leads_of(self, warp: Warp) -> tuple[tuple[tuple[int, int], float], ...]:
+        """Return the cells to which a warp may lead, each with its weight."""
+        cells = self.targets_of(warp)
+        weights = self.weights_of_starts if isinstance(warp.to, str) else warp.weights
+        return tuple(zip(cells, weights or (1.0,) * len(cells), strict=True))
 
     @property
     def has_things(self) -> bool:
@@ -278,7 +303,8 @@ class LevelFields(Model):
         return as_names(self.exit_needs)
 
 
-def _as_cells(value: Any) -> tuple[tuple[int, int], ...]:
+def as_cells(value: Any) -> tuple[tuple[int, int], ...]:
+    """Return a cell, or several, as a tuple of cells."""
     return value if isinstance(value[0], tuple) else (value,)
 
 

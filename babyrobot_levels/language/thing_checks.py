@@ -192,11 +192,7 @@ def _check_boxes(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
         message = f"the level has {cells:,} cells; with boxes the limit is {MAX_BOXED:,}"
         yield Issue("BR205", ("boxes",), message, "use a smaller level")
         return
-    sent = {
-        cell
-        for warp in level.warps
-        for cell in (level.starts if isinstance(warp.to, str) else (warp.to,))
-    }
+    sent = {cell for warp in level.warps for cell in level.targets_of(warp)}
     seen: set[Cell] = set()
     for index, box in enumerate(level.boxes):
         ground = (

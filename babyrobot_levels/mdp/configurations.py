@@ -388,6 +388,17 @@ class Things(Telling, public=True):
         """Yield the values with which episodes may begin, before the robot takes anything."""
         yield from product(*self.begins())
 
+    def weight_of(self, values: Values) -> float:
+        """Return how often an episode begins with some values, compared with others."""
+        return self.level.weights_of_exits[values[0]] if self.level.exit_one_of else 1.0
+
+    def beginnings(self) -> Iterator[tuple[Values, Cell, float]]:
+        """Yield how episodes may begin: the values of things, the start, and its weight."""
+        starts = [*zip(self.level.starts, self.level.weights_of_starts, strict=True)]
+        for values in self.draws():
+            for cell, weight in starts:
+                yield self.taken_at_start(values, cell), cell, weight * self.weight_of(values)
+
     def taken_at_start(self, values: Values, cell: Cell) -> Values:
         """Return the values at reset: an item that lies under the start is held."""
         return tuple(
@@ -458,10 +469,24 @@ def most_outcomes(level: LevelFields) -> int:
         or any(area.skid is not None for area in level.areas)
         or any(wall.pass_ for wall in level.walls)
     )
-    lost = any(isinstance(warp.to, str) for warp in level.warps)
     wanderers = sum(mover.within is not None for mover in level.movers)
-    shares = (BRANCHES if by_chance else 1) * (len(level.starts) if lost else 1)
+    shares = (BRANCHES if by_chance else 1) * _most_leads(level)
     return shares * prod([WAYS] * wanderers)
+
+
+def _most_leads(level: LevelFields) -> int:
+    """Return to how many ends warps lead from a cell at most, by the fields alone."""
+    drawn = [
+        warp for warp in level.warps if warp.probability < 1 or len(level.targets_of(warp)) > 1
+    ]
+    # A chain may end where any of them leads, or does not act, with the reward of any of them.
+    ends = {cell for warp in drawn for cell in level.targets_of(warp)}
+    ends |= {warp.at for warp in drawn if warp.probability < 1}
+    if not drawn or all(isinstance(warp.to, str) and warp.probability == 1 for warp in drawn):
+        return max(1, len(ends))
+    leave = BRANCHES if any(warp.when == "leave" for warp in drawn) else 1
+    ends |= {cell for warp in level.warps for cell in level.targets_of(warp)}
+    return leave + len(ends) * (1 + len({warp.reward for warp in level.warps}))
 
 
 def most_columns(level: LevelFields, states: int) -> int:
@@ -487,6 +512,8 @@ def check_room(level: LevelFields, states: int, width: int) -> None:
         f"together at most {MAX_WIDE_STATES:,} are allowed"
     )
     field, help_text = "start", "use fewer starts, let warps lead to a cell, or use a smaller level"
+    if not any(isinstance(warp.to, str) for warp in level.warps):
+        field, help_text = "warps", "let warps lead to fewer cells, or use a smaller level"
     if level.has_things:
         field = "movers" if level.movers else field_of(level, "items")
         help_text = "use fewer things that walk or skid at random, or a smaller level"
@@ -502,9 +529,12 @@ def too_many_outcomes(level: LevelFields, ways: int = 0) -> UnplayableError:
         what = f"{wanderers} may go {ways:,} ways at once"
     elif count:
         what = f"those of a move, times the ways that {wanderers} may go"
-    else:
+    elif any(isinstance(warp.to, str) for warp in level.warps):
         what = f"a warp leads to one of {len(level.starts)} starts"
         field, help_text = "start", "use fewer starts, or let the warp lead to a cell"
+    else:
+        what = "warps lead to one of too many cells"
+        field, help_text = "warps", "let them lead to fewer cells"
     message = f"an action has more than {MAX_OUTCOMES} outcomes: {what}"
     return UnplayableError([Issue("BR405", Key((field,)), message, help_text)])
 

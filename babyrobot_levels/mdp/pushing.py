@@ -21,11 +21,7 @@ def pushed_to(level: GridWorld, cells: Iterable[int]) -> frozenset[int]:
         LevelError: the maze has no seed yet (`seed: random`).
     """
     grid, width = level.grid(), level.size[0]
-    sent = {
-        cell
-        for warp in level.warps
-        for cell in (level.starts if isinstance(warp.to, str) else (warp.to,))
-    }
+    sent = {cell for warp in level.warps for cell in level.targets_of(warp)}
     barred = {y * width + x for x, y in sent}
     found, waiting = {*cells}, [*cells]
     while waiting:

@@ -35,6 +35,10 @@ def _one_configuration() -> NDArray[np.int16]:
     return np.zeros((1, 0), np.int16)
 
 
+def _nothing_drawn() -> NDArray[np.bool_]:
+    return np.zeros((0, 0), bool)
+
+
 @dataclass(frozen=True, eq=False)
 class Mdp(Telling, public=True):
     """A finite Markov decision process whose states are the cells, numbered `y * width + x`.
@@ -65,12 +69,13 @@ class Mdp(Telling, public=True):
         is_terminal: bool, `[states]`: whether the episode is over there.
         action_mask: int8, `[states, actions]`: 1 for the actions that nothing refuses.
         intended_next_state: int32, `[states, actions]`: where the action leads without chance;
-            the number of states stands for "one of the starts".
+            from the number of states on, to one of the cells of a row of `drawn`.
             Its configuration and, of a move, its heading are those of before.
         obstruction: int8, `[states, actions]`: `FREE`, `REFUSED` or `GLASS`.
         configurations: int16, `[configurations, things]`: the value of each thing in each
             configuration, in rising order; `[1, 0]` without things.
         headings: 4 with turning, else 1.
+        drawn: bool, `[…, cells]`: the cells of which warps lead to one; of the first row, starts.
         shares: float64, `[states, actions, outcomes, robots]`: what each of several robots gets, of
             which `reward` is the sum; None for one robot.
     """
@@ -88,6 +93,7 @@ class Mdp(Telling, public=True):
     obstruction: NDArray[np.int8]
     configurations: NDArray[np.int16] = field(default_factory=_one_configuration)
     headings: int = 1
+    drawn: NDArray[np.bool_] = field(default_factory=_nothing_drawn)
     shares: NDArray[np.float64] | None = None
 
     def __repr__(self) -> str:
@@ -266,8 +272,10 @@ def _turning(mdp: Mdp, heading: str) -> Mdp:
     next_state = headed(table(mdp.next_state))
     next_state[over, :, 0] = itself[over, None]
     intended = table(mdp.intended_next_state)
-    to_a_start = intended == mdp.num_states
-    target = np.where(to_a_start, over.size, headed(np.where(to_a_start, 0, intended)))
+    is_drawn = intended >= mdp.num_states
+    target = np.where(
+        is_drawn, intended - mdp.num_states + over.size, headed(np.where(is_drawn, 0, intended))
+    )
     target[over] = itself[over, None]
     obstruction = table(mdp.obstruction)
     obstruction[:, :2] = FREE
@@ -287,6 +295,7 @@ def _turning(mdp: Mdp, heading: str) -> Mdp:
         obstruction=obstruction,
         configurations=mdp.configurations,
         headings=HEADINGS,
+        drawn=mdp.drawn,
     ).freeze()
 
 
@@ -392,18 +401,20 @@ def events_of(mdp: Mdp, states: slice = ALL) -> NDArray[np.int8]:
         mdp: the tables.
         states: the states whose outcomes are told.
     """
-    target = mdp.intended_next_state[states, :, None]
-    to_a_start = target == mdp.num_states
-    starts: NDArray[np.bool_] = mdp.start > 0
-    next_cell = mdp.next_state[states]
-    if mdp.num_states > mdp.cells:
-        starts = np.logical_or.reduce(starts.reshape(-1, mdp.cells))
-        next_cell, target = next_cell % mdp.cells, target % mdp.cells
-    at_target = next_cell == target
-    if to_a_start.any():
-        at_target = np.where(to_a_start, starts[next_cell], at_target)
+    at_target = leads_to(mdp, mdp.intended_next_state[states, :, None], mdp.next_state[states])
     events: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + mdp.obstruction[states, :, None])
     return events
+
+
+def leads_to(mdp: Mdp, intended: Ints, next_state: Ints) -> Flags:
+    """Return whether next states are in the cells to which actions lead without chance."""
+    next_cell = next_state % mdp.cells
+    found: Flags = next_cell == intended % mdp.cells
+    is_drawn = intended >= mdp.num_states
+    if is_drawn.any():
+        row = np.where(is_drawn, intended - mdp.num_states, 0)
+        found = np.where(is_drawn, mdp.drawn[row, next_cell], found)
+    return found
 
 
 def hits_of(level: LevelFields, mdp: Mdp, states: slice = ALL) -> NDArray[np.bool_]:

@@ -231,7 +231,12 @@ def symbols_of(level: LevelSpec, drawing: d.Drawing, *, plain: bool) -> Symbols:
     if plain:
         return [[*row] for row in drawing.cells]
     south, east = shifts(level.wind, drawing.width, drawing.height)
-    warps = {warp.at: warp.to for warp in level.warps}
+    warps = {
+        warp.at: warp.to
+        if isinstance(warp.to, str)
+        else max(level.leads_of(warp), key=lambda lead: lead[1])[0]
+        for warp in level.warps
+    }
     symbols = []
     for y, row in enumerate(drawing.cells):
         shown = []

@@ -36,7 +36,7 @@ UNPLACED = {
     ),
     *("BR602", "BR604", "BR607", "BR609", "BR612", "BR699"),
     # Drawings that are none.
-    *("BR312", "BR313", "BR314", "BR315"),
+    *("BR312", "BR313", "BR314", "BR315", "BR329"),
 }
 """Errors and rules whose findings are at no cell and no side that can be drawn."""
 

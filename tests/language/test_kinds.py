@@ -12,7 +12,7 @@ from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_wi
 from babyrobot_levels.language.kinds import KIND, KINDS, LEGEND, LISTED, NAMED, NEEDED, THINGS, Kind
 from babyrobot_levels.language.things import DRAWN_NAMES, DrawnThing, LegendEntry
 
-BESIDE = {"tags"}
+BESIDE = {"start_weights", "exit_weights", "tags"}
 """Lists of a level that do not say what stands somewhere."""
 
 
@@ -33,7 +33,7 @@ def test_each_kind_is_given_by_fields_of_a_level() -> None:
     others = {*fields_with(Role.GEOMETRY, Role.DYNAMICS)} - {*fields}
     assert others == {
         *("size", "map", "legend", "heading", "exit_needs", "maze", "hit", "puddle_types", "skid"),
-        "team",
+        *("team", "start_weights", "exit_weights"),
     }
 
 

@@ -120,6 +120,7 @@ def test_messages_are_plain_sentences(path: Path) -> None:
         ("walls: [{at: [0, 0], side: E, length: 4}]", [("BR301", 2, 39)]),
         ("start: [[0, 0], [1, 0], [0, 0]]", [("BR305", 2, 25)]),
         ("wind: {north: [1, 2]}", [("BR315", 2, 15)]),
+        ("start_weights: [1, 2]", [("BR329", 2, 16)]),
     ],
 )
 def test_places(text: str, expected: list[tuple[str, int, int]]) -> None:

@@ -39,6 +39,25 @@ def test_a_robot_that_takes_an_item_or_flips_a_switch_reaches_its_target() -> No
     assert happening(level, [2, 2, 2, 1, 4]) == [reached, reached, bumped, bumped, reached]
 
 
+@pytest.mark.parametrize("turning", [False, True])
+def test_what_a_warp_draws_is_where_the_robot_wanted_to_go(turning: bool) -> None:
+    warp = {"at": [1, 0], "to": [[2, 0], [3, 0]], "probability": 0.5}
+    level = {"size": [4, 2], "exit": [0, 1], "skid": {"probability": 0.2, "to": "others"}}
+    mdp = brl.load({"version": 1, **level, "warps": [warp]}).compile()
+    mdp = mdp.turning() if turning else mdp
+    state = int(mdp.start.argmax())
+    events = events_of(mdp)[state, 2]
+    told = {
+        mdp.cell(following): Event(event).name
+        for following, event, chance in zip(
+            mdp.next_state[state, 2], events, mdp.probability[state, 2], strict=True
+        )
+        if chance
+    }
+    drawn = dict.fromkeys([(1, 0), (2, 0), (3, 0)], "REACHED")
+    assert told == drawn | dict.fromkeys([(0, 0), (0, 1)], "SKIDDED")
+
+
 def test_movers_hit_those_whose_cell_they_enter_or_that_they_pass() -> None:
     level = {
         "size": [4, 1],

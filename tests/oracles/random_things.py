@@ -256,7 +256,7 @@ class _Maker:
                 entry["when"] = when
             if when == "enter":
                 self.enter[cell] = target
-            entries.append(entry | self.some(Warp, 0.4, "when"))
+            entries.append(entry | self.some(Warp, 0.4, "when", "probability"))
         self.fields["warps"] = entries
 
     def circles(self, cell: Cell, target: Cell) -> bool:
@@ -453,6 +453,38 @@ class _Maker:
         """Let the exits need something."""
         if self.exits and self.names and self.chance(0.5):
             self.fields["exit_needs"] = self.some_names(2)
+
+
+def add_weights(random: Random, fields: Fields) -> None:
+    """Draw starts and exits with weights, and let warps lead to several cells, and by chance."""
+
+    def weigh(entry: Fields, name: str, count: int) -> None:
+        if count > 1 and random.random() < 0.7:
+            entry[name] = [random.choice((1, 2, 0.5, 3)) for _ in range(count)]
+
+    starts = fields.get("start", [0, 0])
+    if isinstance(starts[0], list) and "robots" not in fields:
+        weigh(fields, "start_weights", len(starts))
+    weigh(fields, "exit_weights", len(fields.get("exit_one_of", ())))
+    leads = {tuple(warp["at"]) for warp in fields.get("warps", []) if "when" not in warp}
+    leads |= {tuple(warp["at"]) for warp in fields.get("warps", []) if warp.get("when") == "enter"}
+    for warp in fields.get("warps", []):
+        if warp["to"] != "start" and random.random() < 0.6:
+            more = [cell for cell in _targets(fields) if tuple(cell) not in leads]
+            warp["to"] = [warp["to"], *random.sample(more, min(len(more), random.randint(1, 2)))]
+            weigh(warp, "weights", len(warp["to"]))
+        if random.random() < 0.6:
+            warp["probability"] = random.choice((0.25, 0.5, 0.9))
+
+
+def _targets(fields: Fields) -> list[list[int]]:
+    """Return cells to which a warp may lead: neither blocked, nor where a box stands."""
+    width, height = fields.get("size", (3, 3))
+    closed = [tuple(box["at"]) for box in fields.get("boxes", [])]
+    for entry in fields.get("blocked", []):
+        (x, y), (columns, rows) = entry["at"], entry.get("size", (1, 1))
+        closed += [(x + dx, y + dy) for dx in range(columns) for dy in range(rows)]
+    return [[x, y] for y in range(height) for x in range(width) if (x, y) not in closed]
 
 
 def random_level(random: Random, things: bool = True) -> Fields:

@@ -20,6 +20,7 @@ from oracles.things_reference import (
     Reference,
     cell_of,
     cells_of,
+    shares_of,
 )
 
 Place = tuple[Cell, bool]
@@ -79,7 +80,7 @@ class TeamReference:
             own = {
                 name: value
                 for name, value in fields.items()
-                if name not in ("robots", "team", "start", "exit", "exit_one_of")
+                if name not in ("robots", "team", "start", "exit", "exit_one_of", "exit_weights")
             }
             own["start"] = [*(cell_of(robot["start"]) if "start" in robot else next(given))]
             if robot.get("exit"):
@@ -303,7 +304,12 @@ class TeamReference:
                     if may and values[at] < len(places) and places[values[at]] == start:
                         values[at] = len(places)
             state = Joint(tuple(values), tuple((start, False) for start in starts))
-            found[state] = found.get(state, 0.0) + 1 / len(combinations)
+            share = 1.0
+            if self.drawn:
+                places = [cell_of(each) for each in self.fields["exit_one_of"]]
+                chances = shares_of(places, self.fields.get("exit_weights"))
+                share = chances[places[drawn[0]]] * len(places)
+            found[state] = found.get(state, 0.0) + share / len(combinations)
         return found
 
     def _search(self) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from oracles.random_things import random_level
+from oracles.random_things import add_weights, random_level
 from oracles.things_reference import (
     EAST,
     FORWARD,
@@ -453,6 +453,28 @@ def test_turning_tables_of_random_levels_are_those_of_the_reference(seed: int) -
 @for_each("seed", range(settings().max_examples // 2))
 def test_turning_tables_of_levels_without_things_are_those_of_the_reference(seed: int) -> None:
     compare(seed, things=False, turning=True)
+
+
+def compare_chances(seed: int) -> None:
+    random = Random(seed)
+    fields = random_level(random, things=random.random() < 0.7)
+    add_weights(random, fields)
+    expected = Reference(fields)
+    rows = [
+        expected.outcomes(state, action)
+        for state in range(expected.num_states)
+        for action in range(5)
+    ]
+    if expected.radices and max(map(len, rows)) > 64:
+        with pytest.raises(brl.LevelError, match="outcomes"):
+            brl.Level.from_fields(fields).compile()
+    else:
+        assert_same_tables(brl.Level.from_fields(fields).compile(), expected, actions=5)
+
+
+@for_each("seed", range(settings().max_examples))
+def test_weights_and_warps_by_chance_are_those_of_the_reference(seed: int) -> None:
+    compare_chances(seed)
 
 
 @pytest.mark.sweep

@@ -37,11 +37,12 @@ PUDDLE_SKID = {"small": 0.4, "large": 0.6}
 
 
 class Warp(NamedTuple):
-    """A warp, with its targets: several only if it leads to several starts."""
+    """A warp, with its targets and how likely each is, if it acts."""
 
-    targets: list[Cell]
+    targets: dict[Cell, float]
     when: str
     reward: float | None
+    probability: float
 
 
 class Door(NamedTuple):
@@ -92,6 +93,14 @@ def names_of(value: Any) -> list[str]:
     if value is None:
         return []
     return [value] if isinstance(value, str) else list(value)
+
+
+def shares_of(cells: Sequence[Cell], weights: Sequence[float] | None) -> dict[Cell, float]:
+    """Return how likely each of several cells is."""
+    found: dict[Cell, float] = {}
+    for cell, weight in zip(cells, weights or [1] * len(cells), strict=True):
+        found[cell] = found.get(cell, 0.0) + weight / sum(weights or [1] * len(cells))
+    return found
 
 
 def rectangle(entry: Mapping[str, Any]) -> list[Cell]:
@@ -167,7 +176,9 @@ class Reference:
         self.num_cells = self.width * self.height
         self.cells = rectangle({"at": (0, 0), "size": (self.width, self.height)})
         self.starts = cells_of(fields.get("start", (0, 0)))
+        self.start_shares = shares_of(self.starts, fields.get("start_weights"))
         self.exit_places = cells_of(fields.get("exit_one_of"))
+        self.exit_shares = shares_of(self.exit_places, fields.get("exit_weights"))
         self.exits = (
             []
             if self.exit_places
@@ -225,9 +236,14 @@ class Reference:
 
         self.warps: dict[Cell, Warp] = {}
         for warp in fields.get("warps", []):
-            targets = self.starts if warp["to"] == "start" else [cell_of(warp["to"])]
+            to_start = warp["to"] == "start"
             self.warps[cell_of(warp["at"])] = Warp(
-                targets, warp.get("when", "enter"), warp.get("reward")
+                self.start_shares
+                if to_start
+                else shares_of(cells_of(warp["to"]), warp.get("weights")),
+                warp.get("when", "enter"),
+                warp.get("reward"),
+                warp.get("probability", 1),
             )
 
         wind = fields.get("wind") or {}
@@ -410,9 +426,17 @@ class Reference:
         if action == STAY:
             yield Landing(1.0, cell, boxes=boxes)
             return
-        if cell in self.warps and self.warps[cell].when == "leave":
-            yield from self.warped(Landing(1.0, cell, boxes=boxes), self.warps[cell])
+        warp = self.warps.get(cell)
+        if warp is not None and warp.when == "leave":
+            yield from self.warped(Landing(warp.probability, cell, boxes=boxes), warp)
+            for landing in self.unwarped(configuration, cell, action):
+                yield landing._replace(probability=landing.probability * (1 - warp.probability))
             return
+        yield from self.unwarped(configuration, cell, action)
+
+    def unwarped(self, configuration: Configuration, cell: Cell, action: int) -> Iterator[Landing]:
+        """Give where a move takes the robot that no warp sends away."""
+        boxes = self.boxes_in(configuration)
         chance = self.glass(configuration, cell, action)
         if chance > 0 and self.pushes(cell, action):
             through = chance * (1 - self.skid[cell][0])
@@ -504,15 +528,18 @@ class Reference:
         if warp is None or warp.when == "leave":
             yield landing
         else:
-            yield from self.warped(landing, warp)
+            yield from self.warped(
+                landing._replace(probability=landing.probability * warp.probability), warp
+            )
+            yield landing._replace(probability=landing.probability * (1 - warp.probability))
 
     def warped(self, landing: Landing, warp: Warp) -> Iterator[Landing]:
         """Send the robot to the targets of a warp, and on from there."""
         reward = warp.reward if landing.warp_reward is None else landing.warp_reward
-        for target in warp.targets:
+        for target, share in warp.targets.items():
             yield from self.settled(
                 landing._replace(
-                    probability=landing.probability / len(warp.targets),
+                    probability=landing.probability * share,
                     cell=target,
                     sent=True,
                     warp_reward=reward,
@@ -661,7 +688,10 @@ class Reference:
                 if places[values[self.first_item + index]] == start:
                     values[self.first_item + index] = len(places)
             pair = (tuple(values), start)
-            beginnings[pair] = beginnings.get(pair, 0.0) + 1 / len(combinations)
+            share = self.start_shares[start] * len(self.starts)
+            if self.exit_places:
+                share *= self.exit_shares[self.exit_places[drawn[0]]] * len(self.exit_places)
+            beginnings[pair] = beginnings.get(pair, 0.0) + share / len(combinations)
         return beginnings
 
     def _search(self) -> None:

@@ -41,6 +41,23 @@ WITH_RULES = Overlay(rules=True)
 # -- texts ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("warp", "text"),
+    [
+        ({"to": [[3, 0], [4, 0]]}, "leads to [3, 0] or [4, 0]"),
+        (
+            {"to": [[3, 0], [4, 0]], "weights": [3, 1]},
+            "leads to [3, 0] 3 times in 4 or [4, 0] 1 time in 4",
+        ),
+        ({"to": [3, 0], "probability": 0.5}, "5 times in 10 leads to [3, 0]"),
+        ({"to": "start", "when": "leave"}, "every move leads back to a start"),
+    ],
+)
+def test_warps_tell_how_often_they_lead_where(warp: dict[str, Any], text: str) -> None:
+    world = level(size=[6, 1], start=[[0, 0], [2, 0]], warps=[{"at": [1, 0], **warp}])
+    assert f"warp: {text}" in told(world)
+
+
 def test_exits_that_pay_what_their_cells_do_have_a_rule_each() -> None:
     areas = [{"at": [0, 0], "reward": 1}, {"at": [4, 0], "reward": -10}]
     world = level(

@@ -17,9 +17,9 @@ from babyrobot_levels.extensions.compare.changes import (
     thing_changes,
     transition_changes,
 )
-from babyrobot_levels.language.base import MAX_SIZE, SIDES
-from babyrobot_levels.language.cells import SkidRule, as_skid
-from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.cells import SkidRule, Warp, as_skid
+from babyrobot_levels.language.fields import Role, as_cells, fields_with
 from babyrobot_levels.language.kinds import LISTED, LOOKS, THINGS, Kind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
@@ -191,6 +191,8 @@ def _rule_changes(before: GridWorld, after: GridWorld) -> Iterator[Change]:
             yield Change(one, two, name="maze")
     for name in _RULES:
         yield from _field_changes(name, _whole(getattr(before, name)), _whole(getattr(after, name)))
+    for name in ("start_weights", "exit_weights"):
+        yield from _field_changes(name, plain(getattr(before, name)), plain(getattr(after, name)))
     yield from _field_changes("exit_needs", sorted(before.exit_keys), sorted(after.exit_keys))
 
 
@@ -246,10 +248,8 @@ def _looks(level: GridWorld, kind: Kind) -> list[dict[str, Any]]:
 # -- cells ---------------------------------------------------------------------------------
 
 _PUDDLE_SIZES = {"small": 1, "large": 2}
-_TO_START = -1
-_WHEN = ("enter", "leave")
 
-BLOCKED, WET, REWARD, SKID, RULE, ENDS, WARP_TO, WARP_WHEN, WARP_REWARD = range(9)
+BLOCKED, WET, REWARD, SKID, RULE, ENDS, WARP = range(7)
 """The columns of the table of properties."""
 
 
@@ -263,26 +263,31 @@ def _common_cells(before: GridWorld, after: GridWorld) -> tuple[Ints, Ints]:
 def cell_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Changes:
     """Return the cells with other properties: blocked, wet, slippery, costly, ending, warping."""
     cells = _common_cells(before, after)
+    warps: list[dict[str, Any]] = []
     tables = [
-        _properties(level, where) for level, where in zip((before, after), cells, strict=True)
+        _properties(level, where, warps)
+        for level, where in zip((before, after), cells, strict=True)
     ]
     # What is not given is nan, and equal to itself.
     equal = (tables[0] == tables[1]) | (np.isnan(tables[0]) & np.isnan(tables[1]))
     width = min(before.size[0], after.size[0])
 
     def describe(place: int) -> Change:
-        one, two = (_cell_data(table[place]) for table in tables)
+        one, two = (_cell_data(table[place], warps) for table in tables)
         return Change(one, two, (place % width, place // width))
 
     places = np.flatnonzero(~equal.all(axis=1)).tolist()
     return Changes.of(places, len(cells[0]), describe, limit)
 
 
-def _properties(level: GridWorld, cells: Ints) -> NDArray[np.float64]:
-    """Return what is special about each cell, `[cells, properties]`; nan for nothing special."""
+def _properties(level: GridWorld, cells: Ints, warps: list[dict[str, Any]]) -> NDArray[np.float64]:
+    """Return what is special about each cell, `[cells, properties]`; nan for nothing special.
+
+    Warps are told by their numbers in `warps`, to which new ones are added.
+    """
     grid = level.grid()
     terrain = build_terrain(level, grid)
-    table = np.full((terrain.reward.size, 9), np.nan)
+    table = np.full((terrain.reward.size, 7), np.nan)
     skid = as_skid(level.skid if level.skid is not None else 0.0)
     rule = RULES.index(SkidRule(skid.to))
     is_usual = (terrain.skid == skid.probability) & ((terrain.rule == rule) | (terrain.skid == 0))
@@ -296,14 +301,14 @@ def _properties(level: GridWorld, cells: Ints) -> NDArray[np.float64]:
     table[own, SKID], table[own, RULE] = terrain.skid[own], terrain.rule[own]
     table[free & terrain.over & ~terrain.exit, ENDS] = 1
     for warp in level.warps:
-        row = table[_number(warp.at, level)]
-        x, y = (_TO_START, 0) if isinstance(warp.to, str) else warp.to
-        row[WARP_TO], row[WARP_WHEN] = y * MAX_SIZE + x, _WHEN.index(warp.when)
-        row[WARP_REWARD] = np.nan if warp.reward is None else warp.reward
+        data = _warp_data(warp)
+        if data not in warps:
+            warps.append(data)
+        table[_number(warp.at, level), WARP] = warps.index(data)
     return table[cells]
 
 
-def _cell_data(row: NDArray[np.float64]) -> dict[str, Any]:
+def _cell_data(row: NDArray[np.float64], warps: list[dict[str, Any]]) -> dict[str, Any]:
     """Return a row of the table of properties as plain data."""
     given = {column: value for column, value in enumerate(row.tolist()) if value == value}
     data: dict[str, Any] = {}
@@ -317,12 +322,21 @@ def _cell_data(row: NDArray[np.float64]) -> dict[str, Any]:
         data["skid"] = {"probability": given[SKID], "to": RULES[int(given[RULE])].value}
     if ENDS in given:
         data["ends"] = True
-    if WARP_TO in given:
-        y, x = divmod(int(given[WARP_TO]), MAX_SIZE)
-        to: Any = "start" if given[WARP_TO] == _TO_START else [x, y]
-        data["warp"] = {"to": to, "when": _WHEN[int(given[WARP_WHEN])]}
-        if WARP_REWARD in given:
-            data["warp"]["reward"] = given[WARP_REWARD]
+    if WARP in given:
+        data["warp"] = warps[int(given[WARP])]
+    return data
+
+
+def _warp_data(warp: Warp) -> dict[str, Any]:
+    """Return where a warp leads, when it acts, and what else it was given."""
+    to = warp.to if isinstance(warp.to, str) else as_cells(warp.to)
+    data = {"to": plain(to[0] if len(to) == 1 else to), "when": warp.when}
+    if warp.probability < 1:
+        data["probability"] = warp.probability
+    if len({*warp.weights}) > 1:
+        data["weights"] = [*warp.weights]
+    if warp.reward is not None:
+        data["reward"] = warp.reward
     return data
 
 

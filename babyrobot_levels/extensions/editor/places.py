@@ -26,6 +26,7 @@ from typing import Any
 from babyrobot_levels.extensions.editor.forms import expanded
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import GLASS_PASS, Opening, Rectangle, Warp, sides_of
+from babyrobot_levels.language.fields import as_cells
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import KINDS, LISTED
 from babyrobot_levels.language.things import Item, LegendEntry, Mover
@@ -104,7 +105,7 @@ def _cells(entry: Any) -> Iterable[Cell]:
         (left, top), (width, height) = entry.at, entry.size
         return [(x, y) for y in range(top, top + height) for x in range(left, left + width)]
     if isinstance(entry, Warp) and not isinstance(entry.to, str):
-        return (entry.at, entry.to)
+        return (entry.at, *as_cells(entry.to))
     cell: Cell = entry.at
     return (cell,)
 

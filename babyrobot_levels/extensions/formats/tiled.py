@@ -471,12 +471,21 @@ def _property(name: str, value: Any) -> dict[str, Any]:
     return {"name": name, "type": kinds[type(value)], "value": value}
 
 
+def _by_rows(weighed: tuple[tuple[int, int], float]) -> tuple[int, int]:
+    (x, y), _ = weighed
+    return y, x
+
+
 def _properties(level: Level) -> Iterable[dict[str, Any]]:
     """Yield the fields that are not drawn on the map, in Tiled's order."""
     given = plain(level.model_dump(by_alias=True, exclude_defaults=True))
     if "theme" in given:
         # A named theme may be a file beside the level's.
         given["theme"] = level.to_dict(whole=True).get("theme", given["theme"])
+    if level.start_weights:
+        # Tiles are read row by row.
+        weighed = sorted(zip(level.starts, level.start_weights, strict=True), key=_by_rows)
+        given["start_weights"] = [weight for _, weight in weighed]
     for name in sorted(given.keys() - _NOT_PROPERTIES):
         yield _property(name, given[name] if name in TEXTS else flow(given[name]))
 

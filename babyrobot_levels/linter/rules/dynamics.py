@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from babyrobot_levels.language.fields import as_cells
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding
 from babyrobot_levels.linter.fixes import removal
@@ -150,7 +151,8 @@ def _possibly_idle(context: LintContext) -> list[int]:
         state = context.state(warp.at)
         if warp.when == "leave":
             # Without the warp, moves lead to several cells or stay on this one.
-            home = warp.at in starts if isinstance(warp.to, str) else warp.at == warp.to
+            home = warp.at in (starts if isinstance(warp.to, str) else as_cells(warp.to))
+            home = home or warp.probability < 1
             acts = not (enters or home or context.mdp.is_terminal[state])
         else:
             acts = any(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.fields import as_cells
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, cells_count, cells_text
@@ -186,7 +187,8 @@ def _is_cut_off_maze(context: LintContext, unreached: list[int]) -> bool:
         return False
     missed = set(unreached)
     used = [puddle.at for puddle in level.puddles]
-    used += [cell for warp in level.warps for cell in (warp.at, warp.to) if cell != "start"]
+    used += [warp.at for warp in level.warps]
+    used += [cell for warp in level.warps if warp.to != "start" for cell in level.targets_of(warp)]
     if not missed.isdisjoint(map(context.state, used)):
         return False
     for area in level.areas:
@@ -370,7 +372,8 @@ def _source_of_reward(context: LintContext, cells: set[tuple[int, int]]) -> Rout
         if (area.reward or 0) > 0 and covered:
             return ("areas", number)
     for number, warp in enumerate(context.level.warps):
-        if (warp.reward or 0) > 0 and (warp.at in cells or warp.to in cells):
+        leads = [] if isinstance(warp.to, str) else as_cells(warp.to)
+        if (warp.reward or 0) > 0 and not cells.isdisjoint((warp.at, *leads)):
             return ("warps", number)
     if context.level.hit.reward > 0 and "hit" in context.data and "reward" in context.data["hit"]:
         return ("hit", "reward")

@@ -113,7 +113,7 @@ def _is_surely_given(context: LintContext, name: str) -> bool:
     if name == "exit":
         # Only a warp takes precedence over the exit.
         exits = {context.state(cell) for cell in level.exits}
-        if any(warp.to in level.exits for warp in level.warps):
+        if any(cell in level.exits for warp in level.warps for cell in level.targets_of(warp)):
             return False
         return any(not exits.isdisjoint(others) for others in successors)
     if name in ("bump", "stay"):

@@ -85,7 +85,6 @@ class _Cells:
         self.moves = build_moves(level, grid)
         self.warps = build_warps(level, grid)
         self.arrivals = Arrivals(level.rewards, self.terrain, self.warps, self.moves.here)
-        self.starts = np.array([y * grid.width + x for x, y in level.starts])
 
     def branches(self) -> Iterator[tuple[Branches, Ints, Branches, Ints]]:
         """Yield, in parts, branches without chance and by chance, each with where they end.
@@ -99,18 +98,16 @@ class _Cells:
         for part in parts_of(count):
             plain = plain_branches(moves, terrain, warps, part)
             next_state = self.arrivals.next_states(plain)
-            # A plain row that leads to one of several starts is a chance too.
-            lost = next_state == count
+            # A plain row whose end is drawn is a chance too.
+            lost = next_state < 0
             stochastic = stochastic_rows(moves, terrain, warps, part)
             sure = ~(lost | stochastic.ravel())
             by_chance = [
-                *stochastic_branches(moves, terrain, stochastic, part),
+                *stochastic_branches(moves, terrain, warps, stochastic, part),
                 plain.select(lost & ~stochastic.ravel()),
             ]
             chances = by_chance[0].joined(*by_chance[1:])
-            chances, ends = ended(
-                chances.select(chances.probability > 0), self.arrivals, self.starts
-            )
+            chances, ends = ended(chances.select(chances.probability > 0), self.arrivals)
             # Before equal ones are merged: rewards decide nothing.
             width = int(np.bincount(chances.row - plain.row[0]).max(initial=0))
             check_room(self.level, count, max(1, width))
@@ -137,12 +134,14 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
 
     obstruction, intended = obstructions(cells.moves, terrain, cells.warps)
     start = np.zeros(count)
-    start[cells.starts] = 1.0 / cells.starts.size
+    starts, weights = cells.warps.lots[0]
+    start[starts] = weights / weights.sum()
     return assembled(
         grid,
         start=start,
         over=terrain.over,
-        intended=intended,
+        intended=np.where(intended < 0, count - 1 - intended, intended),
         obstruction=obstruction,
         tables=room.tables(),
+        drawn=cells.warps.drawn,
     )

@@ -33,7 +33,7 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     stochastic_branches,
     stochastic_rows,
 )
-from babyrobot_levels.mdp.compiler.terrain import obstructions
+from babyrobot_levels.mdp.compiler.terrain import build_warps, obstructions
 from babyrobot_levels.mdp.compiler.yards import Yard, build_yard
 from babyrobot_levels.mdp.configurations import MAX_BOXED_STATES, Things, check_room, most_columns
 from babyrobot_levels.mdp.graph import expanded
@@ -125,6 +125,7 @@ class Boxes:
         self.yard, self.is_open, self.is_solved = (np.zeros(0, kind) for kind in (int, bool, bool))
         self.found = np.zeros((0, self.size), np.uint8)
         self.parts: list[_Part] = []
+        self.weights: list[float] = []
         self.starts = self._begin()
         self._search()
 
@@ -211,14 +212,13 @@ class Boxes:
     # -- search ----------------------------------------------------------------------------
 
     def _begin(self) -> Ints:
-        """Return the pairs in which episodes begin, as often as they are drawn, and note them."""
+        """Return the pairs in which episodes begin, and note their weights."""
         rows, joints, cells = [], [], []
-        for values in self.things.draws():
-            for cell in self.level.starts:
-                held = self.things.taken_at_start(values, cell)
-                rows.append(held[: self.things.static])
-                joints.append(self.crowd.joint(held[self.things.static :]))
-                cells.append(self._number_of(cell))
+        for values, cell, weight in self.things.beginnings():
+            rows.append(values[: self.things.static])
+            joints.append(self.crowd.joint(values[self.things.static :]))
+            cells.append(self._number_of(cell))
+            self.weights.append(weight)
         layers = self.layers(np.array(rows, np.int16).reshape(len(rows), -1))
         pairs: Ints = (layers * self.joints + np.array(joints)) * self.size + np.array(cells)
         return pairs
@@ -260,9 +260,11 @@ class Boxes:
         branches = plain_branches(moves, terrain, warps, every)
         if stochastic.any():
             branches = branches.select(~stochastic.ravel())
-            branches = branches.joined(*stochastic_branches(moves, terrain, stochastic, every))
+            branches = branches.joined(
+                *stochastic_branches(moves, terrain, warps, stochastic, every)
+            )
             branches = branches.select(branches.probability > 0)
-        branches, next_cell = ended(branches, arrivals, self._starts())
+        branches, next_cell = ended(branches, arrivals)
         pair = branches.row // NUM_ACTIONS
         arrives = arrivals.is_sent(branches) | (next_cell != cell[pair])
         after, item = self._after(layer[pair], cell[pair], branches, next_cell, arrives)
@@ -300,9 +302,6 @@ class Boxes:
             reward=pay.reward + added,
             terminal=over | solved | (hit & self.level.hit.ends),
         )
-
-    def _starts(self) -> Ints:
-        return np.array([self._number_of(cell) for cell in self.level.starts])
 
     def _after(
         self, layer: Ints, cell: Ints, branches: Branches, next_cell: Ints, arrives: Flags
@@ -392,7 +391,7 @@ class Boxes:
             over[states] = False
             obstruction[states] = part.obstruction
             there = (states - part.pairs % self.size)[:, None] + part.intended
-            intended[states] = np.where(part.intended == self.size, count, there)
+            intended[states] = np.where(part.intended < 0, count - 1 - part.intended, there)
             pair, action = np.divmod(part.row, NUM_ACTIONS)
             outcomes = merged(
                 state(pair) * NUM_ACTIONS + action,
@@ -404,7 +403,7 @@ class Boxes:
             check_room(self.level, count, outcomes.width)
             room.put(outcomes)
         start = np.zeros(count)
-        np.add.at(start, state(self.starts), 1.0 / self.starts.size)
+        np.add.at(start, state(self.starts), np.array(self.weights) / sum(self.weights))
         return assembled(
             self.grid,
             start=start,
@@ -413,4 +412,5 @@ class Boxes:
             obstruction=obstruction,
             tables=room.tables(),
             configurations=values[order].astype(np.int16),
+            drawn=build_warps(self.level, self.grid).drawn,
         )

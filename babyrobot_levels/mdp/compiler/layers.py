@@ -323,17 +323,15 @@ class Layers:
 
     # -- search ----------------------------------------------------------------------------
 
-    def _begin(self) -> list[tuple[int, int, int]]:
-        """Return layer, joint state and cell of each start, and mark them."""
+    def _begin(self) -> list[tuple[int, int, int, float]]:
+        """Return layer, joint state, cell and weight of each start, and mark them."""
         starts = []
-        for values in self.things.draws():
-            for x, y in self.level.starts:
-                held = self.things.taken_at_start(values, (x, y))
-                layer = self.layer(held[: self.things.static])
-                joint = self.crowd.joint(held[self.things.static :])
-                cell = y * self.grid.width + x
-                self._note(layer, joint, cell, ON)
-                starts.append((layer.number, joint, cell))
+        for values, (x, y), weight in self.things.beginnings():
+            layer = self.layer(values[: self.things.static])
+            joint = self.crowd.joint(values[self.things.static :])
+            cell = y * self.grid.width + x
+            self._note(layer, joint, cell, ON)
+            starts.append((layer.number, joint, cell, weight))
         return starts
 
     def _note(self, layer: Layer, joint: int, cell: int, what: int) -> None:
@@ -487,7 +485,7 @@ def build_layer_ground(
         exits: the exits, to which robots come closer.
     """
     grid = grid_with_doors(level, open_grid, closed)
-    width, count = grid.width, grid.width * grid.height
+    count = grid.width * grid.height
     painted = build_terrain(level, grid, exits)
     nowhere = np.zeros(count, bool)
     terrain = Terrain(
@@ -501,14 +499,13 @@ def build_layer_ground(
     )
     moves, warps = build_moves(level, grid), build_warps(level, grid)
     arrivals = Arrivals(level.rewards, terrain, warps, moves.here)
-    starts = np.array([y * width + x for x, y in level.starts])
     kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, bool)
     columns = [bytearray() for _ in kinds]
     for part in parts_of(count):
         stochastic = stochastic_rows(moves, terrain, warps, part)
         branches = plain_branches(moves, terrain, warps, part).select(~stochastic.ravel())
-        branches = branches.joined(*stochastic_branches(moves, terrain, stochastic, part))
-        branches, next_cell = ended(branches.select(branches.probability > 0), arrivals, starts)
+        branches = branches.joined(*stochastic_branches(moves, terrain, warps, stochastic, part))
+        branches, next_cell = ended(branches.select(branches.probability > 0), arrivals)
         order = np.argsort(branches.row, kind="stable")
         branches, next_cell = branches.select(order), next_cell[order]
         cell = branches.row // NUM_ACTIONS

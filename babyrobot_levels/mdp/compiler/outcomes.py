@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.language.cells import PRECEDENCE, Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.compiler.terrain import Moves, Terrain, Warps
-from babyrobot_levels.mdp.graph import differs
+from babyrobot_levels.mdp.graph import differs, expanded
 from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 
@@ -65,12 +65,10 @@ class Arrivals:
     here: Ints
 
     def next_states(self, branches: Branches) -> Ints:
-        """Return the next cells; the number of cells stands for "one of the starts"."""
+        """Return the next cells; below 0, a lot decides."""
         state, action = np.divmod(branches.row, NUM_ACTIONS)
         stays = (action == Action.STAY) | self.terrain.over[state]
-        arrived = np.where(stays, branches.landing, self.warps.arrive[branches.landing])
-        leaves = self.warps.leaves[state] & ~stays
-        return np.where(leaves, self.warps.leave_to[state], arrived)
+        return np.where(stays, branches.landing, self.warps.arrive[branches.landing])
 
     def rewards_of(self, branches: Branches, next_state: Ints) -> Floats:
         """Return the rewards of branches that end on `next_state`."""
@@ -101,7 +99,7 @@ class Arrivals:
             exit_reward(self.rewards, self.terrain, next_state),
         )
         if self.warps.pay:
-            warped = self._warp_rewards(branches)
+            warped = np.where(action == Action.STAY, np.nan, self.warps.reward[branches.landing])
             applies["warp"] = ~np.isnan(warped), warped
         pay.add(applies)
         np.copyto(pay.reward, 0.0, where=self.terrain.over[state])
@@ -115,18 +113,10 @@ class Arrivals:
         nearer: Flags = distance[one] < distance[other]
         return nearer
 
-    def _warp_rewards(self, branches: Branches) -> Floats:
-        """Return the rewards of warps, nan where no warp gives one."""
-        state, action = np.divmod(branches.row, NUM_ACTIONS)
-        moves = action != Action.STAY
-        warped = np.where(moves, self.warps.arrive_reward[branches.landing], np.nan)
-        return np.where(self.warps.leaves[state] & moves, self.warps.leave_reward[state], warped)
-
     def is_sent(self, branches: Branches) -> Flags:
         """Return whether a warp sends the robot."""
-        state, action = np.divmod(branches.row, NUM_ACTIONS)
-        enters = self.warps.arrive[branches.landing] != branches.landing
-        sent: Flags = (enters | self.warps.leaves[state]) & (action != Action.STAY)
+        moves = branches.row % NUM_ACTIONS != Action.STAY
+        sent: Flags = self.warps.sends[branches.landing] & moves
         return sent
 
 
@@ -137,7 +127,7 @@ class Branches:
     Attributes:
         row: state and action, `state * actions + action`.
         probability: how likely the branch is.
-        landing: the cell on which the robot comes to stand.
+        landing: the cell on which the robot comes to stand, or the landing of a warp.
         happened: what happens to the robot, as a bit set: `BUMPED`, `BOUNCED`, `PUSHED`.
     """
 
@@ -164,7 +154,7 @@ def plain_branches(moves: Moves, terrain: Terrain, warps: Warps, part: slice) ->
     here, over = moves.here[part], terrain.over[part]
     landing = np.empty((here.size, NUM_ACTIONS), np.int64)
     landing[:, Action.STAY] = here
-    landing[:, 1:] = moves.landing[:, part].T
+    landing[:, 1:] = np.where(warps.leaves[part], warps.leave[part], moves.landing[:, part]).T
     landing[over] = here[over, None]
     happened = np.zeros((here.size, NUM_ACTIONS), np.int8)
     happens = BUMPED * moves.refused[:, part].T | moves.pushed[:, part].T
@@ -180,12 +170,12 @@ def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -
     glass = moves.glass[:, part] > 0
     sheltered = moves.refused[:, part] & ~glass & (terrain.rule[part] == OPEN_RULE)
     stochastic = np.zeros((can_move.size, NUM_ACTIONS), bool)
-    stochastic[:, 1:] = ((slips & ~sheltered) | (can_move & glass)).T
+    stochastic[:, 1:] = ((slips & ~sheltered) | (can_move & (glass | (warps.chance[part] > 0)))).T
     return stochastic
 
 
 def stochastic_branches(
-    moves: Moves, terrain: Terrain, stochastic: Flags, part: slice
+    moves: Moves, terrain: Terrain, warps: Warps, stochastic: Flags, part: slice
 ) -> list[Branches]:
     """Return all branches of the stochastic rows of a part, also those with probability 0."""
     states, ways = np.nonzero(stochastic[:, 1:])
@@ -197,6 +187,10 @@ def stochastic_branches(
     skids = ~behind_glass
     if skids.any():
         parts += _skid_branches(moves, terrain, states[skids], ways[skids])
+    if warps.chance[states].any():
+        for each in parts:
+            each.probability = each.probability * (1.0 - warps.chance[each.row // NUM_ACTIONS])
+        parts.append(_branches(states, ways, warps.chance[states], warps.leave[states], NOTHING))
     return parts
 
 
@@ -226,7 +220,9 @@ def _glass_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) ->
 
 def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
     """Return the branches of moves that may go astray: where they go, and every other way."""
-    skid, rule = terrain.skid[states], terrain.rule[states]
+    rule = terrain.rule[states]
+    sheltered = moves.refused[ways, states] & (rule == OPEN_RULE)
+    skid = np.where(sheltered, 0.0, terrain.skid[states])
     others = moves.open[:, states].sum(axis=0) - moves.open[ways, states]
 
     def branches(ways_taken: Ints, chance: Floats) -> Branches:
@@ -251,18 +247,23 @@ def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> 
     return parts
 
 
-def ended(branches: Branches, arrivals: Arrivals, starts: Ints) -> tuple[Branches, Ints]:
-    """Return branches and their next states, with those to one of the starts led to each start."""
+def ended(branches: Branches, arrivals: Arrivals) -> tuple[Branches, Ints]:
+    """Return branches and their next states, with those that a lot decides led to each end."""
     next_state = arrivals.next_states(branches)
-    lost = next_state == arrivals.warps.arrive.size - 1
-    if lost.any():
-        # Each start takes an even share.
-        copies = np.repeat(np.flatnonzero(lost), starts.size)
-        spread = branches.select(copies)
-        spread.probability = spread.probability / starts.size
-        goals = np.tile(starts, int(lost.sum()))
-        branches = branches.select(~lost).joined(spread)
-        next_state = np.concatenate([next_state[~lost], goals])
+    drawn = next_state < 0
+    if drawn.any():
+        lots = arrivals.warps.lots
+        begin = np.cumsum([0, *(lot.landings.size for lot in lots)])
+        landings, weights = (np.concatenate(column) for column in zip(*lots, strict=True))
+        total = np.array([lot.weights.sum() for lot in lots])
+        number = -1 - next_state[drawn]
+        which, end = expanded(begin[number], begin[number + 1])
+        spread = branches.select(np.flatnonzero(drawn)[which])
+        spread.probability = spread.probability * weights[end] / total[number[which]]
+        spread.landing = landings[end]
+        branches = branches.select(~drawn).joined(spread)
+        goals = arrivals.warps.arrive[spread.landing]
+        next_state = np.concatenate([next_state[~drawn], goals])
     return branches, next_state
 
 

@@ -163,6 +163,7 @@ class Robots:
         self._scenes: dict[tuple[tuple[bool, ...], int], _Scene] = {}
         self._has_exit = np.array([bool(level.exits_of(robot)) for robot in level.robots])
         self.parts: list[_Part] = []
+        self.weights: list[float] = []
         self.starts = self._begin()
         self.keys = self._search()
 
@@ -183,7 +184,7 @@ class Robots:
         return columns[:, :-2].astype(np.int16), columns[:, -2], columns[:, -1]
 
     def _begin(self) -> Ints:
-        """Return the states in which episodes begin, as often as they are drawn."""
+        """Return the states in which episodes begin, and note their weights."""
         first = self._number_of(self.level.starts[0])
         rows, joints = [], []
         for drawn in self.things.draws():
@@ -195,6 +196,7 @@ class Robots:
                         values[column] = thing.after[values[column]]
             rows.append(values[: self.things.static])
             joints.append(self.crowd.joint(values[self.things.static :]))
+            self.weights.append(self.things.weight_of(drawn))
         cells = np.full(len(rows), first)
         return self._encoded(np.array(rows), np.array(joints), cells)
 
@@ -532,7 +534,8 @@ class Robots:
             states = self._states(part.states)
             over[states] = False
             obstruction[states] = part.obstruction
-            intended[states] = (states - states % self.size)[:, None] + part.intended
+            there = (states - states % self.size)[:, None] + part.intended
+            intended[states] = np.where(part.intended < 0, count - 1 - part.intended, there)
             state, action = np.divmod(part.row, self.actions)
             row = self._states(state) * self.actions + action
             following, total = self._states(part.following), part.shares.sum(axis=1)
@@ -547,7 +550,8 @@ class Robots:
             terminal.reshape(-1)[place] = part.terminal[order]
             shares.reshape(-1, self.count)[place] = part.shares[order]
         start = np.zeros(count)
-        np.add.at(start, self._states(self.starts), 1.0 / self.starts.size)
+        weights = np.array(self.weights) / sum(self.weights)
+        np.add.at(start, self._states(self.starts), weights)
         return assembled(
             self.grid,
             start=start,
@@ -561,6 +565,7 @@ class Robots:
                 "terminal": terminal,
             },
             configurations=self._numbering[0],
+            drawn=self._scene(self._decoded(self.starts[:1])[0][0]).grounds[0].warps.drawn,
             shares=shares,
         )
 

@@ -1,7 +1,10 @@
 """What each cell does to a robot, and where moves and warps end: arrays over the cells."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +13,10 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import Warp, shifts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.configurations import check_room
 from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.ground import build_ground
-from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Flags
+from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Flags, Floats, Ints
 from babyrobot_levels.text import budget
 
 
@@ -222,62 +226,155 @@ def _free_runs(open_: Flags, grid: Grid) -> States:
     return runs.reshape(open_.shape)
 
 
+class Lot(NamedTuple):
+    """What chance decides: one of some landings, each with its weight."""
+
+    landings: Ints
+    weights: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class Warps:
-    """Arrays `[states]`. The state number `states` itself stands for "one of the starts".
+    """Where warps lead. A landing is a cell, or a way of warps to one: numbers beyond the cells.
 
     Attributes:
-        arrive: where a robot stands that would come to stand on the state.
-        arrive_reward: the reward of that step, nan where the warps give none.
-        leaves: whether every move out of the state is a warp.
-        leave_to: where those moves lead, `arrive` included.
-        leave_reward: the reward of those moves, nan where the warps give none.
+        arrive: `[landings]`: the cell in which a robot stands that would come to stand there;
+            below 0, `-1 - arrive` is the number of the lot that decides.
+        reward: `[landings]`: the reward of that step, nan where the warps give none.
+        sends: `[landings]`: whether a warp sends the robot.
+        leave: `[states]`: the landing of the moves that a warp sends away.
+        chance: `[states]`: the probability with which it does, 0 without such a warp.
+        lots: what chance decides; the first is which of the starts it is.
     """
 
-    arrive: NDArray[np.int32]
-    arrive_reward: NDArray[np.float64]
-    leaves: NDArray[np.bool_]
-    leave_to: NDArray[np.int32]
-    leave_reward: NDArray[np.float64]
+    arrive: States
+    reward: Floats
+    sends: Flags
+    leave: States
+    chance: Floats
+    lots: tuple[Lot, ...]
+
+    @property
+    def leaves(self) -> Flags:
+        """Whether every move out of each state is a warp."""
+        leaves: Flags = self.chance == 1
+        return leaves
 
     @cached_property
     def pay(self) -> bool:
         """Whether any warp gives a reward."""
-        return not (np.isnan(self.arrive_reward).all() and np.isnan(self.leave_reward).all())
+        return not np.isnan(self.reward).all()
+
+    @cached_property
+    def drawn(self) -> Flags:
+        """The cells to which each lot may lead, `[lots, cells]`."""
+        found = np.zeros((len(self.lots), self.leave.size), bool)
+        for leads, lot in zip(found, self.lots, strict=True):
+            leads[self.arrive[lot.landings]] = True
+        return found
+
+    def left_from(self, cell: Ints) -> Warps:
+        """Return the warps of states that begin in some cells."""
+        return replace(self, leave=self.leave[cell], chance=self.chance[cell])
+
+
+End = tuple[int, float | None, bool]
+"""Where a way ends: the cell, the reward of the warps on it, and whether a warp sends there."""
+
+Ends = tuple[dict[End, float], float]
+"""The ends of a way, each with its weight, and the sum of these."""
+
+END = 20
+"""The steps of work to follow a warp to one of its ends."""
+
+
+class _Ways:
+    """Follows warps to their ends: one that leads onto another goes on from there."""
+
+    def __init__(self, level: LevelFields, grid: Grid):
+        self._level, self._grid = level, grid
+        self._enter = {_state(warp.at, grid): warp for warp in level.warps if warp.when == "enter"}
+        self._found: dict[int, Ends] = {}
+
+    def of(self, warp: Warp) -> Ends:
+        """Return where a warp leads, if it acts."""
+        leads = self._level.leads_of(warp)
+        found: dict[End, float] = {}
+        total = sum(weight for _, weight in leads)
+        for cell, weight in leads:
+            ends, among = self.from_cell(_state(cell, self._grid))
+            if len(leads) == 1:
+                # As it stands, so that equal weights stay exact.
+                weight, among, total = 1.0, 1.0, among
+            for (end, reward, _), share in ends.items():
+                key = end, reward if warp.reward is None else warp.reward, True
+                found[key] = found.get(key, 0.0) + weight * share / among
+        budget.spend(END * len(found))
+        check_room(self._level, self._grid.width * self._grid.height, len(found))
+        return found, total
+
+    def from_cell(self, cell: int) -> Ends:
+        """Return where a robot ends that would come to stand on a cell."""
+        waiting = [] if cell in self._found else [cell]
+        while waiting:
+            # The fields were checked: no chain is a circle.
+            warp = self._enter.get(waiting[-1])
+            leads = () if warp is None else self._level.targets_of(warp)
+            ahead = [to for at in leads if (to := _state(at, self._grid)) not in self._found]
+            if ahead:
+                waiting += ahead
+            else:
+                here = waiting.pop()
+                self._found[here] = self._ends(here, warp)
+        return self._found[cell]
+
+    def _ends(self, here: int, warp: Warp | None) -> Ends:
+        remains: dict[End, float] = {(here, None, False): 1.0}
+        if warp is None:
+            return remains, 1.0
+        ends, total = self.of(warp)
+        if warp.probability == 1:
+            return ends, total
+        sent = {end: warp.probability * share / total for end, share in ends.items()}
+        rest = dict.fromkeys(remains, 1.0 - warp.probability)
+        return {end: share for end, share in (sent | rest).items() if share > 0}, 1.0
 
 
 def build_warps(level: LevelFields, grid: Grid) -> Warps:
-    """Follow every warp to its end: one that leads onto another goes on from there."""
-    count = grid.width * grid.height
-    enter = {_state(warp.at, grid): warp for warp in level.warps if warp.when == "enter"}
-    arrive = np.arange(count + 1, dtype=np.int32)
-    arrive_reward = np.full(count + 1, np.nan)
-    for state in enter:
-        # The fields were checked: no chain is a circle. A warp that was followed before is known.
-        chain = [state]
-        while arrive[state] == state and (state := _target(enter[state], level, grid)) in enter:
-            chain.append(state)
-        for each in reversed(chain):
-            warp, to = enter[each], _target(enter[each], level, grid)
-            arrive[each] = arrive[to]
-            arrive_reward[each] = arrive_reward[to] if warp.reward is None else warp.reward
-    leaves = np.zeros(count, bool)
-    leave_to = np.arange(count, dtype=np.int32)
-    leave_reward = np.full(count, np.nan)
+    """Follow every warp to its ends."""
+    count, ways = grid.width * grid.height, _Ways(level, grid)
+    arrive, reward, sends = [*range(count)], [np.nan] * count, [False] * count
+    starts = np.array([_state(cell, grid) for cell in level.starts])
+    lots = [Lot(starts, np.array(level.weights_of_starts))]
+
+    def added(end: End) -> int:
+        """Add a landing that surely is an end."""
+        arrive.append(end[0])
+        reward.append(np.nan if end[1] is None else end[1])
+        sends.append(end[2])
+        return len(arrive) - 1
+
+    def leads(ends: Ends) -> End:
+        """Return where a landing leads that has several ends: below 0, to a lot."""
+        (first, *more), weights = [*ends[0]], [*ends[0].values()]
+        if not more:
+            return first
+        lots.append(Lot(np.array([added(end) for end in ends[0]]), np.array(weights)))
+        return -len(lots), None, False
+
+    for warp in level.warps:
+        if warp.when == "enter":
+            at = _state(warp.at, grid)
+            arrive[at], paid, sends[at] = leads(ways.from_cell(at))
+            reward[at] = np.nan if paid is None else paid
+    leave, chance = np.arange(count, dtype=np.int32), np.zeros(count)
     for warp in level.warps:
         if warp.when == "leave":
-            state, to = _state(warp.at, grid), _target(warp, level, grid)
-            leaves[state] = True
-            leave_to[state] = arrive[to]
-            leave_reward[state] = arrive_reward[to] if warp.reward is None else warp.reward
-    return Warps(arrive, arrive_reward, leaves, leave_to, leave_reward)
-
-
-def _target(warp: Warp, level: LevelFields, grid: Grid) -> int:
-    if isinstance(warp.to, str):
-        starts = level.starts
-        return _state(starts[0], grid) if len(starts) == 1 else grid.width * grid.height
-    return _state(warp.to, grid)
+            at = _state(warp.at, grid)
+            leave[at], chance[at] = added(leads(ways.of(warp))), warp.probability
+    return Warps(
+        np.array(arrive, np.int32), np.array(reward), np.array(sends), leave, chance, (*lots,)
+    )
 
 
 def _state(cell: tuple[int, int], grid: Grid) -> int:
@@ -287,18 +384,18 @@ def _state(cell: tuple[int, int], grid: Grid) -> int:
 def obstructions(
     moves: Moves, terrain: Terrain, warps: Warps
 ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
-    """Return what hinders each action, and where it leads without chance."""
+    """Return what hinders each action, and where it leads without chance; below 0, to a lot."""
     count = terrain.over.size
     obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
     target = np.empty((count, NUM_ACTIONS), np.int32)
     target[:, Action.STAY] = moves.here
-    moves_on = ~warps.leaves & ~terrain.over
+    moves_on = (warps.chance == 0) & ~terrain.over
     # One way after the other: copies of all of them would need much room.
     for way in range(NUM_MOVES):
         action, glass = way + 1, moves.glass[way] > 0
         obstruction[moves_on & moves.refused[way], action] = REFUSED
         obstruction[moves_on & glass, action] = GLASS
-        goals = warps.arrive[np.where(glass, moves.through[way], moves.landing[way])]
-        target[:, action] = np.where(warps.leaves, warps.leave_to, goals)
+        landing = np.where(glass, moves.through[way], moves.landing[way])
+        target[:, action] = warps.arrive[np.where(warps.leaves, warps.leave, landing)]
     target[terrain.over] = moves.here[terrain.over, None]
     return obstruction, target

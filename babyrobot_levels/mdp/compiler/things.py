@@ -22,7 +22,7 @@ from babyrobot_levels.mdp.compiler.layers import ON, Ground, Layer, Layers, TooM
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
 from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, exit_reward, merged
 from babyrobot_levels.mdp.compiler.robots import Robots
-from babyrobot_levels.mdp.compiler.terrain import obstructions
+from babyrobot_levels.mdp.compiler.terrain import build_warps, obstructions
 from babyrobot_levels.mdp.configurations import (
     MAX_OUTCOMES,
     MAX_WIDE_STATES,
@@ -162,14 +162,14 @@ class _Compiler:
                     obstruction[states] = hindered[cell]
                     target = targets[cell]
                     there = (states - cell)[:, None] + target
-                    intended[states] = np.where(target == self.size, count, there)
+                    intended[states] = np.where(target < 0, count - 1 - target, there)
             for outcomes in self._outcomes(ground, members):
                 check_room(self.level, count, outcomes.width)
                 room.put(outcomes)
         start = np.zeros(count)
-        starts = self.layers.starts
-        for number, joint, at in starts:
-            start[self.number[number, joint] * self.size + at] += 1.0 / len(starts)
+        total = sum(weight for *_, weight in self.layers.starts)
+        for number, joint, at, weight in self.layers.starts:
+            start[self.number[number, joint] * self.size + at] += weight / total
         return assembled(
             self.layers.grid,
             start=start,
@@ -178,6 +178,7 @@ class _Compiler:
             obstruction=obstruction,
             tables=room.tables(),
             configurations=self.configurations,
+            drawn=build_warps(self.level, self.layers.grid).drawn,
         )
 
     def _groups(self) -> Iterator[tuple[Ground, list[Layer]]]:

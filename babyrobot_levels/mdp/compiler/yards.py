@@ -73,13 +73,7 @@ class Yard:
                 np.zeros(cell.size, bool),
                 terrain.distance,
             ),
-            Warps(
-                warps.arrive,
-                warps.arrive_reward,
-                warps.leaves[cell],
-                warps.leave_to[cell],
-                warps.leave_reward[cell],
-            ),
+            warps.left_from(cell),
         )
 
     def moves(self, cell: NDArray[np.int32], boxes: NDArray[np.int32]) -> Moves:
@@ -182,7 +176,7 @@ def build_yard(level: LevelFields, grid: Grid, exits: tuple[Cell, ...], ways: Wa
     painted, moves = build_terrain(level, grid, exits), build_moves(level, grid)
     barred = np.zeros(size + 1, bool)
     for warp in level.warps:
-        for x, y in level.starts if isinstance(warp.to, str) else (warp.to,):
+        for x, y in level.targets_of(warp):
             barred[y * width + x] = True
     delta = np.array([-width, 1, width, -1])[:, None]
     beyond = np.where(moves.open, np.arange(size) + delta, size)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from babyrobot_levels.language.fields import as_cells
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import BLACK, GRAPHICS, WHITE, contrast, mixed, rim_on
@@ -389,8 +390,9 @@ def warp_shapes(
         if isinstance(warp.to, str):
             yield from _outlined(*_turning_arrow(centre, size), color, rim, dash)
             continue
-        if warp.to != warp.at:
-            yield from _outlined(*_arrow(level, layout, slots, warp.at, warp.to), color, rim, dash)
+        for to in as_cells(warp.to):
+            if to != warp.at:
+                yield from _outlined(*_arrow(level, layout, slots, warp.at, to), color, rim, dash)
         has_sign = warp.at in effects.pays or warp.at in effects.costs
         for number, radius in enumerate(_SIGN_RING if has_sign else _DOT_RING):
             fill = color if number % 2 else rim
@@ -420,8 +422,10 @@ def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
     return {
         layout.cell(point)
         for warp in level.warps
-        if not isinstance(warp.to, str) and warp.to != warp.at
-        for point in _points(_arrow(level, layout, slots, warp.at, warp.to)[0])
+        if not isinstance(warp.to, str)
+        for to in as_cells(warp.to)
+        if to != warp.at
+        for point in _points(_arrow(level, layout, slots, warp.at, to)[0])
     }
 
 

@@ -307,17 +307,29 @@ def _effects(level: GridWorld, ground: Ground, *, arrows: bool) -> Iterator[str]
     if ground.end is not None or reward != step:
         yield phrases.reward(reward)
     if warp is not None:
-        moves = "every move " if warp.when == "leave" else ""
-        if warp.to == "start":
-            yield f"{moves}leads back to the start"
-        elif arrows and ground.name == "warp":
-            yield f"{moves}leads along its arrow"
-        else:
-            yield f"{moves}leads to {phrases.cells([warp.to])}"
+        yield from _leads(level, warp, arrows=arrows and ground.name == "warp")
     elif (
         ground.skid is not None and ground.end is None and ground.skid != as_skid(level.skid or 0.0)
     ):
         yield phrases.skidding(ground.skid)
+
+
+def _leads(level: GridWorld, warp: Warp, *, arrows: bool) -> Iterator[str]:
+    """Yield how often a warp acts, and where it leads."""
+    moves = "every move " if warp.when == "leave" else ""
+    if warp.probability < 1:
+        moves = f"{'a move ' if moves else ''}{phrases.chance(warp.probability)} "
+    leads = () if isinstance(warp.to, str) else level.leads_of(warp)
+    if not leads:
+        yield f"{moves}leads back to {'a' if level.starts[1:] else 'the'} start"
+    elif arrows:
+        yield f"{moves}leads along {'one of its arrows' if leads[1:] else 'its arrow'}"
+    elif len({weight for _, weight in leads}) == 1:
+        yield f"{moves}leads to {listed([show_cell(cell) for cell, _ in leads], 'or')}"
+    else:
+        total = sum(weight for _, weight in leads)
+        told = [f"{show_cell(cell)} {phrases.chance(weight / total)}" for cell, weight in leads]
+        yield f"{moves}leads to {listed(told, 'or')}"
 
 
 def _wind(level: GridWorld) -> Rules:

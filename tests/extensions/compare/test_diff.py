@@ -105,6 +105,16 @@ def test_the_other_way_round_is_the_same_the_other_way_round() -> None:
             (0, 1),
             {"warp": {"to": [2, 0], "when": "leave"}},
         ),
+        (
+            {"warps": [{"at": [0, 1], "to": [[2, 0], [1, 0]], "weights": [1, 3]}]},
+            (0, 1),
+            {"warp": {"to": [[2, 0], [1, 0]], "when": "enter", "weights": [1.0, 3.0]}},
+        ),
+        (
+            {"warps": [{"at": [0, 1], "to": [2, 0], "probability": 0.5}]},
+            (0, 1),
+            {"warp": {"to": [2, 0], "when": "enter", "probability": 0.5}},
+        ),
     ],
 )
 def test_cells(fields: World, cell: tuple[int, int], after: dict[str, Any]) -> None:

@@ -57,6 +57,21 @@ def resize(session: Session, width: int, height: int, across: int = 0, down: int
     return done(session, "resize", size=[width, height], shift=[across, down])
 
 
+def test_weights_go_with_their_cells() -> None:
+    session = Session(
+        "version: 1\nsize: [5, 1]\nstart: [[3, 0], [0, 0]]\nstart_weights: [2, 3]\nexit: [2, 0]\n"
+        "warps:\n  - {at: [1, 0], to: [[4, 0], [0, 0]], weights: [5, 6]}\n"
+    )
+    text = resize(session, 5, 1, across=1)
+    assert "start: [[4, 0], [1, 0]]\nstart_weights: [2, 3]" in text
+    assert "{at: [2, 0], to: [[1, 0]], weights: [6]}" in text
+    text = resize(session, 4, 1, across=-1)
+    assert "start_weights: [2, 3]" in text
+    text = done(session, "paint", brush="exit", cells=[[3, 0]], add=True)
+    assert "start: [0, 0]" in text
+    assert "start_weights" not in text
+
+
 def test_everything_moves_with_what_is_added_at_the_left_and_the_top() -> None:
     assert (
         resize(Session(THINGS), 5, 5, 1, 2)

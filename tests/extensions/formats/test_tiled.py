@@ -94,6 +94,12 @@ def test_the_gallery_is_written_as_the_format_says(name: str) -> None:
     assert max(*ground["data"], *ends["data"]) <= tileset["tilecount"]
 
 
+def test_weights_of_starts_follow_the_order_of_tiles() -> None:
+    level = brl.loads("version: 1\nstart: [[0, 1], [1, 0]]\nstart_weights: [3, 1]\n")
+    again = level_of_world(world_of(export(level, "tiled").text, "tiled"))
+    assert again.digest == level.digest
+
+
 def test_the_picture_of_the_tiles_is_as_large_as_the_map_says() -> None:
     conversion = export(brl.load("final-maze"), "tiled")
     (tileset,) = json.loads(conversion.text)["tilesets"]

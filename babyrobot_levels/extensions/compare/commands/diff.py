@@ -345,11 +345,20 @@ def _cell_words(properties: dict[str, Any]) -> str:
         elif name == "ends":
             words.append("ends the episode")
         else:
-            to = value["to"] if isinstance(value["to"], str) else _cell(value["to"])
+            to = _target(value["to"])
+            to += f" at probability {value['probability']:g}" if "probability" in value else ""
+            to += f" with weights {value['weights']}" if "weights" in value else ""
             leaving = " on leaving" if value["when"] == "leave" else ""
             reward = f" with reward {value['reward']:g}" if "reward" in value else ""
             words.append(f"warp to {to}{leaving}{reward}")
     return ", ".join(words) or "plain"
+
+
+def _target(to: Any) -> str:
+    """Return where a warp leads in words."""
+    if isinstance(to, str):
+        return to
+    return _cell(to) if isinstance(to[0], int) else listed([_cell(cell) for cell in to], "or")
 
 
 def _wall_lines(change: Change) -> list[str]:

@@ -363,6 +363,7 @@ def add_warp(draft: Draft, gesture: Warp) -> None:
     for warp in draft.data.get("warps", []):
         if tuple(warp["at"]) == gesture.at:
             warp["to"] = [*gesture.to]
+            warp.pop("weights", None)
             return
     draft.entries("warps").append({"at": [*gesture.at], "to": [*gesture.to]})
 

@@ -162,6 +162,7 @@ def put_starts(draft: Draft, cells: Sequence[Cell]) -> None:
         _draw(draft, d.START, cells)
     elif [*cells] != [*draft.level.starts]:
         draft.data["start"] = _one_or_several(cells)
+    _put_weights(draft, "start_weights", draft.level.starts, cells)
 
 
 def put_exits(draft: Draft, cells: Sequence[Cell], *, is_drawn_by_lot: bool = False) -> None:
@@ -178,6 +179,7 @@ def put_exits(draft: Draft, cells: Sequence[Cell], *, is_drawn_by_lot: bool = Fa
         before = tuple(draft.canvas.find(d.EXIT))
     if [*cells] == [*before] and is_drawn_by_lot == ("exit_one_of" in draft.data):
         return
+    _put_weights(draft, "exit_weights", before, cells if is_drawn_by_lot else ())
     draft.data.pop("exit_one_of", None)
     if is_drawn_by_lot:
         draft.data.pop("exit", None)
@@ -186,6 +188,17 @@ def put_exits(draft: Draft, cells: Sequence[Cell], *, is_drawn_by_lot: bool = Fa
         _draw(draft, d.EXIT, () if is_drawn_by_lot else cells)
     elif not is_drawn_by_lot:
         draft.data["exit"] = _one_or_several(cells) if cells else "none"
+
+
+def _put_weights(draft: Draft, field: str, before: Sequence[Cell], cells: Sequence[Cell]) -> None:
+    """Keep the weights of the cells that stay; those that are new have the weight 1."""
+    weights = draft.data.get(field)
+    if weights and len(cells) < 2:
+        del draft.data[field]
+    elif weights and len(weights) != len(cells):
+        known = dict(zip(before, weights, strict=True))
+        ordered = sorted(cells, key=lambda cell: cell[::-1]) if draft.canvas else cells
+        draft.data[field] = [known.get(cell, 1) for cell in ordered]
 
 
 def _draw(draft: Draft, character: str, cells: Sequence[Cell]) -> None:
@@ -322,7 +335,9 @@ def cells_of(entry: Entry) -> list[Cell]:
     """Return the cells in which an entry stands."""
     if entry.get("within") is not None:
         return [*Box.of(entry["within"]).cells]
-    ends = [entry[name] for name in ("at", "to") if isinstance(entry.get(name), list)]
+    ends = [entry["at"]] if "at" in entry else []
+    if isinstance(to := entry.get("to"), list):
+        ends += to if isinstance(to[0], list) else [to]
     return [*map(as_cell, (*ends, *(entry.get("path") or ())))]
 
 

@@ -127,7 +127,11 @@ def _remove_cell(draft: Draft, cells: Route, route: Route) -> None:
         _remove(draft, cells)
         return
     routes.remove(draft.data, route)
+    weights = {"start": "start_weights", "exit_one_of": "exit_weights"}.get(str(field))
+    if weights is not None and weights in draft.data:
+        del draft.data[weights][int(route[-1])]
     if len(left) == 1:
+        draft.data.pop(weights or "", None)
         routes.remove(draft.data, cells)
         routes.put(draft.data, [*above, _ALONE[str(field)]], left[0])
 
@@ -154,9 +158,10 @@ def _moved(value: Any, shift: tuple[int, int], taken: Cell) -> Any:
             return [*to]
         case {"to": [*to], "at": [*at]} if tuple(to) == taken and tuple(at) != taken:
             return {**value, "to": _moved(to, shift, taken)}
+        case {"to": [[*_], *_] as cells, "at": [*at]} if tuple(at) != taken:
+            return {**value, "to": _one_moved(cells, shift, taken)}
         case {"one_of": [*cells]}:
-            moved = [_moved(cell, shift, taken) if tuple(cell) == taken else cell for cell in cells]
-            return {**value, "one_of": moved}
+            return {**value, "one_of": _one_moved(cells, shift, taken)}
         case dict():
             parts = [name for name in ("at", "path", "within", "start") if name in value]
             return {**value, **{name: _moved(value[name], shift, taken) for name in parts}}
@@ -164,6 +169,11 @@ def _moved(value: Any, shift: tuple[int, int], taken: Cell) -> Any:
             return [_moved(each, shift, taken) for each in value]
         case _:
             raise RefusedError("this cannot be moved")
+
+
+def _one_moved(cells: list[Any], shift: tuple[int, int], taken: Cell) -> list[Any]:
+    """Return some cells, of which the one that was taken was moved."""
+    return [_moved(cell, shift, taken) if tuple(cell) == taken else cell for cell in cells]
 
 
 # -- what a drawing shows ------------------------------------------------------------------

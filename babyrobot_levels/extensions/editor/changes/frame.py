@@ -55,6 +55,9 @@ def resize(draft: Draft, gesture: Resize) -> None:
             if field in STANDING or field == "doors":
                 draft.lost[KIND_OF_FIELD[field].name] += moved.count(None)
     ends = [*starts, *exits]
+    for field, places in (("start_weights", level.starts), ("exit_weights", level.exits)):
+        if draft.data.get(field):
+            draft.data[field] = change.weights(places, draft.data[field])
     if not starts:
         starts = [_nearest_free(draft, change, level.starts[0], ends)]
     if level.exits and not exits:

@@ -30,6 +30,11 @@ class Placement:
         """Return where cells come to lie, without those outside."""
         return [moved for cell in cells if (moved := self.cell(cell)) is not None]
 
+    def weights(self, cells: Iterable[Cell], weights: Iterable[float]) -> list[float]:
+        """Return the weights of the cells that are not outside."""
+        known = zip(cells, weights, strict=True)
+        return [weight for cell, weight in known if self.cell(cell) is not None]
+
     def cell(self, cell: Cell) -> Cell | None:
         """Return where a cell comes to lie, None outside."""
         box = self.box(Box(*cell, 1, 1))
@@ -79,8 +84,15 @@ class Placement:
     def _thing(self, entry: Entry) -> Entry | None:
         """Return an entry that stands in cells with its new place."""
         moved = {**entry}
+        if isinstance(entry.get("to"), list) and isinstance(entry["to"][0], list):
+            leads = [*map(as_cell, entry["to"])]
+            moved["to"] = [[*cell] for cell in self.cells(leads)]
+            if not moved["to"]:
+                return None
+            if entry.get("weights"):
+                moved["weights"] = self.weights(leads, entry["weights"])
         for name in ("at", "to"):
-            if isinstance(entry.get(name), list):
+            if isinstance(moved.get(name), list) and not isinstance(moved[name][0], list):
                 cell = self.cell(as_cell(entry[name]))
                 if cell is None:
                     return None
