@@ -28,7 +28,7 @@ from babyrobot_levels.extensions.editor.runtime import (
     runtime_folder,
 )
 from babyrobot_levels.extensions.packs.build import Course
-from babyrobot_levels.extensions.publish.hashed import digest, shifts_of
+from babyrobot_levels.extensions.publish.hashed import AnswerError, digest, graded, shifts_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
@@ -102,31 +102,36 @@ def _told(course: Course, title: str) -> dict[str, Any]:
 
 
 def level_data(level: Level) -> dict[str, Any] | None:
-    """Return a level as the page has it; None if it is too large, or its optimum infinite."""
+    """Return a level as the page has it; None if it is too large, or its episodes too long."""
     space = space_of(level, "all")
     mdp = space.mdp
     if mdp.num_states > MAX_STATES or mdp.num_robots > 1:
         return None
     counted = np.flatnonzero(~space.without_value)
     try:
-        right = np.ravel(solve(level).values)[counted]
+        best = solve(level)
     except (UndefinedReturnError, EpisodeTooLongError):
         return None
+    right = np.ravel(best.values)[counted]
     if not np.isfinite(right).all():
         return None
     answers = {"": right, **dict(_mistakes(level, right, counted))}
-    return {
-        "name": level.name or "",
-        "title": level.title or level.name,
+    name = level.name or ""
+    found = {
+        "name": name,
+        "title": level.title or name,
         "discount": level.discount,
         "shape": [*mdp.shape],
-        "tables": {name: getattr(mdp, name).tolist() for name in _TABLES},
+        "tables": {each: getattr(mdp, each).tolist() for each in _TABLES},
         "places": [space.text(state) for state in range(mdp.num_states)],
         "graded": counted.tolist(),
-        "known": [
-            _hashed(values, mistake, level.name or "") for mistake, values in answers.items()
-        ],
+        "known": [_hashed(values, mistake, name) for mistake, values in answers.items()],
     }
+    # Where that takes too many sweeps, students would read of a right policy that it is wrong.
+    with suppress(AnswerError):
+        graded(best.policy, "policy", found)
+        return found
+    return None
 
 
 def _mistakes(level: Level, right: Floats, counted: Any) -> Iterator[tuple[str, Floats]]:

@@ -22,7 +22,7 @@ ROUNDS = 1_000
 MAX_PRINTED = 10_000
 """The most characters of what a function prints that are shown."""
 
-SWEEPS = 5_000
+SWEEPS = 2_000
 """The most sweeps by which a policy is evaluated."""
 
 ACTIONS = ("stay", "north", "east", "south", "west")
@@ -39,7 +39,8 @@ def shifts_of(values: Sequence[float]) -> str:
 
 def digest(values: Sequence[float], shifts: str, salt: str) -> str:
     """Return the hash of values that are rounded to cells, all of them together."""
-    cells = [math.floor(value / STEP + int(each) / 2) for value, each in zip(values, shifts)]  # noqa: B905
+    pairs = zip(values, shifts, strict=True)
+    cells = [math.floor(value / STEP + int(shift) / 2) for value, shift in pairs]
     found = f"{salt} {cells}".encode()
     for _ in range(ROUNDS):
         found = sha256(found).digest()
@@ -138,8 +139,9 @@ def graded(answer: Any, kind: str, level: Mapping[str, Any]) -> str:
     Raises:
         AnswerError: it is wrong.
     """
-    numbers = _flat(answer, level, kind)
-    values = numbers if kind == "values" else _evaluated(level, _actions(numbers, level))
+    values = _flat(answer, level, kind)
+    actions = _actions(values, level) if kind == "policy" else None
+    values = values if actions is None else _evaluated(level, actions)
     counted = [values[state] for state in level["graded"]]
     for state, value in zip(level["graded"], counted, strict=True):
         if not math.isfinite(value):
@@ -149,11 +151,8 @@ def graded(answer: Any, kind: str, level: Mapping[str, Any]) -> str:
             if known["mistake"]:
                 raise AnswerError(known["mistake"])
             count = len(counted)
-            return f"all {count} values are right" if kind == "values" else "the policy is optimal"
-    wrong = (
-        _wrong_values(values, level) if kind == "values" else _wrong_policy(values, numbers, level)
-    )
-    raise AnswerError(wrong)
+            return f"all {count} values are right" if actions is None else "the policy is optimal"
+    raise AnswerError(_first_wrong(values, actions, level))
 
 
 def _flat(answer: Any, level: Mapping[str, Any], kind: str) -> list[Any]:
@@ -217,49 +216,24 @@ def _ahead(level: Mapping[str, Any], values: Sequence[float], state: int, action
 
 
 def _evaluated(level: Mapping[str, Any], actions: Sequence[int]) -> list[float]:
-    """Return the values of a policy, from the states that end outwards."""
-    order = _towards_the_end(level, actions)
-    left = (
-        {*level["graded"]}
-        - {*order}
-        - {s for s, over in enumerate(level["tables"]["is_terminal"]) if over}
-    )
-    if left and level["discount"] == 1:
-        raise AnswerError(f"from {level['places'][min(left)]} its episodes never end")
+    """Return the values of a policy."""
+    going_on = [state for state in level["graded"] if not level["tables"]["is_terminal"][state]]
     values = [0.0] * len(actions)
     for _ in range(SWEEPS):
         change = 0.0
-        for state in (*order, *left):
+        for state in going_on:
             before, values[state] = values[state], _ahead(level, values, state, actions[state])
             change = max(change, abs(values[state] - before))
         if change < STEP / 1e6:
             return values
-    raise AnswerError("its episodes are too long to evaluate it here")
+    worst = level["places"][values.index(min(values))]
+    raise AnswerError(f"from {worst} its episodes do not end, or too late to evaluate it here")
 
 
-def _towards_the_end(level: Mapping[str, Any], actions: Sequence[int]) -> list[int]:
-    """Return the states from which a policy can end, the nearest to the end first."""
-    tables, over = level["tables"], level["tables"]["is_terminal"]
-    before: dict[int, list[int]] = {}
-    order = []
-    for state, action in enumerate(actions):
-        rows = (tables[each][state][action] for each in ("probability", "next_state", "terminal"))
-        ways = [(following, ends) for chance, following, ends in zip(*rows, strict=True) if chance]
-        if not over[state]:
-            if any(ends or over[following] for following, ends in ways):
-                order.append(state)
-            for following, _ in ways:
-                before.setdefault(following, []).append(state)
-    found = {*order}
-    for state in order:
-        new = [each for each in before.get(state, ()) if each not in found]
-        found.update(new)
-        order += dict.fromkeys(new)
-    return order
-
-
-def _wrong_values(values: Sequence[float], level: Mapping[str, Any]) -> str:
-    """Return the first state whose value does not follow from the others."""
+def _first_wrong(
+    values: Sequence[float], actions: Sequence[int] | None, level: Mapping[str, Any]
+) -> str:
+    """Return the first state whose value, or whose action, does not follow from other values."""
     for state in level["graded"]:
         place, value = level["places"][state], values[state]
         if level["tables"]["is_terminal"][state]:
@@ -268,18 +242,9 @@ def _wrong_values(values: Sequence[float], level: Mapping[str, Any]) -> str:
             continue
         best = max(_ahead(level, values, state, action) for action in range(len(ACTIONS)))
         if abs(best - value) > STEP / 8:
+            if actions is not None:
+                name = ACTIONS[actions[state]]
+                return f"at {place}, {name} is not best, by the values of your policy itself"
             told = "it is not what its best action gives with your values of the next states"
             return f"at {place} {told}"
-    return f"they follow from each other, but are others: is the discount {level['discount']:g}?"
-
-
-def _wrong_policy(values: Sequence[float], answer: Sequence[Any], level: Mapping[str, Any]) -> str:
-    """Return the first state in which another action is better, by the policy's own values."""
-    actions = _actions(answer, level)
-    for state in level["graded"]:
-        if not level["tables"]["is_terminal"][state]:
-            worth = [_ahead(level, values, state, action) for action in range(len(ACTIONS))]
-            if max(worth) - worth[actions[state]] > STEP / 8:
-                name, place = ACTIONS[actions[state]], level["places"][state]
-                return f"at {place}, {name} is not best, by the values of your policy itself"
-    return "it is not optimal"
+    return f"it follows from itself, but is another one: is the discount {level['discount']:g}?"

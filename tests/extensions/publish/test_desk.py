@@ -137,8 +137,11 @@ def test_mistakes_have_names() -> None:
     told = "these are the values for the discount 0.9, not 1"
     assert asked(text, "value_iteration", "values") == (False, told)
     text = "def policy_iteration(level): return ['stay'] * 16"
-    told = "from [0, 0] its episodes never end"
+    told = "at [2, 3], stay is not best, by the values of your policy itself"
     assert asked(text, "policy_iteration", "policy") == (False, told)
+    told = "from [1, 1] its episodes do not end, or too late to evaluate it here"
+    costly = text.replace("16", "9")
+    assert asked(costly, "policy_iteration", "policy", "puddle-test") == (False, told)
     text = text.replace("stay", "right")
     told = "the action at [0, 0] is 'right': it can be 0 stay, 1 north, 2 east, 3 south, 4 west"
     assert asked(text, "policy_iteration", "policy") == (False, told)
