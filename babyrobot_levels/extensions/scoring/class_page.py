@@ -3,6 +3,7 @@
 import math
 import os
 from pathlib import Path
+from typing import Any
 
 from babyrobot_levels.extensions.scoring.grades import Grades
 from babyrobot_levels.language.names import slug
@@ -28,9 +29,6 @@ def class_page(grades: Grades, links: dict[str, str] | None = None) -> str:
         links: the pages of students, by player.
     """
     worth = grades.worth
-    mistakes = {
-        task: [*told.items()][:MAX_MISTAKES] for task, told in grades.mistakes.items() if told
-    }
     return html(
         "extensions/scoring/static/class.html",
         title=grades.title,
@@ -38,12 +36,32 @@ def class_page(grades: Grades, links: dict[str, str] | None = None) -> str:
         possible=[*worth.values(), math.fsum(worth.values())],
         totals={player: [*points.values()] for player, points in grades.totals.items()},
         rule=_RULES[grades.rule] if len(grades) else None,
-        defects=grades.defects,
-        mistakes=mistakes,
-        shared=grades.shared,
-        notes=grades.notes,
+        remarks=_remarks(grades),
         links=links or {},
     )
+
+
+def _remarks(grades: Grades) -> dict[str, tuple[list[str], list[list[Any]]]]:
+    """Return the columns and the rows of what is told beside the points; lists are counted."""
+    common = {task: [*told.items()][:MAX_MISTAKES] for task, told in grades.mistakes.items()}
+    return {
+        "Commonest mistakes": (
+            ["Task", "Students", "Mistake"],
+            [[task, players, told] for task, each in common.items() for told, players in each],
+        ),
+        "The same code or plays": (
+            ["Task", "Students"],
+            [[task, ", ".join(each)] for task, groups in grades.shared.items() for each in groups],
+        ),
+        "Read all the same": (
+            ["Student", "Note"],
+            [[player, note] for player, notes in grades.notes.items() for note in notes],
+        ),
+        "What does not count": (
+            ["Player", "Place", "Reason"],
+            [[each.player, each.place, each.reason] for each in grades.defects],
+        ),
+    }
 
 
 def student_page(grades: Grades, player: str) -> str:
