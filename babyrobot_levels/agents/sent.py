@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.share_code import is_code
@@ -18,15 +18,7 @@ from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile
 
-
-class _File(NamedTuple):
-    """The text of a level's file."""
-
-    path: str
-    text: str
-
-
-Item = int | str | _File | Exception
+Item = int | str | SourceFile | Exception
 """A level as it is sent: its number in a suite, its share code, its file, or why it has none."""
 
 
@@ -51,18 +43,19 @@ def _items(make: Callable[[Any], Item], levels: Iterable[Any]) -> Iterator[Item]
         yield item
 
 
-def _text_of(level: LevelLike) -> str | _File:
+def _text_of(level: LevelLike) -> str | SourceFile:
     if isinstance(level, str) and is_code(level):
         return level
     if isinstance(level, str | os.PathLike):
         path = level_path(level)
-        text = read_source(path).text
-        if "theme" in text:
+        source = read_source(path)
+        if "theme" in source.text:
             file = load_file(path)
             if isinstance(file.theme, str) and file.theme not in BUILTIN_THEMES:
                 # It may be a file beside the level, which other machines need not have.
                 text = file.replace(theme=file.resolved_theme).to_yaml(comments=True)
-        return _File(str(path), text)
+                return SourceFile(source.name, text)
+        return source
     return load(level).share_code()
 
 
@@ -74,8 +67,8 @@ def received(suite: str | None, item: Item) -> Level:
     """
     if isinstance(item, Exception):
         raise item
-    if isinstance(item, _File):
-        return load_source(SourceFile(item.path, item.text), Path(item.path))
+    if isinstance(item, SourceFile):
+        return load_source(item, Path(item.name))
     if isinstance(item, str):
         return load_code(item)
     assert suite is not None
