@@ -215,7 +215,7 @@ def grade(
     wanted = None if level is None else _wanted(level, course)
     has_code = course is not None and bool(course.fields.functions) and functions != []
     if functions and not has_code:
-        raise ValueError(f"there are no functions to grade, and so no {functions[0]!r}")
+        raise ValueError(f"there are no functions to grade, and so not {functions!r}")
     handed = hand_ins([files] if isinstance(files, str | os.PathLike) else files, code=has_code)
     class_ = Players(wanted, points, handed)
     submissions: dict[str, Submission] = {}

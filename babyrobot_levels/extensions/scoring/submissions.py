@@ -324,10 +324,10 @@ class Grader:
     def __init__(self, course: Course, functions: Sequence[str] | None, limits: Limits) -> None:
         self.course, self.limits = course, limits
         known = course.fields.functions
-        for name in functions or ():
+        self.names = [functions] if isinstance(functions, str) else [*(functions or known)]
+        for name in self.names:
             if name not in known:
                 raise ValueError(f"{name!r} is no function of the course: {', '.join(known)}")
-        self.names = [*(functions or known)]
         entries = course.fields.levels
         # What is computed of a level once is kept with it.
         self.levels = {each.level: load(course.files[each.level]) for each in entries}

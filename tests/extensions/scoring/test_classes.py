@@ -263,8 +263,9 @@ def test_typos_are_errors_and_no_marks(tmp_path: Path) -> None:
         brl.grade(tmp_path / "nosuch", COURSE)
     with pytest.raises(brl.LevelNotFoundError):
         brl.grade(tmp_path / "empty", "nosuch")
-    with pytest.raises(ValueError, match="'sarsa' is no function of the course"):
-        brl.grade(hand_in(tmp_path / "a", {"ada/x.py": ""}), COURSE, functions=["sarsa"])
+    for asked in ("sarsa", ["sarsa"]):
+        with pytest.raises(ValueError, match="'sarsa' is no function of the course"):
+            brl.grade(hand_in(tmp_path / "a", {"ada/x.py": ""}), COURSE, functions=asked)
 
 
 def test_results_are_kept_until_files_change(tmp_path: Path) -> None:
