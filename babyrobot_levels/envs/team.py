@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Unpack
 
 import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.arguments import (
-    ObservationOptions,
-    checked_observation,
-    takes_observation,
-    whole_number,
-)
-from babyrobot_levels.envs.observations import DictObserver
+from babyrobot_levels.envs.arguments import ObservationOptions, takes_observation, whole_number
 from babyrobot_levels.envs.single import LevelEnv, LevelLike
 from babyrobot_levels.envs.spaces import ActionSet
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
-from babyrobot_levels.mdp.tables import Ints
-
-_OF_ONE = ("planes", "view")
-"""The observations that do not show where the other robots are."""
 
 
 class TeamActions(spaces.MultiDiscrete):
@@ -49,44 +38,6 @@ class TeamActions(spaces.MultiDiscrete):
         return np.array(np.unravel_index(which, self.nvec), np.int64)
 
 
-class PositionsObserver:
-    """Makes observations of where all robots are, int64 `[numbers]`, in a `MultiDiscrete`.
-
-    The numbers are x and y of each robot, in the order of the level; for each robot 1 if it has
-    arrived; and the value of each other thing.
-    """
-
-    def __init__(self, level: Level) -> None:
-        things, (width, height) = level.things(), level.size
-        self._level, self._robots = level, things.of_kind("robot")
-        robots = len(level.robots)
-        others = [
-            radix
-            for kind, radix in zip(things.kinds, things.radices, strict=True)
-            if kind != "robot"
-        ]
-        self.space = spaces.MultiDiscrete([*[width, height] * robots, *[2] * robots, *others])
-
-    def rows(self, states: Ints) -> Ints:
-        """Return what some states show, int64 `[states, numbers]`."""
-        (width, height), mdp = self._level.size, self._level.compile()
-        configuration, cell = np.divmod(states, width * height)
-        values = mdp.configurations[configuration].astype(np.int64)
-        robots = values[:, self._robots]
-        arrived = robots >= width * height
-        arrived[:, 0] = robots[:, 0] == 1
-        cells = robots % (width * height)
-        cells[:, 0] = cell
-        places = np.stack([cells % width, cells // width], axis=2).reshape(len(cells), -1)
-        others = np.delete(values, np.arange(values.shape[1])[self._robots], axis=1)
-        return np.concatenate([places, arrived, others], axis=1)
-
-    def at(self, state: int) -> Callable[[], NDArray[np.int64]]:
-        """Return a function that makes a new observation of the state at each call."""
-        row: NDArray[np.int64] = self.rows(np.array([state]))[0]
-        return row.copy
-
-
 class TeamEnv(LevelEnv):
     """Several robots move through a level at once, and one agent chooses the actions of all.
 
@@ -94,9 +45,9 @@ class TeamEnv(LevelEnv):
     The reward is the sum of what each robot gets; `info["rewards"]` (float64 `[robots]`) is its
     parts, and `info["action_mask"]` a tuple with a mask for each robot, int8 `[5]`: one that has
     arrived can only stay. The observation `"position"`, the default, is x and y of each robot, then
-    for each 1 if it has arrived, then the value of each other thing; `"index"`, `"walls"`,
-    `"vector"` and `"image"` are those of `LevelEnv`, with the first robot as its robot. Episodes
-    end as the level's `team` says.
+    for each 1 if it has arrived, then the value of each other thing; the others are those of
+    `LevelEnv`, seen by the first robot, and show where the others are. Episodes end as the level's
+    `team` says.
 
     Attributes:
         robot_names: the names of the robots.
@@ -127,10 +78,6 @@ class TeamEnv(LevelEnv):
         given = load(level)
         if not given.robots:
             raise ValueError("the level has one robot: use `brl.LevelEnv`")
-        names = checked_observation(**options).name
-        for name in (names,) if isinstance(names, str) else names:
-            if name in _OF_ONE:
-                raise ValueError(f"observation={name!r} shows one robot, and the level has several")
         self.robot_names = tuple(robot.name for robot in given.robots)
         super().__init__(given, render_mode=render_mode, **options)
         self._options = tuple(name for name in self._options if name != "start")
@@ -144,11 +91,6 @@ class TeamEnv(LevelEnv):
     def _enter(self, level: Level) -> None:
         super()._enter(level)
         self._masks: dict[int, list[NDArray[np.int8]]] = {}
-        observer, name = self._observer, self._observation.name
-        if name == "position":
-            self._observer = PositionsObserver(level)
-        elif isinstance(observer, DictObserver) and "position" in name:
-            observer.put("position", PositionsObserver(level))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

@@ -159,12 +159,6 @@ def test_positions_are_those_of_all_robots_beside_other_observations_too() -> No
     assert moved.tolist() == [1, 0, 3, 0, 0, 0]
 
 
-@pytest.mark.parametrize("observation", ["planes", "view", ("position", "view")])
-def test_what_shows_one_robot_only_is_refused(observation: Any) -> None:
-    with pytest.raises(ValueError, match="shows one robot, and the level has several"):
-        gymnasium.make("babyrobot/Level-v0", level=PASSING, observation=observation)
-
-
 def test_options_that_a_team_does_not_have_are_refused() -> None:
     env = brl.TeamEnv(PASSING)
     with pytest.raises(ValueError, match="no option 'strat'; known options: none"):

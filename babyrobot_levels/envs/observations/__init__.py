@@ -105,11 +105,6 @@ class DictObserver(Observer):
         """Return a space with that of each observation."""
         return spaces.Dict({k: space_of(extent, each) for k, each in observation.parts().items()})
 
-    def put(self, name: str, observer: Any) -> None:
-        """Let another observer make one of the observations."""
-        self._observers[name] = observer
-        self.space = spaces.Dict({**self.space.spaces, name: observer.space})
-
     def at(self, state: int) -> Callable[[], Any]:
         """Return a function that makes a new dict of new observations."""
         return partial(_made, {name: each.at(state) for name, each in self._observers.items()})

@@ -36,6 +36,7 @@ class Observation:
 
     Attributes:
         name: one of `OBSERVATIONS`, or a tuple of several: a dict with each of them.
+        robot: of several robots, the number of the one whose observation it is.
     """
 
     name: str | tuple[str, ...] = "position"
@@ -45,6 +46,7 @@ class Observation:
     see_through: bool = False
     channels_last: bool = False
     planes_dtype: str = "float32"
+    robot: int = 0
 
     def parts(self) -> dict[str, Observation]:
         """Return each of several observations by its name."""
@@ -57,14 +59,15 @@ class Extent:
 
     Attributes:
         size: the largest width and height, in cells.
-        radices: how many values a thing has: in each column of configurations the most of any
-            level, for as many columns as the level with the most things has.
+        radices: how many values a thing has, other robots left out: in each column of
+            configurations the most of any level, for as many as the level with the most things has.
         configurations: the most configurations of a level.
         headings: 4 with `actions="turns"`, where states have a heading, else 1.
         has_items: whether a level has items: pictures then have a row below the cells for what is
             held.
         has_wind: whether a level has wind.
         has_boxes: whether a level has boxes or targets.
+        robots: the number of robots.
     """
 
     size: Size
@@ -74,6 +77,7 @@ class Extent:
     has_items: bool = False
     has_wind: bool = False
     has_boxes: bool = False
+    robots: int = 1
 
     @classmethod
     def of(cls, levels: Iterable[Level], *, turns: bool = False) -> Self:
@@ -89,16 +93,18 @@ class Extent:
         size, configurations = (0, 0), 1
         has_items, has_wind, has_boxes = False, False, False
         radices: tuple[int, ...] = ()
+        robots = 1
         for level in levels:
+            robots = max(robots, len(level.robots))
             size = max(size[0], level.size[0]), max(size[1], level.size[1])
             has_items = has_items or bool(level.items)
             has_wind = has_wind or level.wind is not None
             has_boxes = has_boxes or bool(level.boxes or level.targets)
             if level.has_things:
-                radices = largest_radices(radices, level.things().radices)
+                radices = largest_radices(radices, _radices(level))
                 configurations = max(configurations, _configurations(level))
         headings = HEADINGS if turns else 1
-        return cls(size, radices, configurations, headings, has_items, has_wind, has_boxes)
+        return cls(size, radices, configurations, headings, has_items, has_wind, has_boxes, robots)
 
     @property
     def picture(self) -> Size:
@@ -114,6 +120,13 @@ class Extent:
     def has_things(self) -> bool:
         """Whether a level has things."""
         return bool(self.radices)
+
+
+def _radices(level: Level) -> tuple[int, ...]:
+    """Return how many values the things of a level have but its robots."""
+    things = level.things()
+    kinds = zip(things.kinds, things.radices, strict=True)
+    return tuple(radix for kind, radix in kinds if kind != "robot")
 
 
 def _configurations(level: Level) -> int:
@@ -141,6 +154,8 @@ class Observer(ABC):
         """Prepare the observations of a level; a maze needs a seed."""
         self.space = self.space_of(extent, observation)
         self._level, self._extent = level, extent
+        others = (number for number in range(extent.robots) if number != observation.robot)
+        self._order = [observation.robot, *others]
 
     @classmethod
     @abstractmethod
@@ -161,6 +176,33 @@ class Observer(ABC):
     def states(self) -> NDArray[np.int64]:
         """Return all states of the level."""
         return np.arange(self._level.compile().num_configurations * self.block)
+
+    def robots(self, states: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return where robots are, the one that observes first, and which of them have arrived.
+
+        Returns:
+            Their cells, or those by which they left, int64 `[states, robots]`; bool, likewise.
+        """
+        area = prod(self._level.size)
+        rest, cell = np.divmod(states, area)
+        if self._extent.robots == 1:
+            return cell[:, None], np.zeros((states.size, 1), np.bool_)
+        columns = self._level.things().of_kind("robot")
+        values = self._level.compile().configurations[rest, columns].astype(np.int64)
+        arrived, cells = values >= area, values % area
+        # The cell of the first one is that of the state.
+        arrived[:, 0], cells[:, 0] = values[:, 0] == 1, cell
+        return cells[:, self._order], arrived[:, self._order]
+
+    def standing(self, states: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return the cells of robots as `robots` does, and which of them are in the level.
+
+        The robot that observes always counts as being there.
+        """
+        cells, arrived = self.robots(states)
+        is_there = ~arrived | (self._level.team.arrived == "stay")
+        is_there[:, 0] = True
+        return cells, is_there
 
     @property
     def block(self) -> int:

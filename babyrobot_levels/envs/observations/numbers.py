@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -16,15 +17,17 @@ from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Obser
 from babyrobot_levels.envs.observations.planes import squashed
 from babyrobot_levels.language.base import SIDE_NAMES, SIDES
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import HEADINGS, Action
+from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.state import Results
 
 Ints = NDArray[np.int64]
 
-_OPEN = slice(2, 2 + len(SIDES))
-"""The columns of the open sides in `"walls"`, and in vectors."""
+
+def _open(extent: Extent) -> slice:
+    """Return the columns of the open sides in `"walls"`, and in vectors."""
+    return slice(2 * extent.robots, 2 * extent.robots + len(SIDES))
 
 
 class BatchRowObserver(BatchObserver):
@@ -96,27 +99,39 @@ class NumericObserver(RowObserver):
             return spaces.Discrete(extent.configurations * extent.headings * extent.cells)
         sides = [2] * 4 if observation.name == "walls" else []
         headings = [HEADINGS] if extent.headings > 1 else []
-        return spaces.MultiDiscrete([*extent.size, *sides, *extent.radices, *headings])
+        places = [*extent.size] * extent.robots
+        arrived = [2] * extent.robots if extent.robots > 1 else []
+        return spaces.MultiDiscrete([*places, *sides, *arrived, *extent.radices, *headings])
 
     def rows(self, states: Ints) -> Ints:
         """Return what some states show, int64 `[states, numbers]`, or `[states]`."""
         (width, height), extent = self._level.size, self._extent
         rest, cell = np.divmod(states, width * height)
         configuration, heading = np.divmod(rest, extent.headings)
-        y, x = np.divmod(cell, width)
         if self._name == "index":
+            y, x = np.divmod(cell, width)
             return (rest * extent.size[1] + y) * extent.size[0] + x
-        columns = [x, y]
+        cells, arrived = self.robots(states)
+        columns = [axis for each in cells.T for axis in (each % width, each // width)]
         if self._name == "walls":
-            columns += [*self._open_sides(configuration, cell)]
+            columns += [*self._open_sides(configuration, cells[:, 0])]
+        if extent.robots > 1:
+            columns += [*arrived.T.astype(np.int64)]
         if extent.radices:
             values = np.zeros((states.size, len(extent.radices)), np.int64)
-            known = self._level.compile().configurations
+            known = self._known()
             values[:, : known.shape[1]] = known[configuration]
             columns += [*values.T]
         if extent.headings > 1:
             columns.append(heading)
         return np.stack(columns, axis=1)
+
+    def _known(self) -> NDArray[Any]:
+        """Return the values of things but robots in configurations."""
+        values = self._level.compile().configurations
+        if self._extent.robots == 1:
+            return values
+        return values[:, [kind != "robot" for kind in self._level.things().kinds]]
 
     def _open_sides(self, configuration: Ints, cell: Ints) -> Ints:
         """Return which sides of cells are open in configurations, `[4, states]`."""
@@ -144,12 +159,16 @@ def vector_names(extent: Extent) -> tuple[str, ...]:
     - `reward-north`, …: the expected reward of a move that way, squashed.
     - `thing-1`, …: the value of each thing, divided by its largest value.
     - `heading-north`, …: with `actions="turns"`, 1 where the robot looks.
+
+    Of several robots, `x-2`, `y-2`, … are where the others are, the rewards are the robot's own
+    while the others stay, and `arrived`, `arrived-2`, … tell who has arrived.
     """
+    others = [f"-{number}" for number in range(2, extent.robots + 1)]
     return (
-        "x",
-        "y",
+        *(f"{axis}{number}" for number in ("", *others) for axis in "xy"),
         *(f"open-{side}" for side in SIDE_NAMES),
         *(f"reward-{side}" for side in SIDE_NAMES),
+        *(f"arrived{number}" for number in ("", *others) if others),
         *(f"thing-{number}" for number in range(1, len(extent.radices) + 1)),
         *(f"heading-{side}" for side in SIDE_NAMES if extent.headings > 1),
     )
@@ -160,14 +179,18 @@ class VectorObserver(RowObserver):
 
     def __init__(self, level: Level, extent: Extent, observation: Observation) -> None:
         super().__init__(level, extent, observation)
-        self._walls = NumericObserver(level, extent, Observation("walls"))
+        self._walls = NumericObserver(level, extent, replace(observation, name="walls"))
         largest = np.asarray(self._walls.space.nvec) - 1  # type: ignore[attr-defined]
         self._largest = np.maximum(largest, 1)
         grid, mdp = level.grid(), level.compile()
         self._glass = np.where(grid.open, 0, grid.pass_probability).reshape(-1, len(SIDES))
         # Of the level's own tables, in which a state has no heading.
-        expected = np.einsum("sao,sao->sa", mdp.probability, mdp.reward)
-        self._rewards = squashed(expected[:, Action.NORTH :])
+        reward, robot = mdp.reward, observation.robot
+        if mdp.shares is not None:
+            reward = mdp.shares[..., robot]
+        expected = np.einsum("sao,sao->sa", mdp.probability, reward)
+        own = NUM_ACTIONS ** (mdp.num_robots - 1 - robot)
+        self._rewards = squashed(expected[:, own * np.arange(Action.NORTH, NUM_ACTIONS)])
 
     @classmethod
     def space_of(cls, extent: Extent, observation: Observation) -> spaces.Box:
@@ -180,11 +203,12 @@ class VectorObserver(RowObserver):
         rest, cell = np.divmod(states, cells)
         configuration, heading = np.divmod(rest, headings)
         columns = self._walls.rows(states) / self._largest
-        columns[:, _OPEN] += self._glass[cell]
+        sides = _open(self._extent)
+        columns[:, sides] += self._glass[self.robots(states)[0][:, 0]]
         rewards = self._rewards[configuration * cells + cell]
-        parts = [columns[:, : _OPEN.stop], rewards]
+        parts = [columns[:, : sides.stop], rewards]
         if headings > 1:
-            parts += [columns[:, _OPEN.stop : -1], np.eye(headings)[heading]]
+            parts += [columns[:, sides.stop : -1], np.eye(headings)[heading]]
         else:
-            parts.append(columns[:, _OPEN.stop :])
+            parts.append(columns[:, sides.stop :])
         return np.hstack(parts).astype(np.float32)

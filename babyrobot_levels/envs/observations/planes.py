@@ -43,6 +43,7 @@ def plane_names(extent: Extent) -> tuple[str, ...]:
 
     - `robot`: the robot; with `actions="turns"`, `robot-north`, … as well: the robot, if it looks
       that way.
+    - `robot-2`, …: the other robots of a team, as long as they are in the level.
     - `start`: a start; `exit`: an exit that ends the episode.
     - `blocked`: the cell is blocked, or beyond the grid of a smaller level.
     - `wall-north`, …: nothing gets through that side: a wall, a closed door, a blocked cell, or the
@@ -70,6 +71,7 @@ def plane_names(extent: Extent) -> tuple[str, ...]:
     names = ["robot"]
     if extent.headings > 1:
         names += _sided("robot")
+    names += [f"robot-{number}" for number in range(2, extent.robots + 1)]
     names += ["start", "exit", "blocked", *_sided("wall"), *_sided("glass")]
     names += ["puddle-small", "puddle-large", "skid", "reward", "ends", "warp"]
     if extent.has_wind:
@@ -153,14 +155,19 @@ class PlaneObserver(Observer):
         """Return where planes show the robot, as indices of flat arrays, `[states, places]`."""
         (columns, rows), count = self._extent.size, len(self._plane)
         width, height = self._level.size
-        rest, cell = np.divmod(states, width * height)
-        y, x = np.divmod(cell, width)
-        planes = [np.zeros_like(x)]
+        cells, is_there = self.standing(states)
+        planes = np.arange(self._extent.robots) + (self._plane.get("robot-2", 1) - 1)
+        planes[0] = 0
+        # Those that are not there are where the robot is.
+        cells, planes = np.where(is_there, cells, cells[:, :1]), np.where(is_there, planes, 0)
         if self._extent.headings > 1:
-            planes.append(self._plane["robot-north"] + rest % self._extent.headings)
+            heading = states // (width * height) % self._extent.headings
+            cells = np.repeat(cells, 2, axis=1)
+            planes = np.column_stack([planes, self._plane["robot-north"] + heading])
+        y, x = np.divmod(cells, width)
         if self._channels_last:
-            return np.stack([(y * columns + x) * count + plane for plane in planes], axis=1)
-        return np.stack([(plane * rows + y) * columns + x for plane in planes], axis=1)
+            return (y * columns + x) * count + planes
+        return (planes * rows + y) * columns + x
 
     def _paint(self, now: Configuration) -> Floats:
         """Return the planes without things, but with the doors as they are."""
@@ -226,7 +233,7 @@ class PlaneTable(BatchObserver):
         self._free: list[int] = []
         # By state: the row of its ground, -1 if it is not painted, and where the robot is.
         self._row: Ints = np.empty(0, np.intp)
-        self._robot: Ints = np.empty((0, 1 + (extent.headings > 1)), np.intp)
+        self._robot: Ints = np.empty((0, extent.robots + (extent.headings > 1)), np.intp)
         self._painters: dict[int, PlaneObserver] = {}
 
     def grow(self, offset: Ints) -> None:

@@ -69,13 +69,15 @@ VIEW_PLANES = (
 - `mover`: a mover stands there.
 - `held-key`, …: 1 everywhere while the robot holds an item with this picture.
 
-Levels with boxes or targets have two more: `pushable`, a box to push, and `target`.
+Levels with boxes or targets have two more: `pushable`, a box to push, and `target`. With several
+robots, the last one is `robot`: another robot stands there.
 """
 
 
 def view_planes(extent: Extent) -> tuple[str, ...]:
     """Return the names of the planes of a view."""
-    return (*VIEW_PLANES, *BOXED) if extent.has_boxes else VIEW_PLANES
+    boxed = BOXED if extent.has_boxes else ()
+    return (*VIEW_PLANES, *boxed, *(["robot"] if extent.robots > 1 else []))
 
 
 _PLANE = {name: number for number, name in enumerate((*VIEW_PLANES, *BOXED))}
@@ -116,6 +118,10 @@ class ViewObserver(Observer):
         """
         rest, cell = divmod(state, self._cells)
         number, heading = divmod(rest, self._extent.headings)
+        others: list[int] = []
+        if self._extent.robots > 1:
+            cells, is_there = self.standing(np.array([state]))
+            cell, *others = cells[is_there].tolist()
         y, x = divmod(cell, self._width)
         now = self._configuration(number)
         ground, passable = self._ground(now)
@@ -125,6 +131,10 @@ class ViewObserver(Observer):
             row, column = at_y - y + radius, at_x - x + radius
             if 0 <= row < side and 0 <= column < side:
                 view[row, column, _PLANE[name]] = 1
+        for other in others:
+            row, column = other // self._width - y + radius, other % self._width - x + radius
+            if 0 <= row < side and 0 <= column < side:
+                view[row, column, -1] = 1
         if passable is not None:
             view *= visible(passable, x, y, radius)[..., None]
         if heading:

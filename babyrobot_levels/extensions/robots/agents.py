@@ -15,7 +15,8 @@ def parallel_env(level: LevelLike, **options: Any) -> LevelParallelEnv:
 
     Args:
         level: a name, a path, a mapping or a `Level`.
-        options: the other arguments of `LevelParallelEnv`: `rewards`, `max_cycles`, `render_mode`.
+        options: the other arguments of `LevelParallelEnv`: `rewards`, `max_cycles`, `render_mode`,
+            and those of observations.
 
     Raises:
         LevelNotFoundError: there is no such level.

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, ClassVar, Unpack
 
 import numpy as np
 from gymnasium import error, spaces
-from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from babyrobot_levels.envs.arguments import check_choice, checked_count
+from babyrobot_levels.envs.arguments import (
+    ObservationOptions,
+    check_choice,
+    checked_count,
+    checked_observation,
+    takes_observation,
+)
+from babyrobot_levels.envs.observations import make_observer, space_of
+from babyrobot_levels.envs.observations.base import Extent
 from babyrobot_levels.envs.single import LevelEnv, LevelLike
 from babyrobot_levels.envs.team import TeamEnv
 from babyrobot_levels.library.catalogue import load
@@ -20,12 +29,13 @@ REWARDS = ("own", "team")
 """What the reward of an agent is: what its robot gets, or the sum of what all get."""
 
 
-class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignore[misc]
+class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
     """Several robots move through a level at once, each with an agent of its own.
 
-    Agents have the names of the robots. An action is 0 stay, 1 north, 2 east, 3 south or 4 west. An
-    observation is int64: x and y of the agent's own robot, then of the others in their order; in
-    the same order 1 for each that has arrived; and the value of each other thing. `infos` has
+    Agents have the names of the robots. An action is 0 stay, 1 north, 2 east, 3 south or 4 west.
+    The observation `"position"`, the default, is int64: x and y of the agent's own robot, then of
+    the others in their order; in the same order 1 for each that has arrived; and the value of each
+    other thing. The others are those of `LevelEnv`, seen by the agent's own robot. `infos` has
     `action_mask`, int8 `[5]`. An agent terminates when its robot arrives, or the episode ends;
     those that are left go on. It is truncated after `max_steps` of the level.
 
@@ -42,6 +52,7 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         "render_fps": 4,
     }
 
+    @takes_observation
     def __init__(
         self,
         level: LevelLike,
@@ -49,6 +60,7 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         rewards: str = "own",
         max_cycles: int | None = None,
         render_mode: str | None = None,
+        **options: Unpack[ObservationOptions],
     ) -> None:
         """Make the environment of a level with several robots.
 
@@ -57,6 +69,7 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
             rewards: what an agent gets: `"own"`, what its robot gets, or `"team"`, the sum of all.
             max_cycles: the time limit in steps; by default `max_steps` of the level, if it has one.
             render_mode: as for `LevelEnv`.
+            options: the observation, and its options, as for `LevelEnv`.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -67,7 +80,8 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         if max_cycles is not None:
             max_cycles = checked_count("max_cycles", max_cycles)
         given = load(level)
-        self._env = TeamEnv(given, render_mode=render_mode)
+        self._env = TeamEnv(given, render_mode=render_mode, observation="index")
+        self._chosen = checked_observation(**options)
         self._is_grown = given.has_random_maze
         self._for_team = rewards == "team"
         self._limit = given.max_steps if max_cycles is None else max_cycles
@@ -75,17 +89,12 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         self.render_mode = render_mode
         self.possible_agents = list(self._env.robot_names)
         self.agents: list[str] = []
-        count = len(self.possible_agents)
-        self._order = {
-            name: _own_first(number, count, self._env.observation_space.shape)
-            for number, name in enumerate(self.possible_agents)
-        }
         # Robots share the size of the grid, so that the space is the same for all.
-        space = self._env.observation_space
-        assert isinstance(space, spaces.MultiDiscrete)
+        extent = Extent.of([given])
         self.observation_spaces = {
-            name: spaces.MultiDiscrete(space.nvec) for name in self.possible_agents
+            name: space_of(extent, self._chosen) for name in self.possible_agents
         }
+        self._seen: Level | None = None
         self.action_spaces = {name: spaces.Discrete(NUM_ACTIONS) for name in self.possible_agents}
 
     @property
@@ -103,7 +112,7 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, NDArray[np.int64]], dict[str, dict[str, Any]]]:
+    ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Start an episode.
 
         Args:
@@ -116,14 +125,26 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         # Programs may give options that are meant for others.
         known = {"maze_seed"} if self._is_grown else set()
         own = {name: value for name, value in (options or {}).items() if name in known}
-        row, info = self._env.reset(seed=seed, options=own)
+        _, info = self._env.reset(seed=seed, options=own)
+        if self._seen is not self._env.level:
+            self._look(self._env.level)
         self.agents, self._steps = self.possible_agents.copy(), 0
-        return self._observations(row), self._infos(info)
+        return self._observations(), self._infos(info)
+
+    def _look(self, level: Level) -> None:
+        """Make what observes a level for each agent."""
+        self._seen, extent = level, Extent.of([level])
+        self._observers = [
+            make_observer(level, replace(self._chosen, robot=number), extent)
+            for number in range(len(self.possible_agents))
+        ]
+        self._makers: dict[int, list[Callable[[], Any]]] = {}
+        self._homes: dict[int, list[bool]] = {}
 
     def step(
         self, actions: dict[str, Any]
     ) -> tuple[
-        dict[str, NDArray[np.int64]],
+        dict[str, Any],
         dict[str, float],
         dict[str, bool],
         dict[str, bool],
@@ -146,30 +167,28 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
             actions[name] if name in self.agents else int(Action.STAY)
             for name in self.possible_agents
         ]
-        row, reward, over, _, info = self._env.step(joint)
+        _, reward, over, _, info = self._env.step(joint)
         self._steps += 1
-        acting, count = self.agents, len(self.possible_agents)
-        homes = (row[2 * count : 3 * count] != 0).tolist()
-        arrived = dict(zip(self.possible_agents, homes, strict=True))
+        acting = self.agents
+        arrived = dict(zip(self.possible_agents, self._arrived(), strict=True))
         late = self._limit is not None and self._steps >= self._limit
         shares = dict(zip(self.possible_agents, info["rewards"].tolist(), strict=True))
         rewards = {name: float(reward) if self._for_team else shares[name] for name in acting}
         terminations = {name: over or arrived[name] for name in acting}
         truncations = {name: late and not terminations[name] for name in acting}
-        observations, infos = self._observations(row), self._infos(info)
+        observations, infos = self._observations(), self._infos(info)
         self.agents = [name for name in acting if not (terminations[name] or truncations[name])]
         return observations, rewards, terminations, truncations, infos
 
-    def state(self) -> NDArray[np.int64]:
-        """Return what the whole team sees, int64: as the observation of the first robot.
+    def state(self) -> Any:
+        """Return what the whole team sees: the observation of the first robot.
 
         Raises:
             ResetNeeded: there was no reset yet.
         """
         if self._env.state < 0:
             raise error.ResetNeeded("call `reset()` before asking for the state")
-        row: NDArray[np.int64] = self._env._observer.at(self._env.state)()
-        return row
+        return self._observers[0].at(self._env.state)()
 
     def render(self) -> Any:
         """Return a picture, as `render_mode` says."""
@@ -179,24 +198,21 @@ class LevelParallelEnv(ParallelEnv[str, NDArray[np.int64], Any]):  # type: ignor
         """Close the environment."""
         self._env.close()
 
-    def _observations(self, row: NDArray[np.int64]) -> dict[str, NDArray[np.int64]]:
-        return {name: row[self._order[name]] for name in self.agents}
+    def _observations(self) -> dict[str, Any]:
+        state = self._env.state
+        makers = self._makers.get(state)
+        if makers is None:
+            makers = self._makers[state] = [each.at(state) for each in self._observers]
+        found = zip(self.possible_agents, makers, strict=True)
+        return {name: make() for name, make in found if name in self.agents}
+
+    def _arrived(self) -> list[bool]:
+        """Return which robots have arrived."""
+        state = self._env.state
+        if state not in self._homes:
+            self._homes[state] = self._observers[0].robots(np.array([state]))[1][0].tolist()
+        return self._homes[state]
 
     def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
         masks = zip(self.possible_agents, info["action_mask"], strict=True)
         return {name: {"action_mask": mask} for name, mask in masks if name in self.agents}
-
-
-def _own_first(number: int, count: int, shape: tuple[int, ...] | None) -> NDArray[np.intp]:
-    """Return the order of the numbers of an observation in which a robot comes first.
-
-    Args:
-        number: the number of the robot.
-        count: how many robots there are.
-        shape: the shape of the observation.
-    """
-    assert shape is not None
-    order = [number, *(other for other in range(count) if other != number)]
-    places = [2 * robot + axis for robot in order for axis in range(2)]
-    arrived = [2 * count + robot for robot in order]
-    return np.array([*places, *arrived, *range(3 * count, shape[0])])
