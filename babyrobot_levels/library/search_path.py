@@ -10,7 +10,7 @@ from babyrobot_levels.text.files import (
     MAX_DEPTH,
     PACK_FILE,
     SUFFIXES,
-    is_gallery,
+    is_aside,
     is_within,
     user_folder,
 )
@@ -120,7 +120,8 @@ def gallery_order() -> list[str]:
 def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
     """Yield the YAML files below a folder, sorted; not those of themes, nor hidden ones.
 
-    The copies in galleries of web pages are left out, unless the folder is itself in one.
+    The copies in galleries of web pages are left out, unless the folder is itself in one, and
+    virtual environments.
 
     Args:
         folder: the folder.
@@ -139,7 +140,7 @@ def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
             if name != "themes"
             and not name.startswith(".")
             and (all_of_them or depth < MAX_DEPTH)
-            and not is_gallery(Path(here, name))
+            and not is_aside(Path(here, name))
         )
         for name in sorted(names):
             path = Path(here, name)

@@ -170,9 +170,14 @@ def is_within(path: Path, folder: Path) -> bool:
         return False
 
 
-def is_gallery(path: Path) -> bool:
-    """Tell whether a folder is a gallery of web pages, in which levels are copies."""
-    return all(is_file(path / name) for name in GALLERY_FILES)
+def is_environment(path: Path) -> bool:
+    """Tell whether a folder is a virtual environment of Python."""
+    return is_file(path / "pyvenv.cfg")
+
+
+def is_aside(path: Path) -> bool:
+    """Tell whether a folder in another one is none of it: a gallery of pages, an environment."""
+    return is_environment(path) or all(is_file(path / name) for name in GALLERY_FILES)
 
 
 def user_folder() -> Path:

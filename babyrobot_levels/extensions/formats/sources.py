@@ -12,6 +12,7 @@ from babyrobot_levels.extensions.formats.formats import FORMATS
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.text.files import (
     RESERVED,
+    is_environment,
     is_folder,
     is_within,
     open_regular,
@@ -92,7 +93,11 @@ def found_in(path: Path) -> Iterator[Found]:
 
 def _in_folder(folder: Path) -> Iterator[Found]:
     for here, folders, names in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and not is_environment(Path(here, name))
+        )
         for name in sorted(names):
             path = Path(here, name)
             if not name.startswith(".") and is_within(path, folder):

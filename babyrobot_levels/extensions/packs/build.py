@@ -33,8 +33,8 @@ from babyrobot_levels.text.files import (
     MAX_DEPTH,
     PACK_FILE,
     NotRegularError,
+    is_aside,
     is_file,
-    is_gallery,
     is_within,
     read_bytes,
 )
@@ -317,9 +317,9 @@ def _paths(folder: Path) -> tuple[list[str], list[str]]:
         if len(inside.parts) == MAX_DEPTH:
             others += [f"{(inside / name).as_posix()}/" for name in folders]
             folders.clear()
-        galleries = [name for name in folders if is_gallery(Path(here, name))]
-        others += [f"{(inside / name).as_posix()}/" for name in galleries]
-        folders[:] = [name for name in folders if name not in galleries]
+        aside = [name for name in folders if is_aside(Path(here, name))]
+        others += [f"{(inside / name).as_posix()}/" for name in aside]
+        folders[:] = [name for name in folders if name not in aside]
         for name in names:
             if not name.startswith("."):
                 (found if belongs(name) else others).append((inside / name).as_posix())

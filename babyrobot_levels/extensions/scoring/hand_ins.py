@@ -21,7 +21,7 @@ from typing import IO, NamedTuple
 
 from babyrobot_levels.agents.plays import MAX_BYTES, SUFFIX, Play, plays_in
 from babyrobot_levels.language.play import PlayError
-from babyrobot_levels.text.files import is_within, open_regular, open_zip
+from babyrobot_levels.text.files import is_environment, is_within, open_regular, open_zip
 from babyrobot_levels.text.words import listed
 
 ZIP = ".zip"
@@ -422,7 +422,7 @@ def _in_folder(folder: Path) -> Iterator[tuple[PurePosixPath, _Read]]:
         folders[:] = sorted(
             each
             for each in folders
-            if not each.startswith((".", "__")) and not Path(place, each, "pyvenv.cfg").exists()
+            if not each.startswith((".", "__")) and not is_environment(Path(place, each))
         )
         inner = PurePosixPath(Path(place).relative_to(folder).as_posix())
         if inner.parts:

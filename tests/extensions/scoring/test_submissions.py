@@ -74,6 +74,17 @@ def test_the_skeleton_has_none_and_says_why(small: Path) -> None:
     assert report[-1] == "0 of 10 points"
 
 
+def test_a_virtual_environment_in_the_folder_is_none_of_the_course(small: Path) -> None:
+    code(small, value_iteration="x = 1")
+    (small / "venv" / "lib").mkdir(parents=True)
+    (small / "venv" / "pyvenv.cfg").write_text("", "utf-8")
+    (small / "venv" / "lib" / "port.yaml").write_text("a: 1\n", "utf-8")
+    assert brl.grade_functions(small, functions=["value_iteration"]).out_of == 8
+    assert not brl.lint(small)
+    left_out = brl.pack(small, small.parent / "small.brlpack").left_out
+    assert [*left_out] == ["value_iteration.py", "venv/"]
+
+
 def test_each_fault_of_code_is_told_in_a_line(small: Path, tmp_path: Path) -> None:
     wrong = """\
 def value_iteration(level):
