@@ -156,7 +156,9 @@ class Edits:
                 return None
             sides, number = self._one_of(still)
             wind[self._one_of(sides)][number] = 1
-        return {"wind": {side: pushes for side, pushes in wind.items() if any(pushes)} or None}
+        blows = {side: pushes for side, pushes in wind.items() if any(pushes)}
+        kept = {name: given[name] for name in ("varies", "probability") if name in given}
+        return {"wind": {**blows, **kept} if blows else None}
 
     # -- what is drawn ---------------------------------------------------------------------
 

@@ -253,6 +253,10 @@ class Wind(Model):
     """For each column, how far a move is pushed to the south."""
     west: _Strengths | None = None
     """For each row, how far a move is pushed to the west."""
+    varies: Flag = False
+    """Whether, where it pushes, it is a cell weaker, as given or a cell stronger, evenly."""
+    probability: Annotated[Probability, Field(gt=0)] = 1.0
+    """The probability with which it blows in a step."""
 
 
 class Told(NamedTuple):
@@ -303,16 +307,39 @@ ADDED = ("bounce", "push", "covered", "uncovered")
 """The rewards that come in addition."""
 
 
-def shifts(wind: Wind | None, width: int, height: int) -> tuple[list[int], list[int]]:
-    """Return the net push: for each column how far south, for each row how far east (in cells)."""
+def gusts(wind: Wind | None) -> tuple[tuple[float, int | None], ...]:
+    """Return the winds of a step, that as given first: how likely, and how many cells stronger.
+
+    None stands for no wind.
+    """
+    chance, strengths = (1.0, (0,)) if wind is None else (wind.probability, _VARYING[wind.varies])
+    calm = ((1.0 - chance, None),) if chance < 1 else ()
+    return (*((chance / len(strengths), stronger) for stronger in strengths), *calm)
+
+
+_VARYING = {False: (0,), True: (0, -1, 1)}
+
+
+def shifts(
+    wind: Wind | None, width: int, height: int, stronger: int | None = 0
+) -> tuple[list[int], list[int]]:
+    """Return the net push: for each column how far south, for each row how far east (in cells).
+
+    Args:
+        wind: the wind.
+        width: the number of columns.
+        height: the number of rows.
+        stronger: by how many cells it pushes farther, where it pushes; None for no wind.
+    """
 
     def strengths(values: Any, count: int) -> list[int]:
-        return list(values) if values is not None else [0] * count
+        return list(values) if values is not None and stronger is not None else [0] * count
+
+    def push(forth: int, back: int) -> int:
+        net = forth - back
+        return net + (stronger or 0) * ((net > 0) - (net < 0))
 
     wind = wind or Wind()
     north, south = strengths(wind.north, width), strengths(wind.south, width)
     west, east = strengths(wind.west, height), strengths(wind.east, height)
-    return (
-        [down - up for up, down in zip(north, south, strict=True)],
-        [right - left for left, right in zip(west, east, strict=True)],
-    )
+    return [*map(push, south, north)], [*map(push, east, west)]

@@ -13,6 +13,7 @@ from itertools import product
 from math import comb, prod
 from typing import Any
 
+from babyrobot_levels.language.cells import gusts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell, blocked_cells
 from babyrobot_levels.text import budget
@@ -470,7 +471,7 @@ def most_outcomes(level: LevelFields) -> int:
         or any(wall.pass_ for wall in level.walls)
     )
     wanderers = sum(mover.within is not None for mover in level.movers)
-    shares = (BRANCHES if by_chance else 1) * _most_leads(level)
+    shares = (BRANCHES if by_chance else 1) * len(gusts(level.wind)) * _most_leads(level)
     return shares * prod([WAYS] * wanderers)
 
 

@@ -477,6 +477,17 @@ def add_weights(random: Random, fields: Fields) -> None:
             warp["probability"] = random.choice((0.25, 0.5, 0.9))
 
 
+def add_gusts(random: Random, fields: Fields) -> None:
+    """Let a wind blow by chance, or vary; where there is none, let one blow."""
+    width, height = fields.get("size", (3, 3))
+    if "wind" not in fields:
+        side, count = random.choice((("north", width), ("east", height), ("south", width)))
+        fields["wind"] = {side: [random.choice((0, 1, 1, 2)) for _ in range(count)]}
+    fields["wind"] = {**fields["wind"], "varies": random.random() < 0.6}
+    if random.random() < 0.6:
+        fields["wind"]["probability"] = random.choice((0.25, 0.5, 0.9))
+
+
 def _targets(fields: Fields) -> list[list[int]]:
     """Return cells to which a warp may lead: neither blocked, nor where a box stands."""
     width, height = fields.get("size", (3, 3))

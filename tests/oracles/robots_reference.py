@@ -342,5 +342,5 @@ class TeamReference:
         return {STAY} | {
             move
             for move in MOVES
-            if alone.glass(own, cell, move) > 0 or not alone.refused(own, cell, move)
+            if alone.glass(own, cell, move) > 0 or not alone.never_goes(own, cell, move)
         }

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from oracles.random_things import add_weights, random_level
+from oracles.random_things import Fields, add_gusts, add_weights, random_level
 from oracles.things_reference import (
     EAST,
     FORWARD,
@@ -455,26 +456,38 @@ def test_turning_tables_of_levels_without_things_are_those_of_the_reference(seed
     compare(seed, things=False, turning=True)
 
 
-def compare_chances(seed: int) -> None:
+def compare_chances(add: Callable[[Random, Fields], None], seed: int) -> None:
     random = Random(seed)
     fields = random_level(random, things=random.random() < 0.7)
-    add_weights(random, fields)
-    expected = Reference(fields)
-    rows = [
-        expected.outcomes(state, action)
-        for state in range(expected.num_states)
-        for action in range(5)
-    ]
+    add(random, fields)
+    level, expected = brl.Level.from_fields(fields), Reference(fields)
+    states, actions = range(expected.num_states), range(5)
+    rows = (expected.outcomes(state, action) for state in states for action in actions)
     if expected.radices and max(map(len, rows)) > 64:
         with pytest.raises(brl.LevelError, match="outcomes"):
-            brl.Level.from_fields(fields).compile()
+            level.compile()
     else:
-        assert_same_tables(brl.Level.from_fields(fields).compile(), expected, actions=5)
+        assert_same_tables(level.compile(), expected, actions=5)
 
 
-@for_each("seed", range(settings().max_examples))
-def test_weights_and_warps_by_chance_are_those_of_the_reference(seed: int) -> None:
-    compare_chances(seed)
+CHANCES = [add_weights, add_gusts]
+
+
+@pytest.mark.parametrize("add", CHANCES)
+@for_each("seed", range(settings().max_examples // 2))
+def test_more_chances_are_those_of_the_reference(
+    add: Callable[[Random, Fields], None], seed: int
+) -> None:
+    compare_chances(add, seed)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("add", CHANCES)
+def test_more_chances_in_many_levels_are_those_of_the_reference(
+    add: Callable[[Random, Fields], None],
+) -> None:
+    for seed in range(1000, 1300):
+        compare_chances(add, seed)
 
 
 @pytest.mark.sweep

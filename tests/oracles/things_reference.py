@@ -103,6 +103,11 @@ def shares_of(cells: Sequence[Cell], weights: Sequence[float] | None) -> dict[Ce
     return found
 
 
+def stronger(push: int, more: int) -> int:
+    """Return a push that is so many cells stronger, if there is one."""
+    return push + more if push > 0 else push - more if push < 0 else 0
+
+
 def rectangle(entry: Mapping[str, Any]) -> list[Cell]:
     """Return the cells of a rectangle, row by row."""
     x, y = entry["at"]
@@ -248,11 +253,19 @@ class Reference:
 
         wind = fields.get("wind") or {}
         columns, rows = [0] * self.width, [0] * self.height
-        self.wind: dict[Cell, Cell] = {}
-        for x, y in self.cells:
-            east = wind.get("east", rows)[y] - wind.get("west", rows)[y]
-            south = wind.get("south", columns)[x] - wind.get("north", columns)[x]
-            self.wind[x, y] = (east, south)
+        # How likely each wind is that may blow in a step, and where it pushes from each cell.
+        self.winds: list[tuple[float, dict[Cell, Cell]]] = []
+        blows = wind.get("probability", 1)
+        for more in (-1, 0, 1) if wind.get("varies") else (0,):
+            pushes: dict[Cell, Cell] = {}
+            for x, y in self.cells:
+                east = wind.get("east", rows)[y] - wind.get("west", rows)[y]
+                south = wind.get("south", columns)[x] - wind.get("north", columns)[x]
+                pushes[x, y] = (stronger(east, more), stronger(south, more))
+            self.winds.append((blows / 3 if wind.get("varies") else blows, pushes))
+        if blows < 1:
+            self.winds.append((1 - blows, dict.fromkeys(self.cells, (0, 0))))
+        self.wind = self.winds[0][1]
 
     def _read_things(self, fields: Mapping[str, Any]) -> None:
         self.items: list[Mapping[str, Any]] = fields.get("items", [])
@@ -435,7 +448,14 @@ class Reference:
         yield from self.unwarped(configuration, cell, action)
 
     def unwarped(self, configuration: Configuration, cell: Cell, action: int) -> Iterator[Landing]:
-        """Give where a move takes the robot that no warp sends away."""
+        """Give where a move takes the robot that no warp sends away, in each wind."""
+        for chance, wind in self.winds:
+            self.wind = wind
+            for landing in [*self.moved(configuration, cell, action)]:
+                yield landing._replace(probability=landing.probability * chance)
+
+    def moved(self, configuration: Configuration, cell: Cell, action: int) -> Iterator[Landing]:
+        """Give where a move takes the robot in the wind that blows."""
         boxes = self.boxes_in(configuration)
         chance = self.glass(configuration, cell, action)
         if chance > 0 and self.pushes(cell, action):
@@ -475,6 +495,14 @@ class Reference:
     def refused(self, configuration: Configuration, cell: Cell, direction: int) -> bool:
         """Return whether a move pushes against the closed side towards which it goes."""
         return self.pushes(cell, direction) and self.closed(configuration, cell, direction)
+
+    def never_goes(self, configuration: Configuration, cell: Cell, direction: int) -> bool:
+        """Return whether a move is refused in each wind that may blow."""
+        found = []
+        for _, wind in self.winds:
+            self.wind = wind
+            found.append(self.refused(configuration, cell, direction))
+        return all(found)
 
     def skids(
         self, configuration: Configuration, cell: Cell, action: int
@@ -753,7 +781,7 @@ class Reference:
             move
             for move in MOVES
             if self.glass(configuration, cell, move) > 0
-            or not self.refused(configuration, cell, move)
+            or not self.never_goes(configuration, cell, move)
         }
 
 

@@ -58,6 +58,17 @@ def test_warps_tell_how_often_they_lead_where(warp: dict[str, Any], text: str) -
     assert f"warp: {text}" in told(world)
 
 
+@pytest.mark.parametrize(
+    ("how", "text"),
+    [
+        ({"probability": 0.5}, "1 cell north in column 1, 5 times in 10"),
+        ({"varies": True}, "1 cell north in column 1, a cell less or more 2 times in 3"),
+    ],
+)
+def test_a_wind_by_chance_tells_how_often_it_blows(how: dict[str, Any], text: str) -> None:
+    assert f"wind: pushes {text}" in told(level(wind={"north": [0, 1, 0], **how}))
+
+
 def test_exits_that_pay_what_their_cells_do_have_a_rule_each() -> None:
     areas = [{"at": [0, 0], "reward": 1}, {"at": [4, 0], "reward": -10}]
     world = level(

@@ -16,7 +16,7 @@ from babyrobot_levels.language.kinds import LOOKS
 NUMBERS = (-10, -3, -2.5, -1, -0.1, 0, 0.1, 0.25, 1 / 3, 0.5, 0.8, 1, 2, 7)
 SKIDS = ({"probability": 0.25}, *({"probability": 0.5, "to": to} for to in ("sides", "others")))
 TEXTS = ("red", "#abc", "rgb(1, 2, 3)", "hsl(120, 50%, 50%)", "a: b", "")
-PLACES = {"side", "length", "to"}
+PLACES = {"side", "length", "to", "wind"}
 
 
 def _literals(annotation: Any) -> Iterator[Any]:

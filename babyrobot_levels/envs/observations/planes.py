@@ -194,9 +194,10 @@ class PlaneObserver(Observer):
             inner[plane["glass-north"] + SIDES.index(side), y, x] = 1 - chance
         if self._extent.has_wind:
             south, east = (np.array(each) for each in shifts(level.wind, width, height))
+            blows = level.wind.probability if level.wind is not None else 1.0
             pushes = [-south[None], east[:, None], south[None], -east[:, None]]
             for number, push in enumerate(pushes, plane["wind-north"]):
-                strength = np.maximum(push, 0)
+                strength = np.maximum(push, 0) * blows
                 inner[number] = strength / (1 + strength)
         if self._extent.has_things:
             doors = slice(plane["door-north"], plane["door-north"] + len(SIDES))

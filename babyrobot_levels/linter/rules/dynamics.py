@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.fields import as_cells
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding
@@ -208,7 +209,7 @@ def wind_without_effect(context: LintContext) -> Iterator[Finding]:
             fix=removal(context.document, "remove the wind", ("wind",)),
         )
         return
-    for side in sorted(wind.model_fields_set):
+    for side in sorted(wind.model_fields_set & {*SIDE_NAMES}):
         if not any(getattr(wind, side) or ()):
             yield Finding(
                 Key(("wind", side)),

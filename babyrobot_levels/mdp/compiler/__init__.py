@@ -17,14 +17,13 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     Branches,
     Outcomes,
     Room,
+    chance_branches,
     ended,
     merged,
     plain_branches,
-    stochastic_branches,
-    stochastic_rows,
 )
 from babyrobot_levels.mdp.compiler.terrain import (
-    build_moves,
+    build_air,
     build_terrain,
     build_warps,
     obstructions,
@@ -82,9 +81,10 @@ class _Cells:
     def __init__(self, level: LevelFields, grid: Grid):
         self.level = level
         self.terrain = build_terrain(level, grid)
-        self.moves = build_moves(level, grid)
+        self.air = build_air(level, grid)
         self.warps = build_warps(level, grid)
-        self.arrivals = Arrivals(level.rewards, self.terrain, self.warps, self.moves.here)
+        here = self.air.given.here
+        self.arrivals = Arrivals(level.rewards, self.terrain, self.warps, here)
 
     def branches(self) -> Iterator[tuple[Branches, Ints, Branches, Ints]]:
         """Yield, in parts, branches without chance and by chance, each with where they end.
@@ -93,21 +93,18 @@ class _Cells:
             LevelError: there are too many states times branches of a row.
             OverBudgetError: there are more than the budget allows.
         """
-        terrain, moves, warps = self.terrain, self.moves, self.warps
+        terrain, air, warps = self.terrain, self.air, self.warps
         count = terrain.over.size
         for part in parts_of(count):
-            plain = plain_branches(moves, terrain, warps, part)
+            plain = plain_branches(air.given, terrain, warps, part)
             next_state = self.arrivals.next_states(plain)
             # A plain row whose end is drawn is a chance too.
             lost = next_state < 0
-            stochastic = stochastic_rows(moves, terrain, warps, part)
-            sure = ~(lost | stochastic.ravel())
-            by_chance = [
-                *stochastic_branches(moves, terrain, warps, stochastic, part),
-                plain.select(lost & ~stochastic.ravel()),
-            ]
-            chances = by_chance[0].joined(*by_chance[1:])
-            chances, ends = ended(chances.select(chances.probability > 0), self.arrivals)
+            rows, branches = chance_branches(air, terrain, warps, part)
+            sure = ~(lost | rows.ravel())
+            chances, ends = ended(
+                branches.joined(plain.select(lost & ~rows.ravel())), self.arrivals
+            )
             # Before equal ones are merged: rewards decide nothing.
             width = int(np.bincount(chances.row - plain.row[0]).max(initial=0))
             check_room(self.level, count, max(1, width))
@@ -132,7 +129,7 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
             reward = rewards_of(chances, ends)
             room.put(merged(chances.row, chances.probability, ends, reward, terrain.over[ends]))
 
-    obstruction, intended = obstructions(cells.moves, terrain, cells.warps)
+    obstruction, intended = obstructions(cells.air, terrain, cells.warps)
     start = np.zeros(count)
     starts, weights = cells.warps.lots[0]
     start[starts] = weights / weights.sum()

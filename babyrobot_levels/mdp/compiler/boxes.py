@@ -26,12 +26,11 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
     Branches,
     Room,
+    chance_branches,
     ended,
     exit_reward,
     merged,
     plain_branches,
-    stochastic_branches,
-    stochastic_rows,
 )
 from babyrobot_levels.mdp.compiler.terrain import build_warps, obstructions
 from babyrobot_levels.mdp.compiler.yards import Yard, build_yard
@@ -252,18 +251,14 @@ class Boxes:
         layer, joint = np.divmod(place, self.joints)
         cell = cell.astype(np.int32)
         boxes = self.values[layer, self._boxes].astype(np.int32)
-        moves = yard.moves(cell, boxes)
+        air = yard.air(cell, boxes)
         terrain, warps = yard.left_from(cell)
         arrivals = Arrivals(self.level.rewards, terrain, warps, cell)
         every = slice(0, cell.size)
-        stochastic = stochastic_rows(moves, terrain, warps, every)
-        branches = plain_branches(moves, terrain, warps, every)
-        if stochastic.any():
-            branches = branches.select(~stochastic.ravel())
-            branches = branches.joined(
-                *stochastic_branches(moves, terrain, warps, stochastic, every)
-            )
-            branches = branches.select(branches.probability > 0)
+        rows, chances = chance_branches(air, terrain, warps, every)
+        branches = plain_branches(air.given, terrain, warps, every)
+        if chances.row.size:
+            branches = branches.select(~rows.ravel()).joined(chances)
         branches, next_cell = ended(branches, arrivals)
         pair = branches.row // NUM_ACTIONS
         arrives = arrivals.is_sent(branches) | (next_cell != cell[pair])
@@ -291,7 +286,7 @@ class Boxes:
                 "hit": (hit, self.level.hit.reward),
             }
         )
-        obstruction, intended = obstructions(moves, terrain, warps)
+        obstruction, intended = obstructions(air, terrain, warps)
         return _Part(
             pairs=pairs,
             obstruction=obstruction,

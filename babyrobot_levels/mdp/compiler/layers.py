@@ -24,15 +24,15 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     BOUNCED,
     Arrivals,
     Pay,
+    chance_branches,
     ended,
     plain_branches,
-    stochastic_branches,
-    stochastic_rows,
 )
 from babyrobot_levels.mdp.compiler.terrain import (
-    Moves,
+    Air,
     Terrain,
     Warps,
+    build_air,
     build_moves,
     build_terrain,
     build_warps,
@@ -72,7 +72,7 @@ class Ground:
 
     Attributes:
         grid: the grid with walls at closed doors.
-        moves: the moves on it.
+        air: the moves on it.
         terrain: the terrain, in which no cell is an exit.
         warps: the warps.
         first: `[cells * actions + 1]`: where the branches of each cell and action begin.
@@ -86,7 +86,7 @@ class Ground:
     """
 
     grid: Grid
-    moves: Moves
+    air: Air
     terrain: Terrain
     warps: Warps
     first: Ints
@@ -497,15 +497,14 @@ def build_layer_ground(
         painted.ends,
         painted.distance,
     )
-    moves, warps = build_moves(level, grid), build_warps(level, grid)
-    arrivals = Arrivals(level.rewards, terrain, warps, moves.here)
+    air, warps = build_air(level, grid), build_warps(level, grid)
+    arrivals = Arrivals(level.rewards, terrain, warps, air.given.here)
     kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, bool)
     columns = [bytearray() for _ in kinds]
     for part in parts_of(count):
-        stochastic = stochastic_rows(moves, terrain, warps, part)
-        branches = plain_branches(moves, terrain, warps, part).select(~stochastic.ravel())
-        branches = branches.joined(*stochastic_branches(moves, terrain, warps, stochastic, part))
-        branches, next_cell = ended(branches.select(branches.probability > 0), arrivals)
+        rows, chances = chance_branches(air, terrain, warps, part)
+        plain = plain_branches(air.given, terrain, warps, part).select(~rows.ravel())
+        branches, next_cell = ended(plain.joined(chances), arrivals)
         order = np.argsort(branches.row, kind="stable")
         branches, next_cell = branches.select(order), next_cell[order]
         cell = branches.row // NUM_ACTIONS
@@ -535,7 +534,7 @@ def build_layer_ground(
     )
     return Ground(
         grid=grid,
-        moves=moves,
+        air=air,
         terrain=terrain,
         warps=warps,
         first=_begins(length),

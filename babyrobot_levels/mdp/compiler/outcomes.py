@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.cells import PRECEDENCE, Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
-from babyrobot_levels.mdp.compiler.terrain import Moves, Terrain, Warps
+from babyrobot_levels.mdp.compiler.terrain import Air, Moves, Terrain, Warps
 from babyrobot_levels.mdp.graph import differs, expanded
 from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
@@ -136,8 +136,8 @@ class Branches:
     landing: Ints
     happened: NDArray[np.int8]
 
-    def select(self, which: Flags | Ints) -> Self:
-        """Return some of the branches, by flags or by numbers."""
+    def select(self, which: Flags | Ints | slice) -> Self:
+        """Return some of the branches, by flags, by numbers or in a row."""
         return type(self)(*(values[which] for values in self._arrays()))
 
     def joined(self, *others: Branches) -> Self:
@@ -172,6 +172,30 @@ def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -
     stochastic = np.zeros((can_move.size, NUM_ACTIONS), bool)
     stochastic[:, 1:] = ((slips & ~sheltered) | (can_move & (glass | (warps.chance[part] > 0)))).T
     return stochastic
+
+
+def chance_branches(
+    air: Air, terrain: Terrain, warps: Warps, part: slice
+) -> tuple[Flags, Branches]:
+    """Return the rows of a part that chance decides, `[states, actions]`, and their branches."""
+    goes = ~terrain.over[part] & ~warps.leaves[part] & air.windy[part] & (len(air.moves) > 1)
+    varies = np.broadcast_to(goes[:, None], (goes.size, NUM_ACTIONS)).copy()
+    varies[:, Action.STAY] = False
+    rows, found = varies.copy(), plain_branches(air.given, terrain, warps, part).select(slice(0))
+    for number, (chance, moves) in enumerate(zip(air.chances, air.moves, strict=True)):
+        stochastic = stochastic_rows(moves, terrain, warps, part)
+        # Where there is no wind, one of them is enough.
+        stochastic &= varies | (number == 0)
+        parts = stochastic_branches(moves, terrain, warps, stochastic, part)
+        if varies.any():
+            plain = plain_branches(moves, terrain, warps, part)
+            parts.append(plain.select((varies & ~stochastic).ravel()))
+        for each in parts:
+            share = np.where(varies.ravel()[each.row - part.start * NUM_ACTIONS], chance, 1.0)
+            each.probability = each.probability * share
+        rows |= stochastic
+        found = found.joined(*parts)
+    return rows, found.select(found.probability > 0)
 
 
 def stochastic_branches(

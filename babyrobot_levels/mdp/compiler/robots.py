@@ -58,7 +58,7 @@ class _Scene:
     @cached_property
     def obstructions(self) -> list[tuple[NDArray[np.int8], NDArray[np.int32]]]:
         """What hinders each action of each robot, and where it leads without chance."""
-        return [obstructions(each.moves, each.terrain, each.warps) for each in self.grounds]
+        return [obstructions(each.air, each.terrain, each.warps) for each in self.grounds]
 
     @cached_property
     def most_branches(self) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.language.cells import Warp, shifts
+from babyrobot_levels.language.cells import Warp, gusts, shifts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.configurations import check_room
@@ -160,8 +160,42 @@ class Moves:
     bounce_pushed: NDArray[np.int8]
 
 
-def build_moves(level: LevelFields, grid: Grid) -> Moves:
-    """Walk every direction out of every cell."""
+@dataclass(frozen=True, eq=False)
+class Air:
+    """What moves come to in each wind that may blow in a step, that as given first.
+
+    Attributes:
+        moves: the moves in each wind.
+        chances: how likely each wind is.
+        windy: `[states]`: whether the wind makes a difference to moves.
+    """
+
+    moves: tuple[Moves, ...]
+    chances: tuple[float, ...]
+    windy: Flags
+
+    @property
+    def given(self) -> Moves:
+        """The moves in the wind as given."""
+        return self.moves[0]
+
+
+def build_air(level: LevelFields, grid: Grid) -> Air:
+    """Walk every direction out of every cell in each wind."""
+    winds = gusts(level.wind)
+    moves = tuple(build_moves(level, grid, stronger) for _, stronger in winds)
+    return Air(moves, tuple(chance for chance, _ in winds), windy_cells(level, grid))
+
+
+def windy_cells(level: LevelFields, grid: Grid) -> Flags:
+    """Return where the wind pushes, `[cells]`."""
+    south, east = shifts(level.wind, grid.width, grid.height)
+    windy: Flags = (np.array(east) != 0)[:, None] | (np.array(south) != 0)
+    return windy.ravel()
+
+
+def build_moves(level: LevelFields, grid: Grid, stronger: int | None = 0) -> Moves:
+    """Walk every direction out of every cell; for `stronger` see `shifts`."""
     count = grid.width * grid.height
     states = np.arange(count, dtype=np.int32)
     open_ = np.ascontiguousarray(grid.open.reshape(count, NUM_MOVES).T)
@@ -178,7 +212,7 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
         return Moves(states, open_, step, ~open_, glass, through, bounce, *[unpushed] * 3)
 
     budget.spend(WIND * count)
-    south, east = shifts(level.wind, grid.width, grid.height)
+    south, east = shifts(level.wind, grid.width, grid.height, stronger)
     pushes = {
         True: np.tile(np.array(south, np.int32), grid.height),
         False: np.repeat(np.array(east, np.int32), grid.width),
@@ -382,10 +416,10 @@ def _state(cell: tuple[int, int], grid: Grid) -> int:
 
 
 def obstructions(
-    moves: Moves, terrain: Terrain, warps: Warps
+    air: Air, terrain: Terrain, warps: Warps
 ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
     """Return what hinders each action, and where it leads without chance; below 0, to a lot."""
-    count = terrain.over.size
+    count, moves = terrain.over.size, air.given
     obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
     target = np.empty((count, NUM_ACTIONS), np.int32)
     target[:, Action.STAY] = moves.here
@@ -393,7 +427,9 @@ def obstructions(
     # One way after the other: copies of all of them would need much room.
     for way in range(NUM_MOVES):
         action, glass = way + 1, moves.glass[way] > 0
-        obstruction[moves_on & moves.refused[way], action] = REFUSED
+        # What one of the winds lets pass is worth a try.
+        refused = np.logical_and.reduce([each.refused[way] for each in air.moves])
+        obstruction[moves_on & refused, action] = REFUSED
         obstruction[moves_on & glass, action] = GLASS
         landing = np.where(glass, moves.through[way], moves.landing[way])
         target[:, action] = warps.arrive[np.where(warps.leaves, warps.leave, landing)]

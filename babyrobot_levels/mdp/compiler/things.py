@@ -152,7 +152,7 @@ class _Compiler:
         obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
         room = Room(count, most_columns(self.level, count))
         for ground, members in self._groups():
-            hindered, targets = obstructions(ground.moves, ground.terrain, ground.warps)
+            hindered, targets = obstructions(ground.air, ground.terrain, ground.warps)
             for layer in members:
                 joints, cells = self._on(layer)
                 for part in parts_of(cells.size):

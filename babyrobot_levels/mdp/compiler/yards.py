@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.cells import shifts
+from babyrobot_levels.language.cells import gusts, shifts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import NUM_MOVES
@@ -18,12 +18,14 @@ from babyrobot_levels.mdp.compiler.terrain import (
     BACK,
     SIGN,
     VERTICAL,
+    Air,
     Moves,
     Terrain,
     Warps,
     build_moves,
     build_terrain,
     build_warps,
+    windy_cells,
 )
 from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
@@ -42,7 +44,9 @@ class Yard:
         warps: the warps.
         is_exit: whether the cell is an exit.
         ways: where a step takes the movers; see `Crowd.steps`.
-        wind: how far south it pushes in each column, and how far east in each row; None for none.
+        winds: of each wind that may blow, its probability, how far south it pushes in each column,
+            and how far east in each row.
+        windy: `[cells]`: whether the wind pushes there.
     """
 
     grid: Grid
@@ -53,7 +57,8 @@ class Yard:
     warps: Warps
     is_exit: Flags
     ways: Ways
-    wind: tuple[Ints, Ints] | None
+    winds: tuple[tuple[float, Ints, Ints], ...]
+    windy: Flags
 
     @cached_property
     def delta(self) -> NDArray[np.int32]:
@@ -76,8 +81,17 @@ class Yard:
             warps.left_from(cell),
         )
 
-    def moves(self, cell: NDArray[np.int32], boxes: NDArray[np.int32]) -> Moves:
-        """Return what each direction comes to, of pairs with cells and boxes `[pairs, boxes]`."""
+    def air(self, cell: NDArray[np.int32], boxes: NDArray[np.int32]) -> Air:
+        """Return what moves come to, of pairs with cells and boxes `[pairs, boxes]`."""
+        moves = self._moves(cell, boxes)
+        blown = [
+            self._blown(moves, boxes, south, east) if south.any() or east.any() else moves
+            for _, south, east in self.winds
+        ]
+        return Air((*blown,), tuple(chance for chance, *_ in self.winds), self.windy[cell])
+
+    def _moves(self, cell: NDArray[np.int32], boxes: NDArray[np.int32]) -> Moves:
+        """Return what each direction comes to without wind."""
         shape = NUM_MOVES, cell.size
         open_ = self.open[:, cell]
         glass: Floats = self.glass[:, cell]
@@ -94,7 +108,7 @@ class Yard:
             landing[way] = np.where(open_[way], ahead, cell)
         back, through = [*BACK], np.where(glass > 0, cell + self.delta[:, None], cell)
         comes = pushed * open_
-        moves = Moves(
+        return Moves(
             cell,
             open_,
             landing,
@@ -106,12 +120,9 @@ class Yard:
             pushed * (glass > 0),
             comes[back],
         )
-        return moves if self.wind is None else self._blown(moves, boxes)
 
-    def _blown(self, moves: Moves, boxes: NDArray[np.int32]) -> Moves:
-        """Return what the wind makes of moves: it pushes the robot until a box stops it."""
-        assert self.wind is not None
-        south, east = self.wind
+    def _blown(self, moves: Moves, boxes: NDArray[np.int32], south: Ints, east: Ints) -> Moves:
+        """Return what a wind makes of moves: it pushes the robot until a box stops it."""
         y, x = np.divmod(moves.here, self.grid.width)
         shift = {True: south[x], False: east[y]}
         landing, through = moves.landing.copy(), moves.through.copy()
@@ -173,14 +184,17 @@ def build_yard(level: LevelFields, grid: Grid, exits: tuple[Cell, ...], ways: Wa
         ways: where a step takes the movers.
     """
     width, size = grid.width, grid.width * grid.height
-    painted, moves = build_terrain(level, grid, exits), build_moves(level, grid)
+    painted, moves = build_terrain(level, grid, exits), build_moves(level, grid, None)
     barred = np.zeros(size + 1, bool)
     for warp in level.warps:
         for x, y in level.targets_of(warp):
             barred[y * width + x] = True
     delta = np.array([-width, 1, width, -1])[:, None]
     beyond = np.where(moves.open, np.arange(size) + delta, size)
-    south, east = shifts(level.wind, grid.width, grid.height)
+    winds = []
+    for chance, stronger in gusts(level.wind):
+        south, east = shifts(level.wind, width, grid.height, stronger)
+        winds.append((chance, np.array(south), np.array(east)))
     return Yard(
         grid=grid,
         open=moves.open,
@@ -198,7 +212,8 @@ def build_yard(level: LevelFields, grid: Grid, exits: tuple[Cell, ...], ways: Wa
         warps=build_warps(level, grid),
         is_exit=painted.exit,
         ways=ways,
-        wind=None if level.wind is None else (np.array(south), np.array(east)),
+        winds=(*winds,),
+        windy=windy_cells(level, grid),
     )
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import compress, islice
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.language.cells import Area, Skid, Told, Warp, as_skid, shifts
+from babyrobot_levels.language.cells import Area, Skid, Told, Warp, Wind, as_skid, shifts
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Door, Item, Mover
@@ -345,7 +345,16 @@ def _wind(level: GridWorld) -> Rules:
                 if sign * push > 0:
                     places[sign * push].append(number)
             if places:
-                yield Rule(f"wind:{side}", f"wind: pushes {_pushes(places, side, lines)}")
+                pushing = f"{_pushes(places, side, lines)}{_how(level.wind)}"
+                yield Rule(f"wind:{side}", f"wind: pushes {pushing}")
+
+
+def _how(wind: Wind | None) -> str:
+    """Return how often a wind blows, and whether it varies."""
+    varies = ", a cell less or more 2 times in 3" if wind is not None and wind.varies else ""
+    if wind is None or wind.probability == 1:
+        return varies
+    return f", {phrases.chance(wind.probability)}{varies}"
 
 
 def _pushes(places: dict[int, list[int]], side: str, lines: str) -> str:

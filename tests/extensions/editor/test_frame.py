@@ -57,6 +57,16 @@ def resize(session: Session, width: int, height: int, across: int = 0, down: int
     return done(session, "resize", size=[width, height], shift=[across, down])
 
 
+def test_how_a_wind_blows_stays_with_it() -> None:
+    session = Session("version: 1\nwind: {north: [0, 1, 0], varies: true, probability: 0.5}\n")
+    text = resize(session, 4, 3)
+    assert "wind: {north: [0, 1, 0, 0], varies: true, probability: 0.5}" in text
+    text = done(session, "wind", side="N", index=0, strength=2)
+    assert "wind: {north: [2, 1, 0, 0], varies: true, probability: 0.5}" in text
+    done(session, "wind", side="N", index=0, strength=0)
+    assert "wind" not in done(session, "wind", side="N", index=1, strength=0)
+
+
 def test_weights_go_with_their_cells() -> None:
     session = Session(
         "version: 1\nsize: [5, 1]\nstart: [[3, 0], [0, 0]]\nstart_weights: [2, 3]\nexit: [2, 0]\n"

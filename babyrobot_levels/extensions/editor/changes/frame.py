@@ -126,7 +126,9 @@ def resolve(draft: Draft) -> None:
 
 
 def _put_wind(draft: Draft, wind: dict[str, list[int]]) -> None:
-    draft.data["wind"] = {side: wind[side] for side in SIDE_NAMES if any(wind.get(side) or ())}
+    blows = {side: wind[side] for side in SIDE_NAMES if any(wind.get(side) or ())}
+    how = {name: wind[name] for name in ("varies", "probability") if name in wind}
+    draft.data["wind"] = blows | (how if blows else {})
 
 
 def _move_wind(draft: Draft, change: Placement) -> None:
@@ -135,9 +137,10 @@ def _move_wind(draft: Draft, change: Placement) -> None:
         across, down = change.shift
         _put_wind(
             draft,
-            {
-                side: _moved_line(values or [], *args)
-                for side, values in wind.items()
+            wind
+            | {
+                side: _moved_line(wind[side] or [], *args)
+                for side in SIDE_NAMES & wind.keys()
                 for args in [
                     (across, change.new[0]) if side in ("north", "south") else (down, change.new[1])
                 ]
