@@ -58,6 +58,8 @@ class PageOptions(TypedDict, total=False):
     previous_page: str | None
     next_page: str | None
     learn: bool | None
+    sight: Any
+    view_radius: int | None
 
 
 def takes(options: Any, **defaults: Any) -> Callable[[Callable[P, T]], Callable[P, T]]:

@@ -21,6 +21,7 @@ from babyrobot_levels.analysis.picture_options import (
     takes,
 )
 from babyrobot_levels.registry.entries import Entries
+from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.errors import warn
 from babyrobot_levels.text.words import BEST, RANDOM
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.gif import Step
     from babyrobot_levels.render.page import WatchedPolicy
+    from babyrobot_levels.render.page_sight import PageSight
     from babyrobot_levels.render.raster import Progress
     from babyrobot_levels.render.scene.layout import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
@@ -318,6 +320,10 @@ def to_html(
             Pages with either keep what is reached, in the browser.
         learn: whether algorithms can learn the level on the page, by which it also finds the
             solution; by default, if it has answers.
+        sight: what one sees who plays, such as `"view"`, an observation of environments: the rest
+            is in fog. The page knows no solution then, but what can be believed, and how the best
+            agent with this sight acts; with `answers=False`, what can be seen alone.
+        view_radius: of the sight `"view"`, how many cells it shows in each direction.
         tell: called with a text if there is no solution that the page could show, and none is
             asked for; by default, this is a warning.
 
@@ -341,9 +347,10 @@ def to_html(
     arrows = is_named and (policy is True or policy == BEST)
     if not shown["answers"] and (values or arrows):
         raise ValueError("a page without answers shows neither values nor optimal actions")
+    seen = _page_sight(level, shown)
     solution, guide, agent = None, None, None
     try:
-        if shown["answers"]:
+        if shown["answers"] and seen is None:
             solution = solve(level)
             guide = guide_of(level, solution)
     except UndefinedReturnError as error:
@@ -357,20 +364,35 @@ def to_html(
         best = None if guide is None else guide.expected_return
         agent = page_agent(level, policy, solution, best)
         watched, arrows = "agent", True
-    seed = shown["seed"]
     page = paint(
         level,
         guide=guide,
         agent=agent,
         policy=watched,
-        seed=seed,
+        seed=shown["seed"],
         values=values,
         arrows=arrows,
         previous_page=page_address("previous_page", shown.get("previous_page")),
         next_page=page_address("next_page", shown.get("next_page")),
         learn=shown.get("learn"),
+        sight=seen,
     )
     return _saved(page, path)
+
+
+def _page_sight(level: GridWorld, shown: PageOptions) -> PageSight | None:
+    """Return the sight through which a page is played, if it is; None for full sight."""
+    sight, radius = shown.get("sight"), shown.get("view_radius")
+    if sight is None:
+        if radius is not None:
+            raise ValueError("view_radius is for a sight: give sight='view'")
+        return None
+    for name in ("values", "policy", "learn"):
+        if shown.get(name):
+            raise ValueError(f"{name} is of one who sees everything: leave it or the sight out")
+    options = {} if radius is None else {"view_radius": radius}
+    found: PageSight = own("page_sight")(level, sight, has_agent=shown["answers"], **options)
+    return found
 
 
 def page_address(name: str, given: str | None) -> str | None:

@@ -35,7 +35,9 @@ from babyrobot_levels.cli.console import (
 )
 from babyrobot_levels.cli.inputs import (
     LevelsArgument,
+    SightOption,
     SplitOption,
+    ViewRadiusOption,
     configuration_of,
     each_loaded,
     file_of,
@@ -45,6 +47,7 @@ from babyrobot_levels.cli.inputs import (
     load_level,
     names_levels,
     names_of_files,
+    sight_options,
     valid_levels,
 )
 from babyrobot_levels.cli.parallel import Report, track, working
@@ -188,6 +191,8 @@ def preview(
         bool,
         flag("--learn", "Let algorithms learn the level on an HTML page without answers, too."),
     ] = False,
+    sight: SightOption = None,
+    view_radius: ViewRadiusOption = None,
     scale: Annotated[
         float | None, value_option("X", "Size of pictures and GIFs; 1 is 64 pixels per cell.")
     ] = None,
@@ -204,7 +209,8 @@ def preview(
     """Draw levels in the terminal, or save them as pictures, animated GIFs or web pages.
 
     The suffix of FILE chooses the format. An HTML page can be played in any browser. Pictures and
-    pages are overwritten.
+    pages are overwritten. With --sight, a page shows only what the robot observes, and what it saw
+    before; the best agent that sees no more can be watched.
 
     Several levels, folders and packs are drawn one below the other. With -o FOLDER, a picture of
     each is written there, also of the levels of a suite: SVG files unless --format says otherwise.
@@ -234,6 +240,8 @@ def preview(
 
       babyrobot preview frozen-lake --agent policy.npy -o agent.html
 
+      babyrobot preview shell-game --sight view --view-radius 1 -o fog.html
+
       babyrobot preview levels/ -o pictures/
 
       babyrobot preview final-maze frozen-lake --values --format png -o pictures/
@@ -248,6 +256,9 @@ def preview(
         fail(f"--held is for {shown}", "leave out --held")
     _check_for("answers", chosen, given=no_answers, name="--no-answers")
     _check_for("learn", chosen, given=learn)
+    _check_for("sight", chosen, given=sight is not None)
+    if view_radius is not None and sight is None:
+        fail("--view-radius is for --sight", "add --sight view")
     _check_for("visits", chosen, given=visits)
     if no_answers and (values or policy == "best"):
         fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
@@ -278,6 +289,7 @@ def preview(
         "held": held,
         "answers": not no_answers,
         "learn": learn or None,
+        **({} if sight is None else sight_options(sight, view_radius)),
         "rules": rules,
     }
     plain = chosen.name == "ascii" or output is not None

@@ -11,6 +11,7 @@ from babyrobot_levels.registry.entries import resolve
 PLACES = {
     "export_sight": "babyrobot_levels.extensions.sight.export:export_sight",
     "foreign_level": "babyrobot_levels.extensions.formats.reading:foreign_level",
+    "page_sight": "babyrobot_levels.extensions.sight.page:page_sight",
     "solve_sight": "babyrobot_levels.extensions.sight.solve:solve_sight",
 }
 """Where each function is, as `package.module:name`."""

@@ -48,6 +48,7 @@ from babyrobot_levels.render.page_format import (
     runs_of,
     short,
 )
+from babyrobot_levels.render.page_sight import PageSight
 from babyrobot_levels.render.page_things import Marks, arrivals, things_data
 from babyrobot_levels.render.scene.build import build_scene, floor_shapes, ground_layer, sign_shapes
 from babyrobot_levels.render.scene.heat import BAR_STEPS, STEPS, Heat, frame_shapes
@@ -306,6 +307,7 @@ class PageOptions(TypedDict, total=False):
         turns: whether the robot turns at first. The page can change between turning and moving
             if it does, or if the level sets a `heading`.
         learn: whether algorithms can learn the level; by default, with a guide.
+        sight: the sight through which it is played, without a guide; its best agent can be watched.
     """
 
     guide: Guide | None
@@ -318,6 +320,7 @@ class PageOptions(TypedDict, total=False):
     next_page: str | None
     turns: bool
     learn: bool | None
+    sight: PageSight | None
 
 
 def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
@@ -346,6 +349,7 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
         "shown": [name for name, is_shown in at_first.items() if is_shown],
         **_answers(level, guide),
         **({} if learn is None else {"learn": learn}),
+        **_seen(shown.get("sight")),
         **(_team(level) if level.robots else {}),
     }
 
@@ -474,7 +478,8 @@ def _picture_data(level: GridWorld, options: PageOptions) -> dict[str, Any]:
     beside actions alone have a layer of their own.
     """
     guide, agent, turns = options.get("guide"), options.get("agent"), options.get("turns", False)
-    may_turn = turns or "heading" in level.model_fields_set
+    # One who turns sees something else.
+    may_turn = turns or ("heading" in level.model_fields_set and options.get("sight") is None)
     is_still = not (level.has_things or may_turn)
     overlay = _answer_overlay(options).at()
     # What the caption tells, the page has outside of the picture, as it has what is held.
@@ -569,6 +574,17 @@ def _answers(level: GridWorld, guide: Guide | None) -> dict[str, Any]:
         if guide.values:
             data["returns"]["values"] = [_brief(value, 12) for value in guide.values]
     return data
+
+
+def _seen(sight: PageSight | None) -> dict[str, Any]:
+    """Return what a page knows of the sight through which it is played.
+
+    A description for those who do not see the picture would tell what is hidden.
+    """
+    if sight is None:
+        return {}
+    walker = "sight" if "roots" in sight.data else None
+    return {"sight": sight.data, "best": sight.best, "walker": walker, "alt": ""}
 
 
 def _brief(value: float, digits: int = 6) -> float | int | None:

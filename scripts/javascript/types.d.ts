@@ -79,9 +79,10 @@ interface LevelData {
   goal?: string;
   alt?: string;
   seed: string;
-  walker: "best" | "random" | "agent" | null;
+  walker: "best" | "random" | "agent" | "sight" | null;
   /** Of pages, not of links. */
   agent?: AgentData;
+  sight?: SightData;
   shown: string[];
   policy: number[] | null;
   best: string;
@@ -98,6 +99,16 @@ interface AgentData {
   marks: Marks;
   legend?: Group[];
   costs?: { marks: Marks; legend: Group[] };
+}
+
+/** A sight, and its best agent; see `extensions/sight/page.py`. */
+interface SightData {
+  shown: number[];
+  field?: number[];
+  fields?: number[][];
+  roots?: number[];
+  nodes?: [number, ...number[][]][];
+  agents?: number[][][];
 }
 
 /** The number of the mark of each state. */

@@ -247,8 +247,8 @@ function checkTable({ rows, table, starts, possible }, states, actions, all) {
  * @param {number} states
  * @param {number} actions
  */
-function checkAdvice({ policy, walker, agent, marks, returns, turns, picture }, states, actions) {
-  const known = { random: true, best: policy !== null, agent: agent !== undefined };
+function checkAdvice({ policy, walker, agent, sight, marks, returns, turns, picture }, states, actions) {
+  const known = { random: true, best: policy !== null, agent: agent !== undefined, sight: sight !== undefined };
   need(walker === null || known[walker] === true);
   checkNumbers(policy, states, actions - 1);
   checkReturns(returns, states);

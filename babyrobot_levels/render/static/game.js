@@ -4,6 +4,7 @@ import { OUTCOME_LENGTH } from "./checks.js";
 import { COMMON } from "./common.js";
 import { Generator } from "./random.js";
 import { optimalAction } from "./regret.js";
+import { Sight } from "./sight.js";
 import { Things } from "./things.js";
 
 export const SIDES = ["", "north", "east", "south", "west"];
@@ -24,6 +25,8 @@ export class Game {
     this.isTurning = isTurning;
     /** @type {"optimum" | "agent" | "costs"} What is shown over the cells. */
     this.view = data.agent === undefined ? "optimum" : "agent";
+    /** What one sees who does not see everything; null on other pages. */
+    this.sight = data.sight === undefined ? null : new Sight(data);
     this.begin(data.seed);
   }
 
@@ -54,6 +57,7 @@ export class Game {
     this.hints = 0;
     this.watched = 0; // How many steps the watched policy took.
     this.isHinted = false;
+    this.sight?.begin(this.state);
   }
 
   /** The seed of the next episode with other random numbers. */
@@ -80,14 +84,15 @@ export class Game {
   /** The policy that is watched; null for none. */
   get walker() {
     const { walker } = this.data;
-    if (walker === "random" || (walker === "agent" && this.seen !== this.known)) return walker;
+    if (walker === "random" || walker === "sight" || (walker === "agent" && this.seen !== this.known)) return walker;
     return this.known.policy === null ? null : walker && "best";
   }
 
   /** Go back to before the last action; the same action will have the same outcome again. */
   undo() {
-    const { place, ...before } = this.past.pop();
+    const { place, known, ...before } = this.past.pop();
     this.taken.pop();
+    if (this.sight) this.sight.now = known;
     Object.assign(this, before, { end: null, undone: this.undone + 1, isHinted: false });
     this.random.restore(place);
   }
@@ -212,6 +217,7 @@ export class Game {
   advice() {
     if (this.walker === "best") return this.best;
     if (this.walker === "agent") return this.chosen;
+    if (this.walker === "sight") return this.sight.advice(this.policyRandom);
     if (this.isTurning) return this.policyRandom.integer(3);
     const possible = [0, 1, 2, 3, 4].filter((action) => this.isPossible(action));
     return possible[this.policyRandom.integer(possible.length)];
@@ -237,7 +243,7 @@ export class Game {
 
   /** Return the action of the optimal policy here, and count that it was asked for. */
   hint() {
-    const action = this.best;
+    const action = this.walker === "sight" && this.end === null ? this.advice() : this.best;
     if (action >= 0 && !this.isHinted) {
       this.hints += 1;
       this.isHinted = true;
@@ -253,7 +259,7 @@ export class Game {
    */
   step(action) {
     const { state: from, heading, steps, total } = this;
-    this.past.push({ state: from, heading, steps, total, place: this.random.place });
+    this.past.push({ state: from, heading, steps, total, place: this.random.place, known: this.sight?.now });
     this.isHinted = false;
     const number = this.number;
     const { max_steps: most } = this.data;
@@ -279,6 +285,7 @@ export class Game {
     const { event, hit } = this.eventOf(code);
     if (isOver) this.end = this.endOf(next, reward, hit);
     else if (this.steps === most) this.end = "time";
+    if (!isOver) this.sight?.step(action, next);
     const pose = this.isTurning ? headings[Number(event === "skid")][this.heading] : drawn;
     const after = this.isGood ? cheer : pose;
     return { from, action, move, next, reward, event, hit, pose, after };

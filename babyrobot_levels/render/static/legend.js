@@ -67,7 +67,7 @@ export class Legend {
   /** Tell what is in the cell under the pointer. */
   point(event) {
     const cell = this.cellAt(event);
-    if (cell < 0) {
+    if (cell < 0 || this.game.sight?.now.seen.has(cell) === false) {
       this.leave();
       return;
     }
@@ -91,7 +91,10 @@ export class Legend {
   /** Outline cells in the picture. */
   outline(cells) {
     const side = COMMON.cell;
-    const squares = cells.map((cell) => {
+    const { sight } = this.game;
+    const shown =
+      sight === null ? cells : cells.filter((cell) => sight.now.seen.has(cell) || sight.now.before.has(cell));
+    const squares = shown.map((cell) => {
       const corner = this.game.corner(...this.game.place(cell));
       return `M${corner.join(" ")}h${side}v${side}h${-side}z`;
     });

@@ -2,6 +2,7 @@
 
 import { keepRun, runOf } from "./address.js";
 import { byId, showStars } from "./dom.js";
+import { Fog } from "./fog.js";
 import { capital, formatted, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
 import { downloadPlays, keepName, keepPlay, recallName, seedAfter } from "./kept.js";
@@ -30,6 +31,7 @@ const hands = new Hands(byId("hands"), () => ask());
 let game = null;
 let picture = null;
 let trail = null;
+let fog = null;
 let isWatching = false;
 let timer = null;
 let goal = -1; // The cell to which the robot walks; -1 for none.
@@ -38,6 +40,7 @@ const WATCHED = {
   best: "Watch the optimal policy",
   random: "Watch the random policy",
   agent: "Watch the agent",
+  sight: "Watch the best agent",
 };
 
 /** Show a level and start to play it; nothing changes if that fails. */
@@ -48,6 +51,7 @@ export function showLevel(data) {
   game = gameOf(data);
   picture = new Picture(game, svg, view);
   trail = new Trail(game, svg);
+  fog = new Fog(game, svg);
   legend.show(game);
   sets.begin(game);
   views.begin(game);
@@ -59,6 +63,12 @@ export function showLevel(data) {
   byId("turning").hidden = data.turns === undefined;
   const { discount = 1, goal } = data;
   byId("return-name").textContent = discount < 1 ? `Return, discount ${discount}` : "Return";
+  const isFoggy = game.sight !== null;
+  byId("show-belief").hidden = byId("sure").hidden = !isFoggy;
+  byId("show-belief").setAttribute("aria-pressed", "false");
+  // What is around, and where the exits lie, is what one has to find out.
+  byId("look").hidden = isFoggy;
+  view.stage.parentElement.classList.toggle("foggy", isFoggy);
   showActions();
   showTrail();
   begin(seedAfter(data.seed, data.seed), goal ?? GOAL + game.things.needs(game.configuration));
@@ -87,7 +97,7 @@ function showActions() {
   byId("watched").textContent = WATCHED[game.walker];
   byId("best").textContent = known.best;
   byId("best").parentElement.hidden = known.best === "";
-  byId("hint").hidden = known.policy === null;
+  byId("hint").hidden = known.policy === null && game.walker !== "sight";
   byId("show-values").hidden = known.policy === null;
   byId("show-policy").hidden = (known.policy === null && data.agent === undefined) || isTurning;
 }
@@ -118,6 +128,7 @@ function show(message, kind = "") {
   speak(message);
   showHeld();
   showSets();
+  byId("sure").textContent = (game.end === null && game.sight?.told) || "";
   showResult();
   showHint(-1);
   for (const button of document.querySelectorAll("[data-action]")) showButton(button);
@@ -283,6 +294,7 @@ function take(action) {
   if (isEnd) document.dispatchEvent(new CustomEvent("episodeend", { detail: game }));
   picture.go(step, () => {
     trail.stand();
+    fog.stand();
     if (game.isGood && game.watched === 0) picture.celebrate();
     if (step.event === "bump" || step.hit !== null) goal = -1;
     walkOn();
@@ -301,6 +313,7 @@ function begin(seed, message = `An episode begins with seed ${seed}.`) {
 function stand(message) {
   picture.stand();
   trail.stand();
+  fog.stand();
   show(message);
 }
 
@@ -323,6 +336,15 @@ function hint() {
   const action = game.hint();
   show(action < 0 ? "There is no hint: the episode has ended." : game.describeHint(action));
   showHint(action);
+}
+
+/** Show or hide the shades of what may be. */
+function toggleBelief() {
+  const button = byId("show-belief");
+  if (button.hidden) return;
+  const isShown = button.getAttribute("aria-pressed") !== "true";
+  button.setAttribute("aria-pressed", isShown);
+  fog.shades.classList.toggle("hidden", !isShown);
 }
 
 function toggle(name) {
@@ -382,9 +404,10 @@ const CONTROLS = {
   watch: () => byId("watch").hidden || watch(!isWatching),
   values: () => toggle("values"),
   policy: () => toggle("policy"),
+  belief: toggleBelief,
   turning: turn,
   learn,
-  look: lookAround,
+  look: () => byId("look").hidden || lookAround(),
   download: () => downloadPlays(game),
   stop: () => watch(false),
   onwards: () => /** @type {any} */ (document.querySelector(".onwards:not([hidden])"))?.click(),
@@ -410,6 +433,7 @@ const KEYS = {
   p: "watch",
   v: "values",
   b: "policy",
+  k: "belief",
   t: "turning",
   e: "learn",
   l: "look",
