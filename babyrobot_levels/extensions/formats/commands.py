@@ -50,6 +50,7 @@ from babyrobot_levels.extensions.formats.reading import (
     world_of_id,
 )
 from babyrobot_levels.extensions.formats.sources import Found, decoded, found_in, is_archive, single
+from babyrobot_levels.language.fields import MAX_ROBOTS
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
@@ -125,6 +126,12 @@ def import_level(
     number: Annotated[
         int | None, value_option("N", "Which world of a file with several.", min=1)
     ] = None,
+    robots: Annotated[
+        int | None,
+        value_option(
+            "N", "The first N of MovingAI's scenarios as one level.", min=2, max=MAX_ROBOTS
+        ),
+    ] = None,
     name: Annotated[
         str | None,
         value_option(
@@ -184,24 +191,29 @@ def import_level(
             "for example `babyrobot import MiniGrid-DoorKey-8x8-v0 --seed 3`",
         )
     elif len(files) > 1 or is_folder(file) or is_archive(file):
-        if number is not None or name is not None:
-            fail("--number and --name are for a single level")
+        if number is not None or name is not None or robots is not None:
+            fail("--number, --robots and --name are for a single level")
         _import_all(files, output, worker(world_format, slippery, strict=strict), jobs, force=force)
         return
     else:
         source = _source(file)
         entry = _or_end(file, partial(_entry, source, world_format, slippery))
         count = len(_or_end(file, partial(entry.parts, source)))
-        if number is None and count > 1 and output is not None and file != STANDARD_INPUT:
+        is_one = number is not None or robots is not None
+        if not is_one and count > 1 and output is not None and file != STANDARD_INPUT:
             work = worker(world_format, slippery, strict=strict)
             _import_all(files, output, work, jobs, force=force)
             return
-        if number is None and count > 1:
+        if not is_one and count > 1:
             fail(
                 f"{one_line(shown_name(file))} has {count} worlds",
                 "choose one with --number N, or write all with -o FOLDER",
             )
-        read = partial(entry.read, number=number, slippery=slippery, folder=file.parent)
+        if number is not None and robots is not None:
+            fail("--number and --robots do not go together")
+        read = partial(
+            entry.read, number=number, robots=robots, slippery=slippery, folder=file.parent
+        )
         world = _or_end(file, partial(read, source))
     path = output or Path(f"{name or 'level'}.yaml")
     title = (name or slug(file.stem) or "imported").replace("-", " ").capitalize()

@@ -205,6 +205,8 @@ class Codec:
             they are no such file. Formats that are texts have none.
         parts: returns the worlds of a text, each as a text of its own; None if texts of this format
             have a single one.
+        team: returns the world of several robots of a text that has many, by how many they are;
+            None if texts of this format have none.
         places: returns what finds the places of values in a text, which is data.
     """
 
@@ -214,6 +216,7 @@ class Codec:
     holds: Callable[[Any], bool] = _never
     decodes: Callable[[bytes], str | None] | None = None
     parts: Callable[[SourceFile], Sequence[Part]] | None = None
+    team: Callable[[SourceFile, int], Part] | None = None
     places: Callable[[SourceFile], Callable[[Route], Position]] = Places
 
 

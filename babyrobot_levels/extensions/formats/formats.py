@@ -15,6 +15,7 @@ from babyrobot_levels.extensions.formats import (
     letters,
     micromouse,
     minihack,
+    movingai,
     setups,
     sokoban,
     tiled,
@@ -80,17 +81,29 @@ class Format:
             raise ConversionError(message, "split it into several files")
         return parts
 
-    def read(self, source: SourceFile, *, number: int | None = None, **given: Any) -> World:
+    def read(
+        self,
+        source: SourceFile,
+        *,
+        number: int | None = None,
+        robots: int | None = None,
+        **given: Any,
+    ) -> World:
         """Return the world of a text; of what is given, those that are not its keywords are left.
 
         Args:
             source: the text.
             number: which of its worlds, counted from 1; None for the only one.
+            robots: how many of its worlds, which are then one of several robots.
             given: values of keywords.
 
         Raises:
             ConversionError: the text is not in this format, or has no such world, or several.
         """
+        if robots is not None:
+            if self.codec.team is None:
+                raise ConversionError(f"a {self.title} has no several robots to choose from")
+            return self.read_part(source, self.codec.team(source, robots), **given)
         parts = self.parts(source)
         if not 1 <= (number or 1) <= len(parts) or (number is None and len(parts) > 1):
             count = f"{len(parts)} worlds" if len(parts) != 1 else "one world"
@@ -153,9 +166,7 @@ _OWN = {
     ),
     "micromouse": Format("micromouse maze", "micromouse mazes", micromouse.MICROMOUSE),
     "minihack": Format("level of MiniHack", "MiniHack's levels", minihack.CODEC),
-    "movingai": Format(
-        "map of MovingAI", "MovingAI's maps", letters.MOVINGAI, keywords=("folder",)
-    ),
+    "movingai": Format("map of MovingAI", "MovingAI's maps", movingai.CODEC, keywords=("folder",)),
     "overcooked": Format(
         "kitchen of Overcooked-AI", "Overcooked-AI's kitchens", letters.OVERCOOKED
     ),

@@ -1,6 +1,5 @@
 """Maps of programs with other tasks, a letter for each cell: their geometry.
 
-- `movingai`: the maps of the pathfinding benchmarks, and their scenarios, each with start and goal.
 - `mettagrid`: MettaGrid's drawings with a legend, in YAML.
 - `overcooked`: the kitchens of Overcooked-AI.
 - `rware`: the layouts of RWARE's warehouses.
@@ -12,13 +11,10 @@ import json
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.extensions.formats.blocks import (
     Rows,
-    block_map,
     drawn,
     replaced,
     room,
@@ -27,12 +23,10 @@ from babyrobot_levels.extensions.formats.blocks import (
 )
 from babyrobot_levels.extensions.formats.conversion import (
     Codec,
-    Conversion,
     ConversionError,
     Lost,
     Part,
     World,
-    file_beside,
     integer,
     mapping,
     on_map,
@@ -43,16 +37,17 @@ from babyrobot_levels.extensions.formats.conversion import (
 from babyrobot_levels.extensions.formats.places import cell_of, places_of_rows
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
-from babyrobot_levels.language.cells import Rewards
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.language.fields import MAX_ROBOTS
 from babyrobot_levels.text.reader import read as read_yaml
 from babyrobot_levels.text.source import Position, SourceFile
+
+Cell = tuple[int, int]
 
 OBJECT = "&"
 """The meaning of a letter for something that a level does not have, and that blocks the way."""
 
 
-def _world(
+def world_of_letters(
     source: SourceFile,
     rows: Sequence[str],
     meanings: Mapping[str, str],
@@ -61,6 +56,7 @@ def _world(
     names: Mapping[str, str] | None = None,
     lost: Sequence[Lost] = (),
     written: Sequence[str] | None = None,
+    robots: Sequence[tuple[str, Cell | None]] = (),
 ) -> World:
     """Return the world of a map.
 
@@ -72,6 +68,8 @@ def _world(
         names: what letters stand for that are not kept, for the messages.
         lost: what else is not kept.
         written: the rows as the text has them, if they are others.
+        robots: several robots, each with its name and the cell of its own exit, in the order of
+            the starts in the map.
     """
     width = max(map(len, rows), default=0)
     if not width:
@@ -94,7 +92,13 @@ def _world(
             message = f"{told[letter]} {name} become {becomes}"
             found.append(Lost(f"`{letter}`", message, cell_of(rows, letter)))
     cells = tuple(row.ljust(width).translate(table) for row in rows)
-    fields = {"version": 1, **drawn(without_ring(with_start(cells, found)))}
+    whole = cells if robots else with_start(cells, found)
+    inner = without_ring(whole)
+    ring = int(len(inner) < len(whole))
+    fields: dict[str, Any] = {"version": 1, **drawn(inner)}
+    if robots:
+        own = {name: {"exit": [at[0] - ring, at[1] - ring]} if at else {} for name, at in robots}
+        fields["robots"] = [{"name": name, **given} for name, given in own.items()]
     return World(fields, origin, {}, on_map(found, places))
 
 
@@ -116,121 +120,6 @@ def with_start(cells: Rows, lost: list[Lost]) -> Rows:
     return replaced(cells, [(x, y)], d.START)
 
 
-# -- movingai --------------------------------------------------------------------------------
-
-_MOVINGAI = "a map of MovingAI"
-_TERRAIN = {".": d.PLAIN, "G": d.PLAIN, "S": d.PLAIN}
-_TERRAIN |= dict.fromkeys("@OTW", d.BLOCKED)
-_TOLD = {"W": "cells of water, which only lead to other water,"}
-_HEADER = re.compile(r"type +([\w-]+)\s+height +(\d{1,6})\s+width +(\d{1,6})\s+map *\n")
-_DIAGONAL = Lost("diagonal moves", "there, agents move diagonally, too, at the cost of √2")
-
-
-def read_movingai(source: SourceFile, folder: Path | None = None) -> World:
-    """Return the world of a map, or of one line of a file of scenarios for it.
-
-    Args:
-        source: the text.
-        folder: the folder of a file of scenarios, in which the map is; None to read no other file.
-
-    Raises:
-        ConversionError: it is no such text, or the map of a scenario is not there.
-    """
-    if not source.text.lstrip().startswith("version"):
-        rows, lost = _rows_of_map(source)
-        return _world_of_map(source, rows, _with_exit(rows, lost), lost)
-    fields = source.text.splitlines()[-1].split()
-    if len(fields) != 9 or not all(re.fullmatch(r"\d{1,6}", each) for each in fields[4:8]):
-        raise ConversionError(f"this is no line of a scenario: {shown(' '.join(fields))}")
-    name = fields[1].replace("\\", "/").rpartition("/")[2]
-    if folder is None:
-        raise ConversionError(f"the map {shown(name)} is a file of its own, and is not read")
-    there = file_beside(folder, name)
-    rows, lost = _rows_of_map(there)
-    places = [(int(x), int(y)) for x, y in (fields[4:6], fields[6:8])]
-    for x, y in places:
-        if y >= len(rows) or x >= len(rows[0]) or rows[y][x] in "@OTW":
-            raise ConversionError(f"column {x}, row {y} is no free cell of the map {shown(name)}")
-    world = _world_of_map(there, rows, places, lost)
-    return replace(world, lost=tuple(replace(each, at=Position(2, 1)) for each in world.lost))
-
-
-def _rows_of_map(source: SourceFile) -> tuple[list[str], list[Lost]]:
-    text = source.text.replace("\r\n", "\n")
-    header = _HEADER.match(text)
-    if header is None:
-        help_text = "a map begins with lines for type, height, width, and `map`"
-        raise ConversionError(f"{source.name} is not {_MOVINGAI}", help_text)
-    if header[1] not in ("tile", "octile", "octile_unicost"):
-        raise ConversionError(f"the map's type is {shown(header[1])}, not octile or tile")
-    height, width = int(header[2]), int(header[3])
-    rows = text[header.end() :].rstrip("\n").split("\n")
-    if len(rows) != height or {*map(len, rows)} != {width}:
-        sizes = f"{len(rows)} rows of {max(map(len, rows))}"
-        raise ConversionError(f"the map has {sizes} cells, not {height} of {width} as it says")
-    return rows, [_DIAGONAL] if header[1].startswith("octile") else []
-
-
-def _plain(text: str) -> str:
-    return "".join(_TERRAIN.get(letter, d.BLOCKED) for letter in text)
-
-
-def _with_exit(rows: Sequence[str], lost: list[Lost]) -> list[tuple[int, int]]:
-    """Return the first free cell, and the last one that it is connected to."""
-    text, width = _plain("".join(rows)), len(rows[0])
-    if d.PLAIN not in text:
-        raise ConversionError("the map has no free cell")
-    reached = room(text, text.index(d.PLAIN), width)
-    places = [(cell % width, cell // width) for cell in (reached[0], max(reached))]
-    told = [f"column {x}, row {y}" for x, y in places]
-    message = f"not in the map, but in its scenarios (.scen); {told[0]} and {told[1]} are used"
-    lost.append(Lost("start, exit", message))
-    return places
-
-
-def _world_of_map(
-    source: SourceFile, rows: list[str], ends: Sequence[tuple[int, int]], lost: Sequence[Lost]
-) -> World:
-    meanings = _TERRAIN | {"s": d.START, "e": d.EXIT}
-    origin = "A map of MovingAI's benchmarks."
-    marked = _marked(rows, ends)
-    return _world(source, marked, meanings, origin, names=_TOLD, lost=lost, written=rows)
-
-
-def _marked(rows: Sequence[str], ends: Sequence[tuple[int, int]]) -> Rows:
-    """Return rows with start and goal; if they are one cell, it is the start."""
-    return replaced(replaced(tuple(rows), ends[1:], "e"), ends[:1], "s")
-
-
-def _scenarios(source: SourceFile) -> list[Part]:
-    if not source.text.lstrip().startswith("version"):
-        return [Part(source.text)]
-    lines = [(number, line) for number, line in enumerate(source.lines, 1) if line.strip()]
-    return [Part(f"version 1\n{line}", number - 1) for number, line in lines[1:]]
-
-
-def write_movingai(level: Level) -> Conversion:
-    """Return a level as a map, in which start and exit are where reading has them."""
-    ends = f"{_MOVINGAI} has no cells that end the episode"
-    rows, lost = block_map(level, _MOVINGAI, Rewards(), ends=ends, many="SE")
-    marks = str.maketrans({d.BLOCKED: "@", **dict.fromkeys((d.START, d.EXIT, d.PLAIN), ".")})
-    lines = [row.translate(marks) for row in rows]
-    start, *exits = _with_exit(lines, [])
-    for name, mark, places in (("start", d.START, [start]), ("exit", d.EXIT, exits)):
-        drawn_at = [(row.index(mark), y) for y, row in enumerate(rows) if mark in row]
-        if drawn_at != places or "".join(rows).count(mark) > 1:
-            lost.append(Lost(name, "it stands in scenarios, not in the map"))
-    head = f"type tile\nheight {len(rows)}\nwidth {len(rows[0])}\nmap\n"
-    return Conversion(head + "".join(f"{line}\n" for line in lines), tuple(lost))
-
-
-def _is_movingai(source: SourceFile, _: set[str]) -> bool:
-    is_scenario = re.match(r"version\s+1(\.\d)?\s*\n\d+\s+\S+\.map\s", source.text) is not None
-    return is_scenario or _HEADER.match(source.text.replace("\r\n", "\n")) is not None
-
-
-MOVINGAI = Codec(read_movingai, write_movingai, draws=_is_movingai, parts=_scenarios)
-
 # -- mettagrid -------------------------------------------------------------------------------
 
 _FREE = {"empty": d.PLAIN, "wall": d.BLOCKED, "block": d.BLOCKED}
@@ -250,7 +139,7 @@ def read_mettagrid(source: SourceFile) -> World:
             names[str(letter)] = f"objects {shown(str(name))}"
     rows = [line.strip() for line in text.strip().split("\n")]
     task = Lost("objects", "their tasks are left out: the level has no exit")
-    return _world(source, rows, meanings, "A map of MettaGrid.", names=names, lost=[task])
+    return world_of_letters(source, rows, meanings, "A map of MettaGrid.", names=names, lost=[task])
 
 
 METTAGRID = Codec(
@@ -263,11 +152,14 @@ _KITCHEN = {" ": d.PLAIN, **dict.fromkeys("XPODTS", OBJECT), **dict.fromkeys("12
 
 
 def read_overcooked(source: SourceFile) -> World:
-    """Return the world of a kitchen: its counters are blocked cells, and its players starts."""
+    """Return the world of a kitchen: its counters are blocked cells, and its players robots."""
     data = mapping(read_data(source), "the layout")
     rows = [row.strip() for row in str(data.get("grid")).strip().split("\n")]
     task = Lost("orders", "the task, to cook, is left out: the level has no exit")
-    return _world(source, rows, _KITCHEN, "A kitchen of Overcooked-AI.", lost=[task])
+    origin = "A kitchen of Overcooked-AI."
+    players = [each for row in rows for each in row if each in "123456789"]
+    robots = [(f"player-{each}", None) for each in players if 1 < len(players) <= MAX_ROBOTS]
+    return world_of_letters(source, rows, _KITCHEN, origin, lost=[task], robots=robots)
 
 
 def _is_kitchen(data: Any) -> bool:
@@ -287,7 +179,10 @@ def read_rware(source: SourceFile) -> World:
     rows = [line.strip().replace(" ", "") for line in source.text.strip().split("\n")]
     names = {"x": "shelves, which an agent with a load cannot pass,"}
     origin = "A warehouse of RWARE."
-    return _world(source, rows, _WAREHOUSE, origin, names=names)
+    agents = Lost(
+        "agents", "not in the layout: there, several begin in cells that are drawn", (0, 0)
+    )
+    return world_of_letters(source, rows, _WAREHOUSE, origin, names=names, lost=[agents])
 
 
 RWARE = Codec(read_rware, draws=lambda _, letters: {"x", "g"} <= letters - {" "} <= {*_WAREHOUSE})
@@ -355,7 +250,7 @@ def read_vglc(source: SourceFile) -> World:
     origin = "A dungeon of the Video Game Level Corpus."
     rows = source.text.rstrip().split("\n")
     rows = [row.rstrip("\r") for row in rows]
-    return _world(source, rows, _DUNGEON, origin, names=_DUNGEON_NAMES)
+    return world_of_letters(source, rows, _DUNGEON, origin, names=_DUNGEON_NAMES)
 
 
 VGLC = Codec(

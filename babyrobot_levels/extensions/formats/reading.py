@@ -179,6 +179,7 @@ def import_(
     *,
     format: str | None = None,  # noqa: A002
     number: int | None = None,
+    robots: int | None = None,
     name: str | None = None,
     seed: int = 0,
     kwargs: Mapping[str, Any] | None = None,
@@ -195,6 +196,7 @@ def import_(
         path: a level file to write.
         format: the format of the file, such as `"frozen-lake"`; by default it is detected.
         number: which world of a file with several, counted from 1; `read` returns all.
+        robots: how many robots, of scenarios of MovingAI: the first so many are one level.
         name: the name of the level; by default that of the file.
         seed: the seed of the reset of an environment.
         kwargs: the keyword arguments of an environment.
@@ -208,7 +210,7 @@ def import_(
         FileExistsError: there is a file, and `force` is not given.
     """
     is_data = not isinstance(source, str | os.PathLike)
-    world = _world(source, format, seed, kwargs, slippery, number)
+    world = _world(source, format, seed, kwargs, slippery, number, robots)
     own = name or (None if is_data else slug(Path(source).stem))
     if path is not None:
         title = (own or "imported").replace("-", " ").capitalize()
@@ -312,6 +314,7 @@ def _world(
     kwargs: Mapping[str, Any] | None,
     slippery: bool | None,
     number: int | None,
+    robots: int | None,
 ) -> World:
     _check_format(chosen)
     folder: Path | None = None
@@ -330,4 +333,4 @@ def _world(
     else:
         text = _literal_of(source)
     entry = FORMATS[chosen or format_of(text)]
-    return entry.read(text, number=number, slippery=slippery, folder=folder)
+    return entry.read(text, number=number, robots=robots, slippery=slippery, folder=folder)

@@ -147,6 +147,52 @@ def test_the_map_of_scenarios_is_in_their_folder(tmp_path: Path, name: str, mess
         FORMATS["movingai"].read(source, folder=tmp_path)
 
 
+def test_the_first_scenarios_are_a_team_with_exits_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "a.map").write_text(OCTILE, encoding="utf-8")
+    path = tmp_path / "a.map.scen"
+    path.write_text(SCENARIOS, encoding="utf-8")
+    with pytest.warns(brl.ConversionWarning) as told:
+        level = brl.import_(path, robots=2)
+    assert "a.map.scen:2:1: goals: a robot that has reached its exit stays" in str(told[1].message)
+    robots = [(robot.name, start, robot.exit) for robot, start in level.team_starts]
+    assert robots == [("agent-1", (1, 0), (2, 2)), ("agent-2", (3, 1), (1, 0))]
+    assert (level.team.meet, level.team.arrived, level.exit) == ("block", "stay", "none")
+    assert brl.solve(level).expected_steps == 3
+    with pytest.raises(ConversionError, match="no scenarios for 3 robots"):
+        brl.import_(path, robots=3)
+    path.write_text(SCENARIOS.replace("3\t1\t1\t0", "1\t0\t2\t1"), encoding="utf-8")
+    with pytest.raises(ConversionError, match="two of the agents begin in one cell"):
+        brl.import_(path, robots=2)
+    with pytest.raises(ConversionError, match="has no several robots"):
+        FORMATS["rware"].read(SourceFile("a", WAREHOUSE), robots=2)
+
+
+def test_the_players_of_a_kitchen_move_as_they_do_there() -> None:
+    level = level_of_world(world_of(KITCHEN.replace("O1 2O", "O 21O"), "overcooked"))
+    assert [(robot.name, at) for robot, at in level.team_starts] == [
+        ("player-2", (1, 0)),
+        ("player-1", (2, 0)),
+    ]
+    env, random = level.make(), np.random.default_rng(0)
+    env.reset(seed=0)
+    at = [*level.starts]
+    steps = [(0, 0), (0, -1), (1, 0), (0, 1), (-1, 0)]
+    met = 0
+    for _ in range(300):
+        actions = random.integers(5, size=2)
+        wanted = [(x + steps[a][0], y + steps[a][1]) for (x, y), a in zip(at, actions, strict=True)]
+        wanted = [
+            new if 0 <= new[0] < 3 and 0 <= new[1] < 2 else old
+            for old, new in zip(at, wanted, strict=True)
+        ]
+        # Players who would come into one cell, or change places, stay, both of them.
+        meets = wanted[0] == wanted[1] or wanted == at[::-1]
+        at, met = at if meets else wanted, met + meets
+        observation = env.step(actions)[0]
+        assert [*map(int, observation[:4])] == [*at[0], *at[1]]
+    assert met > 20
+
+
 def test_a_map_of_movingai_is_written_and_ends_that_are_elsewhere_are_told() -> None:
     conversion = export(brl.load("four-rooms"), "movingai")
     assert conversion.text.startswith("type tile\nheight ")
