@@ -83,7 +83,7 @@ def to_svg(
     from babyrobot_levels.render.svg import to_svg as paint
 
     times = _checked(shown.get("scale"))
-    return _saved(paint(still(level, **shown), times or 1.0), path)
+    return _saved(paint(still(level, **shown), times or 1.0), path, "svg")
 
 
 @takes(StillOptions, rules=False)
@@ -97,7 +97,7 @@ def to_pdf(
     from babyrobot_levels.render.pdf import to_pdf as paint
 
     times = _checked(shown.get("scale"))
-    return _saved(paint([still(level, **shown)], times or 1.0), path)
+    return _saved(paint([still(level, **shown)], times or 1.0), path, "pdf")
 
 
 @takes(StillOptions, rules=False)
@@ -119,7 +119,7 @@ def to_png(
     times = _checked(shown.get("scale"))
     scene = still(level, **shown)
     size = times and (round(times * scene.width), round(times * scene.height))
-    return _saved(paint(scene, size or None, progress=progress), path)
+    return _saved(paint(scene, size or None, progress=progress), path, "png")
 
 
 def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
@@ -189,11 +189,17 @@ def _checked(scale: float | None) -> float | None:
     return scale
 
 
-def _saved(made: Made, path: str | os.PathLike[str] | None) -> Made:
-    """Write what was made to a file, if one is given, and return it."""
+def _saved(made: Made, path: str | os.PathLike[str] | None, kind: str) -> Made:
+    """Write what was made to a file, if one is given, and return it.
+
+    Raises:
+        ValueError: the name of the file is that of another kind.
+    """
     from babyrobot_levels.text.files import write_bytes
 
     if path is not None:
+        if maker_of(path) not in (None, f"to_{kind}"):
+            raise ValueError(f"this makes {kind.upper()}, not {path}: use {maker_of(path)}")
         write_bytes(Path(path), made.encode("utf-8") if isinstance(made, str) else made)
     return made
 
@@ -243,7 +249,7 @@ def to_gif(
         tell(f"the episode does not end within {MAX_STEPS} steps; the GIF shows those")
     overlay = overlay_of(level, {"values": shown.get("values")})
     overlay = _with_rules(overlay) if shown["rules"] else overlay
-    return _saved(paint(level, steps, overlay=overlay, scale=times, progress=progress), path)
+    return _saved(paint(level, steps, overlay=overlay, scale=times, progress=progress), path, "gif")
 
 
 def episode(level: GridWorld, policy: Any, seed: int) -> tuple[list[Step], bool]:
@@ -377,7 +383,7 @@ def to_html(
         learn=shown.get("learn"),
         sight=seen,
     )
-    return _saved(page, path)
+    return _saved(page, path, "html")
 
 
 def _page_sight(level: GridWorld, shown: PageOptions) -> PageSight | None:
@@ -478,6 +484,12 @@ def format_for(suffix: str) -> str | None:
 def titles_of(option: str) -> list[str]:
     """Return the titles of the formats that have an option."""
     return [each.title for each in _OWN.values() if option in each.options]
+
+
+def maker_of(path: str | os.PathLike[str]) -> str | None:
+    """Return the method of levels that makes files of such a name; None if none does."""
+    name = f"to_{SUFFIXES.get(Path(path).suffix.lower())}"
+    return name if hasattr(Pictured, name) else None
 
 
 class Pictured:

@@ -106,9 +106,15 @@ class Level(Pictured, GridWorld):
 
         A level that was loaded from a text keeps its comments and its layout; only the lines
         of changed fields are new.
+
+        Raises:
+            ValueError: the name of the file is that of a picture.
         """
+        from babyrobot_levels.analysis.pictures import maker_of
         from babyrobot_levels.text.files import write_text
 
+        if maker_of(path):
+            raise ValueError(f"this saves the level as YAML, not {path}: use {maker_of(path)}")
         write_text(Path(path), self.to_yaml(comments=True))
 
     # -- as a picture ----------------------------------------------------------------------
