@@ -126,10 +126,13 @@ class Suite(Telling, Sequence[Level], public=True):
 
         Raises:
             IndexError: there is no such level.
+            TypeError: it is a text, such as the name of a split.
             UnsatisfiableError: no level meets the suite's conditions.
         """
         if isinstance(index, slice):
             return self._part(self.numbers[index], self._split)
+        if isinstance(index, str):
+            raise TypeError(f"levels have numbers; `suite.split({index!r})` has those of a split")
         try:
             number = self.numbers[index]
         except IndexError:

@@ -108,6 +108,8 @@ def grade_values(
         ValueError: another argument than `values` has an invalid value.
         UndefinedReturnError: what is asked for is undefined.
     """
+    if not tolerance >= 0:
+        raise ValueError(f"tolerance must be 0 or more, not {tolerance!r}")
     task = _Values(read_problem(level, discount, actions, "sweep"), policy, sweeps, tolerance)
     try:
         table = np.asarray(values, np.float64)
