@@ -72,13 +72,20 @@ Agent = Table | Chooser | Player
 
 
 def read_agent(
-    agent: Any, num_actions: int, *, deterministic: bool = True, batched: bool = False
+    agent: Any,
+    num_actions: int,
+    *,
+    deterministic: bool = True,
+    batched: bool = False,
+    robots: int = 1,
 ) -> Agent:
     """Return an agent in one of three forms.
 
     Args:
         agent: as `brl.score` takes it.
         num_actions: the number of actions.
+        robots: how many robots it moves, each with so many actions; what it does is then told by
+            joint actions.
         deterministic: whether a model takes its most likely action, or samples.
         batched: whether a function takes many observations at once.
 
@@ -94,13 +101,15 @@ def read_agent(
     ):
         return Table(agent)
     if hasattr(agent, "forward_inference"):
+        if robots > 1:
+            raise TypeError("an RLModule moves one robot: give a function of the observation")
         return _rllib_module(agent, num_actions, deterministic)
     if hasattr(agent, "predict") and hasattr(agent, "policy"):
-        return _stable_baselines(agent, num_actions, deterministic)
+        return _stable_baselines(agent, num_actions, deterministic, robots)
     if isinstance(agent, Player):
         return agent
     if callable(agent):
-        return _function(agent, num_actions, batched)
+        return _function(agent, num_actions, batched, robots)
     raise TypeError(
         f"{type(agent).__name__} is no agent: give a policy, a function from observations to "
         "actions, a model of Stable-Baselines3 or RLlib, or an object with `reset` and `act`"
@@ -110,7 +119,9 @@ def read_agent(
 # -- functions -----------------------------------------------------------------------------------
 
 
-def _function(function: Callable[..., Any], num_actions: int, batched: bool) -> Chooser:
+def _function(
+    function: Callable[..., Any], num_actions: int, batched: bool, robots: int
+) -> Chooser:
     with suppress(ValueError):  # Some functions do not tell their arguments.
         signature = inspect.signature(function)
         try:
@@ -121,9 +132,9 @@ def _function(function: Callable[..., Any], num_actions: int, batched: bool) -> 
 
     def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:
         if batched:
-            return as_probabilities(function(observations), num_actions, len(masks))
+            return as_probabilities(function(observations), num_actions, len(masks), robots)
         answers = [function(_one(observations, index)) for index in range(len(masks))]
-        return as_probabilities(np.array(answers), num_actions, len(masks))
+        return as_probabilities(np.array(answers), num_actions, len(masks), robots)
 
     return choose
 
@@ -143,53 +154,80 @@ class AnswerError(ValueError):
         super().__init__(message)
 
 
-def as_probabilities(answers: Any, num_actions: int, count: int) -> Floats:
+def as_probabilities(answers: Any, num_actions: int, count: int, robots: int = 1) -> Floats:
     """Return an agent's answers as probabilities, `[observations, actions]`.
 
     Args:
-        answers: actions `[observations]`, or probabilities `[observations, actions]`.
-        num_actions: the number of actions.
+        answers: actions `[observations]`, or probabilities `[observations, actions]`; of several
+            robots, also the action of each, `[observations, robots]`.
+        num_actions: the number of actions of a robot.
         count: the number of observations.
+        robots: the number of robots.
 
     Raises:
         AnswerError: they are neither.
     """
-    table = np.asarray(answers)
-    if table.shape == (count, num_actions) and table.dtype.kind in "fiu":
+    table, joint = np.asarray(answers), num_actions**robots
+    if robots > 1 and table.shape == (count, robots) and table.dtype.kind in "iu":
+        bad = np.flatnonzero(((table < 0) | (table >= num_actions)).any(axis=1))
+        if not bad.size:
+            # Numbered as in the tables of several robots.
+            powers = num_actions ** np.arange(robots - 1, -1, -1)
+            found: Floats = np.eye(joint)[table.astype(np.intp) @ powers]
+            return found
+        raise AnswerError(int(bad[0]), _no_answer(table.tolist()[bad[0]], num_actions, robots))
+    if table.shape == (count, joint) and table.dtype.kind in "fiu":
         return table.astype(np.float64)
-    if table.shape == (count, 1):
+    if robots == 1 and table.shape == (count, 1):
         table = table[:, 0]
     are_actions = table.shape == (count,) and table.dtype.kind in "iub"
-    wrong = np.flatnonzero((table < 0) | (table >= num_actions)) if are_actions else [0]
+    wrong = np.flatnonzero((table < 0) | (table >= joint)) if are_actions else np.zeros(1, int)
     if count and len(wrong):
         answer = table.tolist()[wrong[0]] if table.ndim else table.item()
-        raise AnswerError(
-            int(wrong[0]),
-            f"an agent's answer must be an action from 0 to {num_actions - 1}, or {num_actions} "
-            f"probabilities, not {answer!r}",
-        )
-    return np.eye(num_actions)[table.astype(np.intp)]
+        raise AnswerError(int(wrong[0]), _no_answer(answer, num_actions, robots))
+    return np.eye(joint)[table.astype(np.intp)]
+
+
+def _no_answer(answer: Any, num_actions: int, robots: int) -> str:
+    """Return the message about an answer that is none."""
+    each = f" of each of the {robots} robots" if robots > 1 else ""
+    return (
+        f"an agent's answer must be an action from 0 to {num_actions - 1}{each}, or "
+        f"{num_actions**robots} probabilities, not {answer!r}"
+    )
 
 
 # -- models of libraries -------------------------------------------------------------------------
 
 
-def _stable_baselines(model: Any, num_actions: int, deterministic: bool) -> Agent:
+def _stable_baselines(model: Any, num_actions: int, deterministic: bool, robots: int) -> Agent:
     """Return a model of Stable-Baselines3 or sb3-contrib."""
     if hasattr(model.policy, "lstm_actor"):
         return _Recurrent(model, deterministic)
     has_masks = "action_masks" in model.predict.__code__.co_varnames
 
     def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:
-        more = {"action_masks": masks.astype(bool)} if has_masks else {}
+        more = {"action_masks": _masks_of_each(masks, num_actions, robots)} if has_masks else {}
         if deterministic or not hasattr(model.policy, "get_distribution"):
             actions, _ = model.predict(observations, deterministic=True, **more)
-            return as_probabilities(actions, num_actions, len(masks))
+            return as_probabilities(actions, num_actions, len(masks), robots)
         tensors, _ = model.policy.obs_to_tensor(observations)
-        distribution = model.policy.get_distribution(tensors, **more).distribution
-        return np.asarray(distribution.probs.detach().cpu().numpy(), np.float64)
+        found = model.policy.get_distribution(tensors, **more).distribution
+        chances = np.ones((len(masks), 1))
+        # Of several robots, that of each.
+        for each in found if isinstance(found, list) else [found]:
+            own = np.asarray(each.probs.detach().cpu().numpy(), np.float64)
+            chances = (chances[:, :, None] * own[:, None, :]).reshape(len(masks), -1)
+        return chances
 
     return choose
+
+
+def _masks_of_each(masks: NDArray[np.int8], num_actions: int, robots: int) -> NDArray[np.bool_]:
+    """Return masks of joint actions as those of each robot, one after the other."""
+    joint = masks.astype(bool).reshape(len(masks), *[num_actions] * robots)
+    axes = range(1, robots + 1)
+    return np.hstack([joint.any(axis=tuple({*axes} - {axis})) for axis in axes])
 
 
 class _Recurrent:
@@ -204,7 +242,7 @@ class _Recurrent:
         self._state: Any = None
         self._begins = True
 
-    def act(self, observation: Any, mask: NDArray[np.int8]) -> int:
+    def act(self, observation: Any, mask: NDArray[np.int8]) -> Any:
         """Return the action for the next observation of an episode."""
         action, self._state = self._model.predict(
             observation,
@@ -213,7 +251,7 @@ class _Recurrent:
             deterministic=self._deterministic,
         )
         self._begins = False
-        return int(action)
+        return action if np.ndim(action) else int(action)
 
 
 def _rllib_module(module: Any, num_actions: int, deterministic: bool) -> Chooser:

@@ -18,7 +18,6 @@ from babyrobot_levels.envs.observations.base import Extent, Observer
 from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import LevelLike, load
-from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.tables import Floats
 
 
@@ -64,7 +63,10 @@ def policy_table(
     if isinstance(agent, list) and agent and all(isinstance(each, Play) for each in agent):
         return _shares(agent, space_of(level, "all"))
     own = ACTION_SETS[actions]
-    taken = read_agent(agent, own.num_actions, deterministic=deterministic, batched=batched)
+    robots = max(len(level.robots), 1)
+    taken = read_agent(
+        agent, own.num_actions, deterministic=deterministic, batched=batched, robots=robots
+    )
     if isinstance(taken, Player):
         raise TypeError("an agent with memory does not always do the same in a state")
     space = space_of(level, {"valid": "all", "valid_moves": "moves"}.get(actions, actions))
@@ -109,14 +111,12 @@ def policy_of(
         limit: the number of steps after which episodes are truncated; None for no limit.
 
     Raises:
-        LevelError: it is called, and the level has several robots.
         ValueError: its answers are no actions, or no probabilities that add up to 1; or it is a
             policy for another limit.
     """
     if isinstance(agent, Table):
         policy = agent.of(space.level.name, space.level.digest)
         return weights_by_step(policy, space, limit)
-    check_one_robot(space.level, "agents that are called")
     mdp, first = space.mdp, space.first_action
     states = np.flatnonzero(~mdp.is_terminal & ~space.without_value)
     table = np.zeros((mdp.num_states, mdp.num_actions - first))

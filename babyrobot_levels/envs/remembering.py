@@ -17,8 +17,8 @@ class Player(Protocol):
     def reset(self) -> None:
         """Forget the episode before."""
 
-    def act(self, observation: Any, mask: NDArray[np.int8]) -> int:
-        """Return the action for the next observation of an episode."""
+    def act(self, observation: Any, mask: Any) -> Any:
+        """Return the action for the next observation of an episode; the mask is that of `info`."""
 
 
 def follow(

@@ -67,11 +67,3 @@ def test_what_is_no_table_is_refused() -> None:
         brl.policy_table("maze", Memory())
     with pytest.raises(ValueError, match="changes with the step"):
         brl.policy_table("frozen-lake", brl.solve("frozen-lake", within=100))
-
-
-def test_agents_that_are_called_move_one_robot() -> None:
-    robots = [{"name": "a", "start": [0, 0]}, {"name": "b", "start": [1, 0]}]
-    level = brl.load({"version": 1, "size": [3, 1], "robots": robots})
-    for agent in (lambda _: 0, lambda _: [0, 0]):
-        with pytest.raises(brl.LevelError, match="agents that are called are only for levels"):
-            brl.evaluate(level, agent, discount=0.9)

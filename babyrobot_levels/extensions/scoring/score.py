@@ -25,11 +25,11 @@ from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
+from babyrobot_levels.envs.team import TeamEnv
 from babyrobot_levels.extensions.scoring.conversations import converse
 from babyrobot_levels.extensions.scoring.results import LevelScore, Played, Scores, extremes, share
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.render.sights import SIGHTS
 from babyrobot_levels.suites.suite import Suite, named_levels
@@ -86,7 +86,8 @@ def score(
               each step; or a mapping from names or digests of levels to policies;
             - the path of a file that has such a policy (.json, .npy, .npz), or of a Python file,
               which is run, and the name of a function in it: `"agent.py:name"`;
-            - a function from an observation to an action, or to the probabilities of all actions;
+            - a function from an observation to an action (of several robots, to the action of
+              each), or to the probabilities of all actions;
               with `batched`, from many observations `[n, …]` at once (of JAX, for example);
             - a model of Stable-Baselines3 or sb3-contrib, or an `RLModule` of RLlib;
             - an object with memory: `reset()` begins an episode, and `act(observation, mask)`
@@ -140,7 +141,11 @@ def score(
     taken: Any = agent
     if sight is None:
         taken = read_agent(
-            agent, ACTION_SETS[actions].num_actions, deterministic=deterministic, batched=batched
+            agent,
+            ACTION_SETS[actions].num_actions,
+            deterministic=deterministic,
+            batched=batched,
+            robots=_robots(members),
         )
         episodes = 1000 if episodes is None else episodes
     else:
@@ -204,9 +209,22 @@ def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level]
     found = [load(level) for level in named]
     if not found:
         raise ValueError("there are no levels to score")
-    for level in found:
-        check_one_robot(level, "scores of agents")
     return found, Extent.of(found, turns=turns)
+
+
+def _robots(levels: Sequence[Level]) -> int:
+    """Return how many robots an agent moves.
+
+    Raises:
+        ValueError: not the same number in all levels.
+    """
+    counts = sorted({max(len(level.robots), 1) for level in levels})
+    if len(counts) > 1:
+        raise ValueError(
+            f"an agent moves as many robots in all levels, and these have {counts[0]} to "
+            f"{counts[-1]}"
+        )
+    return counts[0]
 
 
 def _problem(
@@ -319,7 +337,7 @@ def _played(
     """Return what an agent with memory earned on average, and in each episode."""
     rows, played = np.zeros((3, len(problems))), []
     for number, problem in enumerate(problems):
-        env = _ScoredEnv(problem.level, observation, extent, actions)
+        env = _scored_env(problem.level, observation, extent, actions)
         # Seeded once: all episodes of a level are from one stream of random numbers.
         seeds = [*_seeds(problem, seed, 1), *[None] * (episodes - 1)]
         runs = np.array([_episode(agent, env, problem, each) for each in seeds])
@@ -389,22 +407,31 @@ def _conversed(
     return Worth(*rows), played
 
 
-class _ScoredEnv(LevelEnv):
-    """A level's environment whose observations have the space of all levels that are scored."""
+class _Shared(LevelEnv):
+    """An environment whose observations have the space of all levels that are scored."""
 
-    def __init__(self, level: Level, observation: Observation, extent: Extent, actions: str):
-        self._shared = observation, extent
-        super().__init__(level, actions=actions)
-        self._observation = observation
-        self._enter(level)
+    def share(self, observation: Observation, extent: Extent) -> None:
+        """Go over to the observation, in its space for an extent."""
+        self._shared, self._observation = extent, observation
+        self._enter(self.level)
         self.observation_space = self._observer.space
 
     def _extent(self) -> Extent:
-        return self._shared[1]
+        return getattr(self, "_shared", None) or super()._extent()
+
+
+class _SharedTeam(_Shared, TeamEnv):
+    """The same for several robots."""
+
+
+def _scored_env(level: Level, observation: Observation, extent: Extent, actions: str) -> _Shared:
+    env = _SharedTeam(level) if level.robots else _Shared(level, actions=actions)
+    env.share(observation, extent)
+    return env
 
 
 def _episode(
-    agent: Player, env: _ScoredEnv, problem: _Problem, seed: int | None
+    agent: Player, env: _Shared, problem: _Problem, seed: int | None
 ) -> tuple[float, float, float]:
     """Play an episode; return its return, whether it reached an exit, and its steps."""
     observation, info = env.reset(seed=seed)
