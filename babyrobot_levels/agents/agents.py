@@ -212,9 +212,10 @@ def _stable_baselines(model: Any, num_actions: int, deterministic: bool, robots:
             actions, _ = model.predict(observations, deterministic=True, **more)
             return as_probabilities(actions, num_actions, len(masks), robots)
         tensors, _ = model.policy.obs_to_tensor(observations)
-        found = model.policy.get_distribution(tensors, **more).distribution
+        found = model.policy.get_distribution(tensors, **more)
+        # sb3-contrib calls those of several robots by another name.
+        found = getattr(found, "distributions", None) or found.distribution
         chances = np.ones((len(masks), 1))
-        # Of several robots, that of each.
         for each in found if isinstance(found, list) else [found]:
             own = np.asarray(each.probs.detach().cpu().numpy(), np.float64)
             chances = (chances[:, :, None] * own[:, None, :]).reshape(len(masks), -1)

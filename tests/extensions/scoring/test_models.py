@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
 import pytest
+from support.places import ROOT
 
 import babyrobot_levels as brl
 
@@ -63,6 +65,18 @@ def test_masked_and_recurrent_models_of_sb3_contrib() -> None:
     with pytest.warns(UserWarning, match="20 episodes in each level tell little"):
         played = brl.score(LEVEL, recurrent, observation="vector", episodes=20)[0]
     assert played.episodes == 20
+
+
+@pytest.mark.parametrize("kind", ["stable_baselines3:PPO", "sb3_contrib:MaskablePPO"])
+def test_models_that_move_several_robots(kind: str) -> None:
+    pads = ROOT / "examples" / "robots" / "two-pads.yaml"
+    model = resolve_name(kind)("MlpPolicy", brl.load(pads).make(), seed=3)
+    score = brl.score(pads, model, deterministic=False)[0]
+    # A network that has learned nothing is nearly indifferent between what is allowed.
+    usual = "random" if "Maskable" in kind else "uniform"
+    expected = brl.evaluate(pads, usual, within="max_steps").expected_return
+    assert score.expected_return == pytest.approx(expected, abs=0.5)
+    assert brl.score(pads, model)[0].episodes == 0
 
 
 def test_a_module_of_rllib() -> None:
