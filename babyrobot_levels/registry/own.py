@@ -13,6 +13,7 @@ PLACES = {
     "foreign_level": "babyrobot_levels.extensions.formats.reading:foreign_level",
     "page_sight": "babyrobot_levels.extensions.sight.page:page_sight",
     "solve_sight": "babyrobot_levels.extensions.sight.solve:solve_sight",
+    "tracker_of": "babyrobot_levels.extensions.sight.tracking:tracker_of",
 }
 """Where each function is, as `package.module:name`."""
 

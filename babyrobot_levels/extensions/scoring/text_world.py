@@ -18,6 +18,7 @@ from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.registry.own import own
 from babyrobot_levels.render.sights import SIGHTS, Narrator
 from babyrobot_levels.render.words.happenings import happenings
 from babyrobot_levels.render.words.phrases import counted
@@ -83,6 +84,7 @@ class TextWorld(Telling, public=True):
         reward: str = "world",
         within: int | str | None = None,
         blunder: float = 0.1,
+        tell_sure: bool = False,
     ) -> None:
         """Make the world of a level.
 
@@ -96,16 +98,20 @@ class TextWorld(Telling, public=True):
                 the level, which must have one then.
             blunder: a move is a blunder if it loses more than this share of what the optimum is
                 above the random policy.
+            tell_sure: whether it is told with what is seen how sure one can be of everything, by
+                all that was told in the episode; see `sure`.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: the level is not valid, or its maze has no seed yet.
-            ValueError: another argument is invalid, or the level is too large for its drawing.
+            ValueError: another argument is invalid, or the level is too large for its drawing, or
+                to tell how sure one can be.
             EpisodeTooLongError: there are too many states and steps to grade moves.
         """
         check_choice("sight", sight, SIGHTS)
         check_choice("reward", reward, REWARDS)
         self._sight, self._kind, self._limit, self._blunder = sight, reward, within, blunder
+        self._tell_sure = tell_sure
         self._seeds = np.random.default_rng()
         self._enter(load(level))
         self.seed: int | None = None
@@ -129,6 +135,9 @@ class TextWorld(Telling, public=True):
         self.seed = int(self._seeds.integers(_MAX_SEED)) if seed is None else int(seed)
         self._env.reset(seed=self.seed)
         self._begin()
+        if self._tracker is not None:
+            self._tracker.reset()
+            self._tracker.observe((self._stage.shown(self.state), None))
         return f"{self._stage.narrator.rules()}\n\n{self.look()}"
 
     def move(self, direction: str) -> str:
@@ -162,7 +171,8 @@ class TextWorld(Telling, public=True):
         """
         if self.done:
             return self._over()
-        return self._stage.narrator.scene(self.state)
+        scene = self._stage.narrator.scene(self.state)
+        return scene if self._tracker is None else f"{scene}\n{_told_sure(self._tracker.sure)}"
 
     # -- grades ----------------------------------------------------------------------------
 
@@ -175,6 +185,14 @@ class TextWorld(Telling, public=True):
     def state(self) -> int:
         """The present state, as `level.compile()` numbers it; -1 before the first `reset`."""
         return self._env.state
+
+    @property
+    def sure(self) -> float | None:
+        """How probable the likeliest state is for one who knows the level, by all that was told.
+
+        It is that of the last step in which the episode went on. None unless it is told.
+        """
+        return None if self._tracker is None else self._tracker.sure
 
     @property
     def largest_regret(self) -> float:
@@ -246,6 +264,7 @@ class TextWorld(Telling, public=True):
         self._stage = _stage_of(level, self._sight, limit)
         self.within = limit
         self.level, self.optimum = level, self._stage.values.optimum
+        self._tracker = _tracker_of(level, self._sight, limit) if self._tell_sure else None
         self._env = LevelEnv(level, observation="index", actions="all")
 
     def _begin(self) -> None:
@@ -297,6 +316,9 @@ class TextWorld(Telling, public=True):
                 hit=info.get("hit", False),
             )
         ]
+        if self._tracker is not None and not self.done:
+            signal = " ".join([*told, f"reward {move.reward:g}"])
+            self._tracker.observe((self._stage.shown(after), signal), int(action))
         told.append(self._count())
         return "\n".join([" ".join(told), self.look()])
 
@@ -324,6 +346,10 @@ class _Stage:
     values: ValuesByStep
     code: str
 
+    def shown(self, state: int) -> tuple[str, str]:
+        """Return the rules, and what is seen in a state."""
+        return self.narrator.rules(), self.narrator.scene(state)
+
 
 @lru_cache(maxsize=32)
 def _stage_of(level: Level, sight: str, limit: int) -> _Stage:
@@ -331,3 +357,15 @@ def _stage_of(level: Level, sight: str, limit: int) -> _Stage:
     values = ValuesByStep(space_of(level, "all"), limit, level.discount)
     told = level.model_copy(update={"max_steps": limit})
     return _Stage(narrator_of(told, sight), values, level.share_code())
+
+
+def _tracker_of(level: Level, sight: str, limit: int) -> Any:
+    """Return what follows the belief of one who reads a world's texts and knows the level."""
+    return own("tracker_of")(level, f"text-{sight}", limit)
+
+
+def _told_sure(sure: float) -> str:
+    if sure > 1 - 1e-9:
+        return "One can know how everything stands."
+    share = "over 99 %" if sure > 0.995 else f"{100 * sure:.0f} %" if sure >= 0.005 else "under 1 %"
+    return f"By what was told, one can be {share} sure how everything stands."

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.extensions.sight.bounds import Bounds
-from babyrobot_levels.mdp.tables import Floats, Ints
+from babyrobot_levels.extensions.sight.tracking import Tracker
+from babyrobot_levels.mdp.tables import Ints
 
 if TYPE_CHECKING:
     from babyrobot_levels.extensions.sight.beliefs import BeliefGraph
 
 
-class SightPolicy:
+class SightPolicy(Tracker):
     """An agent with memory, as `brl.score` takes it: `reset()` begins an episode, `act` goes on.
 
     In beliefs that were explored it does what is best by the lower bounds; where it comes to
@@ -34,18 +35,15 @@ class SightPolicy:
         self, graph: BeliefGraph, bounds: Bounds, actions: Ints, within: int | None, seed: int
     ) -> None:
         self._graph, self._bounds, self._actions = graph, bounds, actions
-        self._model, self._within = graph.model, within
-        self._random = np.random.default_rng(seed)
-        self.reset()
+        self._within, self._random = within, np.random.default_rng(seed)
+        super().__init__(graph.model)
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self._steps = 0
+        super().reset()
         self._node: int | None = None
         self._agent: int | None = None
         self._action = -1
-        self._states: Ints = np.zeros(0, np.intp)
-        self._chances: Floats = np.zeros(0)
 
     def act(self, observation: Any, mask: Any = None, reward: float | None = None) -> int:
         """Return the action for the next observation of an episode.
@@ -58,47 +56,30 @@ class SightPolicy:
         Raises:
             ValueError: no episode of these levels shows this after what was shown before.
         """
-        self._observe(self._model.sight.key(observation, mask, reward))
+        key = self.model.sight.key(observation, mask, reward)
+        self._node = self._next_node(self.observe(key, self._action))
         self._action = self._chosen()
-        self._steps += 1
         return self._action
 
     @property
     def belief(self) -> list[tuple[int, int, float]]:
         """What the agent believes: level, state in its tables, and probability of each."""
-        level, state = self._model.level[self._states], self._model.state[self._states]
-        return list(zip(level.tolist(), state.tolist(), self._chances.tolist(), strict=True))
-
-    def _observe(self, key: Any) -> None:
-        """Take what is observed into the belief."""
-        model, number = self._model, self._model.keys.get(key)
-        beliefs = (
-            model.after(self._states, self._chances, self._action)
-            if self._steps
-            else model.initial()
-        )
-        for _, states, chances in beliefs:
-            if model.observation[states[0]] == number:
-                self._states, self._chances = states, chances
-                self._node = self._next_node(int(model.observation[states[0]]))
-                return
-        raise ValueError(
-            f"no episode comes to what was observed in step {self._steps}; is it an environment "
-            f"of these levels, with the sight {model.sight.name!r} and its options?"
-        )
+        model, states = self.model, self.states
+        level, state = model.level[states], model.state[states]
+        return list(zip(level.tolist(), state.tolist(), self.chances.tolist(), strict=True))
 
     def _next_node(self, observed: int) -> int | None:
         """Return the number of the present belief, None if it is none of the graph."""
         graph, after = self._graph, self._graph.roots
-        if self._steps:
+        if self.steps > 1:
             if self._node is None or graph.outcomes[self._node] is None:
                 return None
             after = graph.after(self._node, self._action)[0].tolist()
-        shown = (self._model.observation[graph.states[belief][0]] for belief in after)
+        shown = (self.model.observation[graph.states[belief][0]] for belief in after)
         return next((b for b, by in zip(after, shown, strict=True) if by == observed), None)
 
     def _chosen(self) -> int:
-        left = max(0, (self._within or 1) - self._steps - 1)
+        left = max(0, (self._within or 1) - self.steps)
         if self._agent is None:
             assert self._node is not None
             chosen = int(self._actions[left, self._node])
@@ -106,5 +87,5 @@ class SightPolicy:
                 return chosen
             self._agent = chosen
         # All states of a belief look the same to an agent without memory.
-        chances: NDArray[np.float64] = self._bounds.agents[self._agent, self._states[0]]
+        chances: NDArray[np.float64] = self._bounds.agents[self._agent, self.states[0]]
         return int(self._random.choice(chances.size, p=chances))

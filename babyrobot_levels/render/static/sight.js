@@ -143,7 +143,7 @@ export class Sight {
 }
 
 /**
- * Return a probability that is neither 0 nor 1 in inPercent.
+ * Return a probability that is neither 0 nor 1 in percent.
  *
  * @param {number} chance
  */

@@ -243,3 +243,33 @@ def test_decisions_are_those_of_text_worlds(tmp_path: Path) -> None:
         world.move(direction)
     found = verify_play(world.play)
     assert (found.regret, found.luck) == pytest.approx((world.regret, world.luck))
+
+
+# -- how sure one can be ---------------------------------------------------------------------
+
+
+def test_it_is_told_how_sure_one_can_be() -> None:
+    world = brl.TextWorld("three-gems", sight="words", tell_sure=True)
+    assert "one can be 25 % sure how everything stands" in world.reset(seed=1)
+    assert world.sure == pytest.approx(1 / 4)
+    assert "sure" not in brl.TextWorld("three-gems", sight="words").reset(seed=1)
+    assert brl.TextWorld("three-gems", sight="words").sure is None
+    known = brl.TextWorld("three-gems", sight="map", tell_sure=True)
+    assert "One can know how everything stands." in known.reset(seed=1)
+
+
+@pytest.mark.parametrize("sight", ["map", "view", "words"])
+@pytest.mark.parametrize("level", ["three-gems", "bat-cave", "treasure-chests"])
+def test_what_is_true_is_never_ruled_out(level: str, sight: str) -> None:
+    world: Any = brl.TextWorld(level, sight=sight, tell_sure=True)
+    rng = random.Random(7)
+    for seed in range(3):
+        world.reset(seed=seed)
+        for _ in range(40):
+            if world.done:
+                break
+            tracker = world._tracker
+            states = tracker.model.state[tracker.states].tolist()
+            assert world.state in states
+            assert sum(tracker.chances) == pytest.approx(1)
+            world.move(rng.choice(["north", "east", "south", "west"]))
