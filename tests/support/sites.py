@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -26,6 +28,33 @@ def runtime() -> Path:
                 part.write_bytes(runtime_file(file, fetched))
                 part.replace(RUNTIME / file.name)
     return RUNTIME
+
+
+def stand_in(name: str) -> bytes:
+    """Return a wheel that stands for a library for browsers; its arrays are lists."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as archive:
+        archive.writestr(f"{name}/__init__.py", _STAND_IN)
+        archive.writestr(f"{name}-1.dist-info/METADATA", f"Name: {name}\nVersion: 1\n")
+        archive.writestr(f"{name}-1.dist-info/WHEEL", "Wheel-Version: 1.0\n")
+        archive.writestr(f"{name}-1.dist-info/RECORD", "")
+    return out.getvalue()
+
+
+_STAND_IN = """\
+from types import SimpleNamespace
+
+__version__ = "a stand-in"
+
+
+class array(list):
+    flags = SimpleNamespace()
+
+    def __getitem__(self, key):
+        for each in key if isinstance(key, tuple) else (key,):
+            self = list.__getitem__(self, each)
+        return array(self) if isinstance(self, list) else self
+"""
 
 
 class _Files(SimpleHTTPRequestHandler):

@@ -18,7 +18,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 from support.firefox import firefox
 from support.numberless import MESSAGES, NUMERIC, asked, replies, settled
-from support.sites import StaticServer, hosted, runtime
+from support.sites import StaticServer, hosted, runtime, stand_in
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.editor.runtime import (
@@ -400,6 +400,23 @@ def test_a_site_has_numpy_if_the_folder_has_it(tmp_path: Path) -> None:
     assert entry["file_name"] == scipy.name
     assert entry["sha256"] == hashlib.sha256(scipy.read_bytes()).hexdigest()
     assert (site / "python" / scipy.name).read_bytes() == scipy.read_bytes()
+
+
+def test_numpy_is_loaded_from_the_site_that_has_it(page: Page, tmp_path: Path) -> None:
+    given = tmp_path / "given"
+    shutil.copytree(runtime(), given)
+    wheels = [f"{name}-1-cp314-cp314-{PLATFORM}.whl" for name in LIBRARIES]
+    for wheel in wheels:
+        (given / wheel).write_bytes(stand_in(wheel.partition("-")[0]))
+    write_site(tmp_path / "site", session_of(None), given)
+    with hosted(tmp_path / "site") as server:
+        page.goto(server.address)
+        starts(page)
+        with (
+            page.expect_request(f"**/python/{wheels[0]}"),
+            page.expect_request(f"**/python/{wheels[1]}"),
+        ):
+            page.locator(".load").click()
 
 
 def test_a_folder_of_other_files_is_left_alone(tmp_path: Path) -> None:

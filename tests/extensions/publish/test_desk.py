@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from playwright.sync_api import Browser, Page, expect
 from support.places import ROOT, TESTS
-from support.sites import hosted, runtime
+from support.sites import hosted, runtime, stand_in
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.editor.runtime import PLATFORM, RuntimeFileError
@@ -210,16 +210,27 @@ def test_functions_are_written_run_kept_and_saved(page: Page, tmp_path: Path) ->
     expect(text).to_have_value((ROOT / "course" / "policy_iteration.py").read_text("utf-8"))
 
 
-def test_numpy_is_in_the_page_if_it_is_given(built: Path, tmp_path: Path) -> None:
-    given = tmp_path / "given"
+@pytest.mark.slow
+def test_numpy_is_served_by_the_page_if_it_is_given(
+    built: Path, browser: Browser, tmp_path: Path
+) -> None:
+    given, page = tmp_path / "given", tmp_path / "page"
     shutil.copytree(runtime(), given)
-    wheel = given / f"numpy-2.4.6-cp314-cp314-{PLATFORM}.whl"
-    wheel.write_bytes(b"a" * 100)
-    desk.write_desk(read_course(ROOT / "course"), "Robots", tmp_path / "page", given)
-    assert (tmp_path / "page" / "python" / wheel.name).is_file()
-    for name in ("index.html", "worker.js"):
-        assert "cdn.jsdelivr.net" in (built / name).read_text("utf-8")
-        assert "cdn.jsdelivr.net" not in (tmp_path / "page" / name).read_text("utf-8")
+    name = f"numpy-2.4.6-cp314-cp314-{PLATFORM}.whl"
+    (given / name).write_bytes(stand_in("numpy"))
+    desk.write_desk(read_course(ROOT / "course"), "Robots", page, given)
+    for each in ("index.html", "worker.js"):
+        assert "cdn.jsdelivr.net" in (built / each).read_text("utf-8")
+        assert "cdn.jsdelivr.net" not in (page / each).read_text("utf-8")
+    with hosted(page) as server:
+        opened = browser.new_page()
+        opened.goto(server.address)
+        opened.locator("#text").fill(f"import numpy\nprint(numpy.__version__)\n{PLAIN}")
+        with opened.expect_request(f"**/python/{name}", timeout=START):
+            opened.get_by_role("button", name="Run").click()
+        expect(opened.locator("#printed")).to_have_text("a stand-in", timeout=START)
+        expect(opened.locator("#notice")).to_have_text("10 of 10 levels are right.", timeout=START)
+        opened.close()
 
 
 def test_a_folder_without_python_for_browsers_is_told(tmp_path: Path) -> None:

@@ -23,7 +23,9 @@ self.fetch = async (...given) => {
 
 async function start() {
   const packages = fetch("python/packages.zip");
-  const python = await loadPyodide({ indexURL: "./python/", packageBaseUrl: "MORE_ADDRESS" });
+  // Packages need an address that is whole.
+  const packageBaseUrl = new URL("MORE_ADDRESS", self.location.href).href;
+  const python = await loadPyodide({ indexURL: "./python/", packageBaseUrl });
   const answer = await packages;
   if (!answer.ok) throw new Error(`python/packages.zip: ${answer.status}`);
   python.unpackArchive(await answer.arrayBuffer(), "zip", { extractDir: PLACE });

@@ -9,7 +9,9 @@ const NO_NUMPY =
 
 async function start() {
   const source = fetch("hashed.py");
-  const python = await loadPyodide({ indexURL: "./python/", packageBaseUrl: "NUMPY_ADDRESS" });
+  // Packages need an address that is whole.
+  const packageBaseUrl = new URL("NUMPY_ADDRESS", self.location.href).href;
+  const python = await loadPyodide({ indexURL: "./python/", packageBaseUrl });
   const answer = await source;
   if (!answer.ok) throw new Error(`hashed.py: ${answer.status}`);
   python.FS.writeFile("hashed.py", await answer.text());
