@@ -10,6 +10,24 @@ export function byId(id) {
   return document.getElementById(id);
 }
 
+/** Return what the browser keeps under a name; null for nothing, or without storage. */
+export function recallText(name) {
+  try {
+    return localStorage.getItem(name);
+  } catch {
+    return null;
+  }
+}
+
+/** Keep a text under a name; without storage, it is forgotten with the page. */
+export function keepText(name, text) {
+  try {
+    localStorage.setItem(name, text);
+  } catch {
+    // As above.
+  }
+}
+
 /**
  * Return three signs, of which some are full stars.
  *

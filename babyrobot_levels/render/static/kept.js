@@ -1,6 +1,6 @@
 // Who plays, and the episodes that have ended since the page was opened: one file to hand in.
 
-import { byId } from "./dom.js";
+import { byId, keepText, recallText } from "./dom.js";
 import { checksum, playOf, signed } from "./play.js";
 
 const NAME_STORE = "babyrobot:player";
@@ -15,22 +15,13 @@ const playerName = () => byId("who").value.trim();
 
 /** Take the name from the address, or from this device. */
 export function recallName() {
-  let name = new URLSearchParams(location.search).get("player");
-  try {
-    name ??= localStorage.getItem(NAME_STORE);
-  } catch {
-    // Without storage, each page asks for it.
-  }
+  const name = new URLSearchParams(location.search).get("player") ?? recallText(NAME_STORE);
   byId("who").value = (name ?? "").slice(0, 200);
   keepName();
 }
 
 export function keepName() {
-  try {
-    localStorage.setItem(NAME_STORE, playerName());
-  } catch {
-    // It is known until the page is left.
-  }
+  keepText(NAME_STORE, playerName());
 }
 
 /**

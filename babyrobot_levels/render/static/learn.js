@@ -273,7 +273,7 @@ export class Learning {
       const pose = heading === null ? step.pose : COMMON.headings[Number(event === "skid")][looking];
       picture.go({ from, move: turn === 0 ? side : 0, next, event, pose, after: pose }, () => {});
     }
-    layer.point(here);
+    layer.point(here ?? way.at(-1));
     this.showSets(layer.shown);
   }
 

@@ -106,7 +106,7 @@ export class LearnedLayer {
     const [heat, values, policy] = this.own.map((layer) => !layer.classList.contains("hidden"));
     this.cells.forEach((cell, index) => {
       const state = this.page * this.cells.length + index;
-      const isSeen = this.seen.has(state);
+      const isSeen = this.seen.has(state) && this.learner.knows(state);
       if (heat || values) this.showValue(cell, isSeen ? this.learner.values[state] : null);
       if (policy) this.showActions(index, isSeen ? this.learner.best(state) : []);
     });

@@ -370,6 +370,13 @@ export class Learner {
     return greedy((!this.isPrediction && this.actions?.[state]) || this.problem.ahead(this.values, state));
   }
 
+  /** Return whether anything has been learned of a state. */
+  knows(state) {
+    if (this.unit !== "episode") return this.number > 0 || this.values[state] !== 0;
+    if (this.isPrediction) return this.visits[state] > 0;
+    return this.actions[state].some((value) => value !== 0);
+  }
+
   /** Return the root of the mean square of the differences from the exact values, where these are finite. */
   error() {
     let [squares, count] = [0, 0];

@@ -12,6 +12,7 @@ import { element, pixels } from "./paint.js";
 import { levelPicture, Picture } from "./picture.js";
 import { resultFacts, ruleOf, starsOf, verdictOf } from "./result.js";
 import { ShownSets } from "./shown.js";
+import { offerSounds, sound } from "./sound.js";
 import { closedSides, surroundings } from "./speech.js";
 import { gameOf, Hands } from "./team.js";
 import { lookElement } from "./things.js";
@@ -291,6 +292,7 @@ function take(action) {
     [game.isGood ? "" : game.describeStep(step), isEnd ? game.describeEnd() : game.turn].filter(Boolean).join(". "),
     isEnd ? game.end : step.event,
   );
+  sound(isEnd ? game.end : step.event);
   if (isEnd) document.dispatchEvent(new CustomEvent("episodeend", { detail: game }));
   picture.go(step, () => {
     trail.stand();
@@ -485,7 +487,9 @@ byId("seed").addEventListener("change", ({ target }) => {
   if (learning.isOn) learning.begin(target.value);
   else restart(target.value);
 });
+if (matchMedia("(min-width: 64rem) and (min-height: 45rem)").matches) byId("message").after(byId("learn-charts"));
 recallName();
+offerSounds();
 byId("who").addEventListener("change", keepName);
 // Whoever points at a set plays next: its keys are not those of a choice.
 byId("sets").addEventListener("click", ({ detail }) => detail > 0 && view.stage.focus({ preventScroll: true }));

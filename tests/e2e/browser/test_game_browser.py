@@ -329,6 +329,34 @@ def test_an_end_is_good_or_bad_by_what_it_pays(fields: Any, kind: str, ground: P
     assert cheers == (kind != "over")
 
 
+# -- sound -------------------------------------------------------------------------------------
+
+HEARD = """() => {
+  window.heard = [];
+  window.OscillatorNode = class extends OscillatorNode {
+    constructor(audio, options) { super(audio, options); heard.push(options.frequency); }
+  };
+}"""
+
+
+def test_nothing_is_heard_until_sound_is_switched_on_which_is_remembered(
+    ground: Playground,
+) -> None:
+    world = level(size=[3, 1])
+    ground.open(world)
+    ground.page.evaluate(HEARD)
+    ground.press("a", "d")
+    assert ground.page.evaluate("heard") == []
+    ground.page.get_by_label("Sound", exact=True).check()
+    ground.page.evaluate("heard.length = 0")
+    ground.press("w", "d")
+    bump, *rising = ground.page.evaluate("heard")
+    assert bump < rising[0]
+    assert rising == sorted(rising)
+    ground.open(world)
+    assert ground.page.get_by_label("Sound", exact=True).is_checked()
+
+
 # -- the trail ---------------------------------------------------------------------------------
 
 

@@ -14,7 +14,7 @@ function iconElement(path) {
  * Return a button with an icon, and a name where there is room, or with a text, and the key that does the same.
  *
  * @param {{ icon?: string, key?: string, text?: string, named?: string, title?: string, [attribute: string]: any }} shown
- * @param {(event: Event) => void} onclick
+ * @param {(event: Event) => void} [onclick]
  */
 export function toolButton({ icon, key, text, named, title, ...attributes }, onclick) {
   const shown = [
