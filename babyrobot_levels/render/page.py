@@ -104,7 +104,7 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         "code_versions": [VERSION],
         "play_versions": PLAY_VERSIONS,
         "max_unpacked": MAX_UNPACKED,
-        "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
+        "dictionary": _base64url(_deflated(PLAY_DICTIONARY_1)),
     }
     icon = icon_svg(level.resolved_theme)
     return html(
@@ -207,11 +207,19 @@ def _fragment(code: str, content: dict[str, Any]) -> str:
             f"the level is too large for a link: its data has {len(data):,} bytes, "
             f"and the limit is {MAX_UNPACKED:,}"
         )
-    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=PLAY_DICTIONARY_1)
-    packed = packer.compress(data) + packer.flush()
+    packed = _deflated(data, PLAY_DICTIONARY_1)
     checksum = zlib.crc32(packed, zlib.crc32(code.encode("ascii")))
-    body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + packed).decode().rstrip("=")
+    body = _base64url(checksum.to_bytes(4, "big") + packed)
     return f"{code}{PLAY_MARK}{version}.{len(body)}.{body}"
+
+
+def _deflated(data: bytes, dictionary: bytes = b"") -> bytes:
+    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=dictionary)
+    return packer.compress(data) + packer.flush()
+
+
+def _base64url(data: bytes) -> str:
+    return base64.urlsafe_b64encode(data).decode().rstrip("=")
 
 
 # -- what a page knows about a level ---------------------------------------------------------------

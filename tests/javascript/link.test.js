@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { deflateRawSync } from "node:zlib";
+import { deflateRawSync, inflateRawSync } from "node:zlib";
 import { checked } from "../../babyrobot_levels/render/static/checks.js";
 import { COMMON } from "../../babyrobot_levels/render/static/common.js";
 import { linkedLevel } from "../../babyrobot_levels/render/static/link.js";
@@ -8,10 +8,11 @@ import { checksum } from "../../babyrobot_levels/render/static/play.js";
 import { corridor } from "./page.js";
 
 const CODE = "brl1.6.Abc-_9";
+const DICTIONARY = inflateRawSync(Buffer.from(COMMON.dictionary, "base64url"));
 
 /** Return the fragment of a link to data. */
 function linkTo(data, { code = CODE, sum = 0 } = {}) {
-  const packed = deflateRawSync(JSON.stringify(data), { dictionary: Buffer.from(COMMON.dictionary) });
+  const packed = deflateRawSync(JSON.stringify(data), { dictionary: DICTIONARY });
   const head = Buffer.alloc(4);
   head.writeUInt32BE((checksum(packed, checksum(Buffer.from(code))) ^ sum) >>> 0);
   const body = Buffer.concat([head, packed]).toString("base64url");

@@ -1,6 +1,8 @@
 // A page without a browser: what all levels share, for the modules that read it as they are loaded,
 // and a level to play. Node loads this before each test.
 
+import { deflateRawSync } from "node:zlib";
+
 const COMMON = {
   cell: 40,
   events: ["stay", "move", "carried", "bump", "skid", "bounce"],
@@ -22,7 +24,7 @@ const COMMON = {
   code_versions: [1],
   play_versions: [1],
   max_unpacked: 4000,
-  dictionary: '{"title":"',
+  dictionary: deflateRawSync('{"title":"').toString("base64url"),
 };
 
 const elements = { common: { textContent: JSON.stringify(COMMON) } };

@@ -1,4 +1,4 @@
-// The elements of a page.
+// Elements of pages.
 
 /**
  * Return the element with an id, which the page has.
@@ -8,6 +8,43 @@
  */
 export function byId(id) {
   return document.getElementById(id);
+}
+
+/**
+ * Return an HTML element. Attributes that are undefined, null or false are left out; functions are
+ * listeners, such as `onclick`.
+ *
+ * @param {string} name
+ * @param {Record<string, any>} attributes
+ * @param {(Node | string | null)[]} children
+ * @returns {any}
+ */
+export function html(name, attributes, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (typeof value === "function") made.addEventListener(key.slice(2), value);
+    else if (value === true) made.setAttribute(key, "");
+    else if (value !== undefined && value !== null && value !== false) made.setAttribute(key, value);
+  }
+  made.append(...children.filter((child) => child !== null));
+  return made;
+}
+
+/**
+ * Return the parts of a message; what stands between backticks is code.
+ *
+ * @param {string} message
+ * @returns {(string | HTMLElement)[]}
+ */
+export function prose(message) {
+  return message.split("`").map((part, index) => (index % 2 === 1 ? html("code", {}, part) : part));
+}
+
+/** Save a text as a file of the browser's downloads. */
+export function saveFile(download, text, type = "text/plain") {
+  const href = URL.createObjectURL(new Blob([text], { type }));
+  html("a", { href, download }).click();
+  URL.revokeObjectURL(href);
 }
 
 /** Return what the browser keeps under a name; null for nothing, or without storage. */

@@ -1,6 +1,6 @@
 // Who plays, and the episodes that have ended since the page was opened: one file to hand in.
 
-import { byId, keepText, recallText } from "./dom.js";
+import { byId, keepText, recallText, saveFile } from "./dom.js";
 import { checksum, playOf, signed } from "./play.js";
 
 const NAME_STORE = "babyrobot:player";
@@ -73,11 +73,7 @@ function playsOf(game) {
  */
 export function downloadPlays(game) {
   const name = playerName();
-  const link = document.createElement("a");
   const lines = playsOf(game).map((play) => signedBy(name, play));
-  link.href = URL.createObjectURL(new Blob(lines, { type: "application/x-ndjson" }));
   const words = name ? `${name} ${game.data.title}` : `${game.data.title} ${game.seed}`;
-  link.download = `${words.replace(/[^\p{L}\p{N}]+/gu, "-")}.brlplay`;
-  link.click();
-  URL.revokeObjectURL(link.href);
+  saveFile(`${words.replace(/[^\p{L}\p{N}]+/gu, "-")}.brlplay`, lines.join(""), "application/x-ndjson");
 }

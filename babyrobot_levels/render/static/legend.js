@@ -1,6 +1,7 @@
 // The legend: the rules of the level, and what is in the cell that is pointed at.
 
 import { COMMON } from "./common.js";
+import { html } from "./dom.js";
 import { element, painterOf } from "./paint.js";
 
 /** The list of rules, the line about one cell, and the outlines of cells in the picture. */
@@ -35,7 +36,6 @@ export class Legend {
 
   /** Return a rule with its sample; those about cells show which, where they have the focus. */
   item({ words, sample, cells }) {
-    const [item, line] = ["li", cells.length > 0 ? "button" : "span"].map((tag) => document.createElement(tag));
     const icon = element(
       "svg",
       {
@@ -45,11 +45,9 @@ export class Legend {
       },
       ...sample,
     );
-    line.append(icon, words);
-    for (const name of ["focus", "pointerenter"]) line.addEventListener(name, () => this.outline(cells));
-    for (const name of ["blur", "pointerleave"]) line.addEventListener(name, () => this.outline([]));
-    item.append(line);
-    return item;
+    const [show, hide] = [() => this.outline(cells), () => this.outline([])];
+    const shown = { onfocus: show, onpointerenter: show, onblur: hide, onpointerleave: hide };
+    return html("li", {}, html(cells.length > 0 ? "button" : "span", shown, icon, words));
   }
 
   /** Return the number of the cell at a point of the window; -1 for none. */

@@ -77,7 +77,7 @@ function bytesOf(body) {
 }
 
 /**
- * Return decompressed bytes; the dictionary goes before them as a stored block.
+ * Return decompressed bytes; the dictionary, itself compressed, goes before them as a stored block.
  *
  * @param {Uint8Array} packed
  * @returns {Promise<Uint8Array>}
@@ -86,10 +86,15 @@ async function unpacked(packed) {
   if (typeof DecompressionStream === "undefined") {
     throw new LinkError("This browser is too old to open links.");
   }
-  const dictionary = new TextEncoder().encode(COMMON.dictionary);
+  const dictionary = await inflated(bytesOf(COMMON.dictionary));
   const size = dictionary.length;
   const head = [0, size & 255, size >> 8, ~size & 255, (~size >> 8) & 255];
-  const stream = new Uint8Array([...head, ...dictionary, ...packed]);
+  const bytes = await inflated(new Uint8Array([...head, ...dictionary, ...packed]), size);
+  return bytes.subarray(size);
+}
+
+/** Return bytes that are decompressed from a stream, of which some count as no content. */
+async function inflated(stream, free = 0) {
   // Small pieces on demand: decompression stops as soon as the limit is exceeded.
   let at = 0;
   const source = new ReadableStream({
@@ -101,11 +106,11 @@ async function unpacked(packed) {
   const reader = source.pipeThrough(new DecompressionStream("deflate-raw")).getReader();
   const pieces = [];
   let total = 0;
-  while (total <= COMMON.max_unpacked + size) {
+  while (total <= COMMON.max_unpacked + free) {
     const { done, value } = await reader.read().catch(() => {
       throw new LinkError("This link is damaged: it cannot be decompressed.");
     });
-    if (done) return new Uint8Array(await new Blob(pieces).arrayBuffer()).subarray(size);
+    if (done) return new Uint8Array(await new Blob(pieces).arrayBuffer());
     pieces.push(value);
     total += value.length;
   }

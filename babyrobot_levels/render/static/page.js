@@ -1,7 +1,7 @@
 // A page of its own: plays its level, or the one after the `#` of its address.
 
 import { checked, LinkError, NOT_A_LEVEL } from "./checks.js";
-import { byId } from "./dom.js";
+import { byId, prose } from "./dom.js";
 import { linkedLevel } from "./link.js";
 import { factElements, showLevel } from "./player.js";
 import { goOn, reachedIn } from "./progress.js";
@@ -44,12 +44,7 @@ async function showAddressed() {
 
 /** Show an error message; commands in it are between backticks. */
 function notify(message) {
-  const parts = message.split("`").map((part, index) => {
-    const element = document.createElement(index % 2 ? "code" : "span");
-    element.textContent = part;
-    return element;
-  });
-  byId("notice").replaceChildren(...parts);
+  byId("notice").replaceChildren(...prose(message));
   byId("notice").hidden = message === "";
 }
 

@@ -1,7 +1,7 @@
 // The player: a level in the elements of `player.html`, and how it is controlled.
 
 import { keepRun, runOf } from "./address.js";
-import { byId, showStars } from "./dom.js";
+import { byId, html, showStars } from "./dom.js";
 import { Fog } from "./fog.js";
 import { capital, formatted, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
@@ -112,11 +112,7 @@ function showView() {
 }
 
 export function factElements([name, value]) {
-  const [term, detail, text] = ["dt", "dd", "bdi"].map((tag) => document.createElement(tag));
-  term.textContent = name;
-  text.textContent = value;
-  detail.append(text);
-  return [term, detail];
+  return [html("dt", {}, name), html("dd", {}, html("bdi", {}, value))];
 }
 
 /** Show the numbers of the episode, a message, and the result at the end. */
@@ -208,25 +204,12 @@ function showHeld() {
 }
 
 function heldElement(title, found) {
-  const [group, name] = ["div", "dt"].map((tag) => document.createElement(tag));
-  name.textContent = title;
-  group.append(
-    name,
-    ...(found.length === 0 ? [null] : found).map((thing) => {
-      const detail = document.createElement("dd");
-      if (thing === null) {
-        detail.textContent = "nothing";
-        detail.className = "none";
-        return detail;
-      }
-      const [look, left, top, side] = thing.icon;
-      const box = [left, top, side, side].map(pixels).join(" ");
-      const icon = element("svg", { viewBox: box, "aria-hidden": true }, lookElement(look));
-      detail.append(icon, thing.name);
-      return detail;
-    }),
-  );
-  return group;
+  const details = found.map(({ icon: [look, left, top, side], name }) => {
+    const box = [left, top, side, side].map(pixels).join(" ");
+    return html("dd", {}, element("svg", { viewBox: box, "aria-hidden": true }, lookElement(look)), name);
+  });
+  if (details.length === 0) details.push(html("dd", { class: "none" }, "nothing"));
+  return html("div", {}, html("dt", {}, title), ...details);
 }
 
 function watch(wanted) {
@@ -292,7 +275,7 @@ function take(action) {
     [game.isGood ? "" : game.describeStep(step), isEnd ? game.describeEnd() : game.turn].filter(Boolean).join(". "),
     isEnd ? game.end : step.event,
   );
-  sound(isEnd ? game.end : step.event);
+  sound(isEnd ? (game.isGood ? "won" : "lost") : step.event);
   if (isEnd) document.dispatchEvent(new CustomEvent("episodeend", { detail: game }));
   picture.go(step, () => {
     trail.stand();

@@ -1,6 +1,6 @@
 // What the visitor has reached: kept in the browser, for all levels by their digests.
 
-import { byId, showStars } from "./dom.js";
+import { byId, html, showStars } from "./dom.js";
 
 export const STORE = "babyrobot:progress";
 
@@ -62,9 +62,7 @@ function showReached(line, { best, stars }) {
   const text = Number.isFinite(best) ? `Your best return: ${Number(best.toFixed(2))}` : "Solved";
   line.replaceChildren(text.replace("-", "\u2212"));
   if (![1, 2, 3].includes(stars)) return;
-  const mark = document.createElement("span");
-  mark.className = "stars";
-  mark.setAttribute("role", "img");
+  const mark = html("span", { class: "stars", role: "img" });
   showStars(mark, stars);
   line.append(" ", mark);
 }
@@ -73,16 +71,12 @@ function showReached(line, { best, stars }) {
  * Have the card of a result lead on to another page after a good end, and keep what is reached.
  *
  * @param {HTMLAnchorElement | null} link
- * @param {string} textContent
+ * @param {string} words
  * @param {(game: Game) => void} keep
  */
-export function goOn(link, textContent, keep) {
-  const onwards = Object.assign(document.createElement("a"), {
-    className: "button onwards",
-    textContent,
-    hidden: true,
-  });
-  onwards.append(" ", Object.assign(document.createElement("kbd"), { textContent: "Enter" }));
+export function goOn(link, words, keep) {
+  const key = html("kbd", {}, "Enter");
+  const onwards = html("a", { class: "button onwards", hidden: true }, `${words} `, key);
   if (link !== null) onwards.href = link.href;
   byId("result").querySelector(".quick").prepend(onwards);
   document.addEventListener("episodeend", (/** @type {any} */ { detail: game }) => {

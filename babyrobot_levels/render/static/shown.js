@@ -1,11 +1,8 @@
 // For what is held values and optimal actions are shown: as it is now, or as one chooses.
 
-const MOST = 16; // How many sets of held things are offered.
+import { html } from "./dom.js";
 
-/** Return an element with a text. */
-function made(tag, textContent, properties = {}) {
-  return Object.assign(document.createElement(tag), { textContent, ...properties });
-}
+const MOST = 16; // How many sets of held things are offered.
 
 export class ShownSets {
   /** `place` is a fieldset; `look` shows a configuration until the state at hand is shown again. */
@@ -21,13 +18,11 @@ export class ShownSets {
     this.all = game.things.situations(game.data.possible.length / game.cells);
     const names = [...this.all.keys()];
     const chips = names.slice(0, names.length > 1 ? MOST : 0).map((value) => {
-      const chip = made("label", "");
-      chip.append(made("input", "", { type: "radio", name: "shown-set", value }), value);
-      return chip;
+      return html("label", {}, html("input", { type: "radio", name: "shown-set", value }), value);
     });
-    if (names.length > MOST) chips.push(made("span", `and ${names.length - MOST} more, when one comes to them`));
-    this.told = made("p", "");
-    if (chips.length > 0) chips.unshift(made("legend", "Values and actions for"));
+    if (names.length > MOST) chips.push(html("span", {}, `and ${names.length - MOST} more, when one comes to them`));
+    this.told = html("p", {});
+    if (chips.length > 0) chips.unshift(html("legend", {}, "Values and actions for"));
     this.place.replaceChildren(...chips, this.told);
   }
 

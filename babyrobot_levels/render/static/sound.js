@@ -3,19 +3,11 @@
 import { byId, keepText, recallText } from "./dom.js";
 
 const SOUND_STORE = "babyrobot:sound";
-const TONE = 0.12; // Seconds of a tone.
-const LOUDNESS = 0.15;
-const [GOOD, BAD] = [
-  [523, 659, 784, 1047],
-  [262, 196],
-];
-/** The tones of events and ends, in hertz. */
+const TONE = 0.12; // Seconds.
+/** The tones of ends and events, in hertz. */
 const TONES = {
-  exit: GOOD,
-  good: GOOD,
-  hit: BAD,
-  over: BAD,
-  time: BAD,
+  won: [523, 659, 784, 1047],
+  lost: [262, 196],
   bump: [110],
   bounce: [110],
   skid: [330, 262],
@@ -30,19 +22,18 @@ export function offerSounds() {
   byId("sound").checked = recallText(SOUND_STORE) === "on";
   byId("sound").addEventListener("change", ({ target }) => {
     keepText(SOUND_STORE, target.checked ? "on" : "off");
-    sound("exit");
+    sound("won");
   });
 }
 
-/** Let an event, or an end, be heard. */
+/** Let an end, or an event, be heard. */
 export function sound(event) {
-  const tones = TONES[event];
-  if (tones === undefined || !byId("sound").checked) return;
+  if (!(event in TONES) || !byId("sound").checked) return;
   audio ??= new AudioContext();
-  tones.forEach((pitch, at) => {
+  TONES[event].forEach((frequency, at) => {
     const begin = audio.currentTime + at * TONE;
-    const tone = new OscillatorNode(audio, { type: "triangle", frequency: pitch });
-    const volume = new GainNode(audio, { gain: LOUDNESS });
+    const tone = new OscillatorNode(audio, { type: "triangle", frequency });
+    const volume = new GainNode(audio, { gain: 0.15 });
     volume.gain.setTargetAtTime(0, begin + TONE / 2, TONE / 4);
     tone.connect(volume).connect(audio.destination);
     tone.start(begin);

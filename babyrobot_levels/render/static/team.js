@@ -1,6 +1,7 @@
 // Several robots in one level: who moves which, and what a step does to each.
 
 import { COMMON } from "./common.js";
+import { html } from "./dom.js";
 import { capital, formatted, Game, SIDES } from "./game.js";
 
 /** The game of a level. */
@@ -211,10 +212,9 @@ export class Hands {
     this.place.hidden = robots === undefined || known.policy === null;
     if (robots === undefined) return;
     const chips = robots.map(({ name, color }) => {
-      const [chip, dot] = ["label", "i"].map((tag) => document.createElement(tag));
+      const dot = html("i", {});
       dot.style.background = color;
-      chip.append(Object.assign(document.createElement("input"), { type: "checkbox", checked: true }), dot, name);
-      return chip;
+      return html("label", {}, html("input", { type: "checkbox", checked: true }), dot, name);
     });
     this.place.replaceChildren(this.place.firstElementChild, ...chips, this.place.lastElementChild);
   }

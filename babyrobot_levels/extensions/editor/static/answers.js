@@ -1,8 +1,9 @@
 // The optimum of the level: its return, what the last change did to it, and what the picture shows.
 
+import { html } from "../../../render/static/dom.js";
 import { formatted } from "../../../render/static/game.js";
 import { ShownSets } from "../../../render/static/shown.js";
-import { button, html } from "./html.js";
+import { button } from "./html.js";
 
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
 const SHOWN = [

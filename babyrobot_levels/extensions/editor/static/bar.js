@@ -1,6 +1,6 @@
 // The bar: what is open and whether it is saved, undo and redo, and the mode.
 
-import { html } from "./html.js";
+import { html } from "../../../render/static/dom.js";
 import { toolButton } from "./rail.js";
 
 const MODES = [

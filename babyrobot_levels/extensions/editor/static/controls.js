@@ -1,7 +1,8 @@
 // Controls for the fields of a level, by the types of `editor/forms.py`.
 
 import { COMMON } from "../../../render/static/common.js";
-import { button, html } from "./html.js";
+import { html } from "../../../render/static/dom.js";
+import { button } from "./html.js";
 
 const HOLD_PAUSE = 350; // Milliseconds that a stepper is held before it repeats,
 const REPEAT_PAUSE = 160; // and between its first steps, which become ever shorter,

@@ -1,6 +1,7 @@
 // Dialogs: what a level is opened from, the forms in which it is handed on, and its file.
 
-import { button, html, prose } from "./html.js";
+import { html, prose, saveFile } from "../../../render/static/dom.js";
+import { button } from "./html.js";
 import { toolButton } from "./rail.js";
 
 /** Return a modal dialog with a title; it closes with Escape, and by a button. */
@@ -22,10 +23,8 @@ export function dialogElement(title, ...content) {
 /** Save the text as a file of the browser's downloads. Returns whether that is known to Python. */
 async function download(editor) {
   const { path, name, text } = editor.state;
-  const address = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
   const file = path ?? `${name ?? "level"}.yaml`;
-  html("a", { href: address, download: file }).click();
-  URL.revokeObjectURL(address);
+  saveFile(file, text);
   editor.say(`Downloaded as ${file}.`);
   if (path !== null) return true; // What is saved is the file's business.
   const { error } = await editor.send({ do: "downloaded" });

@@ -1,6 +1,6 @@
 // The divider between board and panels: it makes the panels wider, and keeps how wide they are.
 
-import { html } from "./html.js";
+import { html } from "../../../render/static/dom.js";
 
 const LEAST = 272; // Pixels.
 const STEP = 32;

@@ -1,8 +1,9 @@
 // One field of the level or of an entry: its name, its control, and what is wrong with its value.
 
 import { COMMON } from "../../../render/static/common.js";
+import { html, prose } from "../../../render/static/dom.js";
 import { CONTROLS } from "./controls.js";
-import { button, html, prose } from "./html.js";
+import { button } from "./html.js";
 
 export class FieldRow {
   /** `field` is one of `editor/forms.py`; `base` the route of its entry, empty for the level. */

@@ -1,6 +1,6 @@
 // What is wrong with the level, or could be better: a list that leads to the places.
 
-import { html, prose } from "./html.js";
+import { html, prose } from "../../../render/static/dom.js";
 
 const SIGNS = { error: "✕", warning: "!", info: "i" };
 

@@ -1,7 +1,8 @@
 // The first minute: what one does with an empty level, as three steps.
 
+import { html } from "../../../render/static/dom.js";
 import { pairControl } from "./controls.js";
-import { button, html } from "./html.js";
+import { button } from "./html.js";
 import { growMaze } from "./maze.js";
 
 /** The three steps, with the controls that begin them. */

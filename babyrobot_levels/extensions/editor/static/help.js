@@ -1,7 +1,8 @@
 // The list of all keys and gestures.
 
+import { html } from "../../../render/static/dom.js";
 import { dialogElement } from "./dialogs.js";
-import { html, tapped } from "./html.js";
+import { tapped } from "./html.js";
 import { KEYS } from "./keys.js";
 import { MODIFIERS, toolButton } from "./rail.js";
 import { TOOLS } from "./tools.js";

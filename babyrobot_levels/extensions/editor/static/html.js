@@ -1,24 +1,6 @@
 // Elements of the panels.
 
-/**
- * Return an HTML element. Attributes that are undefined, null or false are left out; functions are
- * listeners, such as `onclick`.
- *
- * @param {string} name
- * @param {Record<string, any>} attributes
- * @param {(Node | string | null)[]} children
- * @returns {any}
- */
-export function html(name, attributes, ...children) {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (typeof value === "function") made.addEventListener(key.slice(2), value);
-    else if (value === true) made.setAttribute(key, "");
-    else if (value !== undefined && value !== null && value !== false) made.setAttribute(key, value);
-  }
-  made.append(...children.filter((child) => child !== null));
-  return made;
-}
+import { html } from "../../../render/static/dom.js";
 
 /**
  * Return a button; what it shows may be a text or an element.
@@ -29,16 +11,6 @@ export function html(name, attributes, ...children) {
  */
 export function button(shown, attributes) {
   return html("button", { type: "button", ...attributes }, shown);
-}
-
-/**
- * Return the parts of a message; what stands between backticks is code.
- *
- * @param {string} message
- * @returns {(string | HTMLElement)[]}
- */
-export function prose(message) {
-  return message.split("`").map((part, index) => (index % 2 === 1 ? html("code", {}, part) : part));
 }
 
 /** Return words for what one has at hand: one taps with a finger. */

@@ -1,9 +1,10 @@
 // The fields of what is selected.
 
+import { html } from "../../../render/static/dom.js";
 import { CONTROLS } from "./controls.js";
 import { FieldRow, thingNames } from "./field_row.js";
 import { Greeting } from "./greeting.js";
-import { button, html, tapped } from "./html.js";
+import { button, tapped } from "./html.js";
 
 const NOTHING = tapped(
   "Click something with the tool Select, press it long, or put the caret into its line of the text. " +

@@ -1,10 +1,10 @@
 // Learning while one draws: what is learned is kept while the level changes.
 
 import { COMMON } from "../../../render/static/common.js";
+import { html } from "../../../render/static/dom.js";
 import { capital } from "../../../render/static/game.js";
 import { Learning } from "../../../render/static/learn.js";
 import { Trail } from "../../../render/static/trail.js";
-import { html } from "./html.js";
 
 const LEARNED_FROM = ["width", "rows", "table", "starts", "max_steps", "discount"];
 const INVALID = "The text has errors: learning goes on once they are corrected.";

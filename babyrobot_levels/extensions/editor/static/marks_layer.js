@@ -2,8 +2,8 @@
 // whose values the last change changed.
 
 import { COMMON } from "../../../render/static/common.js";
+import { html, prose } from "../../../render/static/dom.js";
 import { element } from "../../../render/static/paint.js";
-import { html, prose } from "./html.js";
 
 const SIGN = 0.3; // The side of a finding's sign, in cells.
 

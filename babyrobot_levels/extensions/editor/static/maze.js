@@ -1,8 +1,9 @@
 // The maze that the walls begin with.
 
+import { html, prose } from "../../../render/static/dom.js";
 import { element } from "../../../render/static/paint.js";
 import { FieldRow } from "./field_row.js";
-import { button, html, prose } from "./html.js";
+import { button } from "./html.js";
 
 const MOST_SEEDS = 10000; // Dice give short seeds.
 

@@ -1,5 +1,6 @@
 // The editor in a place of a document: a shadow root, so that styles neither leave nor enter it.
 
+import { prose } from "../../../render/static/dom.js";
 import { ZOOM_STEP } from "../../../render/static/view.js";
 import { Announcer } from "./announce.js";
 import { Answers, offerSets } from "./answers.js";
@@ -9,7 +10,7 @@ import { Divider } from "./divider.js";
 import { Editor } from "./editor.js";
 import { Findings } from "./findings.js";
 import { Help } from "./help.js";
-import { prose, shadow } from "./html.js";
+import { shadow } from "./html.js";
 import { Inspector } from "./inspector.js";
 import { KeyBindings } from "./keys.js";
 import { LearningPanel } from "./learning.js";

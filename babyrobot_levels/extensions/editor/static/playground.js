@@ -1,9 +1,10 @@
 // An example of a page that is changed in its place: its text, its picture, and what is found in it.
 
+import { html } from "../../../render/static/dom.js";
 import { Answers } from "./answers.js";
 import { Editor } from "./editor.js";
 import { Findings } from "./findings.js";
-import { html, shadow } from "./html.js";
+import { shadow } from "./html.js";
 import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { Stage } from "./stage.js";
 import { TextPane } from "./text_pane.js";

@@ -1,9 +1,9 @@
 // Playing the level at hand: with the same luck each time.
 
+import { html } from "../../../render/static/dom.js";
 import { capital, formatted, GOAL, swiped } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
 import { Trail } from "../../../render/static/trail.js";
-import { html } from "./html.js";
 
 const PAD = [
   ["North", "n", 1, "M5 15l7-7 7 7"],

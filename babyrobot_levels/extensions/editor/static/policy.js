@@ -1,9 +1,10 @@
 // A policy drawn by hand: an action for some cells, and what it is worth beside the best one.
 
 import { COMMON } from "../../../render/static/common.js";
+import { html } from "../../../render/static/dom.js";
 import { formatted } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
-import { button, html, tapped } from "./html.js";
+import { button, tapped } from "./html.js";
 import { beyond, cellsAlong } from "./spots.js";
 
 const DRAWN_ORDER = [-1, 1, 2, 3, 4, 0]; // What a click goes through: none, north, …, stay.

@@ -1,7 +1,8 @@
 // The rail of tools, and the options of the one at hand.
 
+import { html } from "../../../render/static/dom.js";
 import { element } from "../../../render/static/paint.js";
-import { html, tapped } from "./html.js";
+import { tapped } from "./html.js";
 import { MIRRORS, mirror } from "./region.js";
 import { TOOLS, toolNamed } from "./tools.js";
 

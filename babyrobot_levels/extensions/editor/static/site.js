@@ -1,6 +1,6 @@
 // The editor as a site: its messages go to Python in a worker of this browser.
 
-import { html } from "./html.js";
+import { html } from "../../../render/static/dom.js";
 import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { fillWindow } from "./window.js";
 

@@ -1,6 +1,6 @@
 // The text of the level: typed, and marked where findings and what is selected are.
 
-import { html, prose } from "./html.js";
+import { html, prose } from "../../../render/static/dom.js";
 import { lineElement, markOf, plainLines } from "./yaml_lines.js";
 
 const TYPING_PAUSE = 150; // Milliseconds after which what was typed is sent.

@@ -1,10 +1,11 @@
 // The theme: one of those that there are, colours of the level's own, and how well they stand out.
 
 import { COMMON } from "../../../render/static/common.js";
+import { html } from "../../../render/static/dom.js";
 import { element } from "../../../render/static/paint.js";
 import { digitsOf } from "./controls.js";
 import { FieldRow } from "./field_row.js";
-import { button, html } from "./html.js";
+import { button } from "./html.js";
 
 export class ThemePanel {
   constructor(editor, form) {

@@ -1,7 +1,8 @@
 // The wind of each column and row.
 
+import { html } from "../../../render/static/dom.js";
 import { numberControl } from "./controls.js";
-import { button, html } from "./html.js";
+import { button } from "./html.js";
 
 const WINDS = { N: "north", E: "east", S: "south", W: "west" };
 

@@ -1,8 +1,8 @@
 // The level itself: its size, maze, wind and theme, and all of its other fields.
 
+import { html } from "../../../render/static/dom.js";
 import { CONTROLS, pairControl } from "./controls.js";
 import { FieldRow, thingNames } from "./field_row.js";
-import { html } from "./html.js";
 import { MazePanel } from "./maze.js";
 import { ThemePanel } from "./theme.js";
 import { WindPanel } from "./wind.js";

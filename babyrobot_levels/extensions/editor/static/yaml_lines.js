@@ -1,6 +1,6 @@
 // The lines of a level file as elements, coloured as YAML.
 
-import { html } from "./html.js";
+import { html } from "../../../render/static/dom.js";
 
 const TOKENS =
   /(?<string>"(?:[^"\\]|\\.)*"|'(?:[^']|'')*')|(?<comment>(?<=^|\s)#.*)|(?<key>[\w-]+(?=:(?:\s|$)))|(?<number>(?<![\w.#-])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]))/g;

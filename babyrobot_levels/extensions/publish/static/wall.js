@@ -1,7 +1,7 @@
 // The wall of a gallery: filters, search, order, films, and the visitor's progress. The address
 // after its `#` holds what is chosen, so that it can be linked and the Back button returns to it.
 
-import { byId, starSigns } from "../../../render/static/dom.js";
+import { byId, html, starSigns } from "../../../render/static/dom.js";
 import { STORE, storedProgress, storeProgress } from "../../../render/static/progress.js";
 
 const SORTS = ["size", "difficulty", "steps", "return"];
@@ -117,26 +117,18 @@ function tell(wanted, shown) {
   byId("how-many").textContent = wanted.size || "";
   const chips = [...wanted].map((place) => {
     const name = boxes[place].parentElement.querySelector(".name").firstChild.textContent.trim();
-    const chip = button(name, () => boxes[place].click());
-    chip.setAttribute("aria-label", `Remove the filter ${name}`);
-    return chip;
+    return button(name, () => boxes[place].click(), { "aria-label": `Remove the filter ${name}` });
   });
-  if (chosen().replace(/&?sort=.*/, "")) {
-    const all = button("Clear all", clear);
-    all.className = "plain";
-    chips.push(all);
-  }
+  if (chosen().replace(/&?sort=.*/, "")) chips.push(button("Clear all", clear, { class: "plain" }));
   byId("chosen").replaceChildren(...chips);
 }
 
-function button(text, act) {
-  const made = document.createElement("button");
-  made.type = "button";
-  made.textContent = text;
-  made.addEventListener("click", () => {
+function button(text, act, attributes) {
+  const onclick = () => {
     act();
     if (!made.isConnected) query.focus({ preventScroll: true });
-  });
+  };
+  const made = html("button", { type: "button", onclick, ...attributes }, text);
   return made;
 }
 
@@ -172,11 +164,9 @@ function play(tile) {
   const address = tile?.querySelector("[data-film]")?.dataset.film;
   if (!address || isCalm.matches) return;
   timer = setTimeout(() => {
-    const film = document.createElement("img");
-    film.className = "film";
-    film.alt = `A film of ${tile.querySelector("h2").textContent}`;
-    film.addEventListener("load", () => tile.classList.toggle("plays", film.isConnected));
-    film.src = address;
+    const alt = `A film of ${tile.querySelector("h2").textContent}`;
+    const onload = () => tile.classList.toggle("plays", film.isConnected);
+    const film = html("img", { class: "film", alt, onload, src: address });
     tile.querySelector(".shot").append(film);
   }, FILM_DELAY);
 }
@@ -223,12 +213,9 @@ function mark(tile, stars) {
   tile.element.querySelector(".done")?.remove();
   link.toggleAttribute("aria-describedby", tile.isSolved);
   if (!tile.isSolved) return;
-  const done = document.createElement("span");
-  done.className = "done";
-  done.id = id;
-  done.setAttribute("role", "img");
-  done.setAttribute("aria-label", stars ? `Solved with ${stars} of 3 stars` : "Solved");
-  done.textContent = stars ? starSigns(stars) : "✓";
+  const label = stars ? `Solved with ${stars} of 3 stars` : "Solved";
+  const signs = stars ? starSigns(stars) : "✓";
+  const done = html("span", { class: "done", id, role: "img", "aria-label": label }, signs);
   tile.element.querySelector(".shot").append(done);
   link.setAttribute("aria-describedby", id);
 }
