@@ -265,6 +265,7 @@ def test_it_fits_a_phone(visit: Visit) -> None:
     assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
     box = page.locator(".stage > svg").bounding_box()
     assert box is not None
+    page.get_by_role("button", name="Walls").tap()
     page.locator("[data-tool=blocked]").tap()
     page.touchscreen.tap(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     expect(page.locator(".file-state")).to_contain_text("not saved")
