@@ -25,6 +25,8 @@ from .analysis.previews import play as play
 from .analysis.previews import preview as preview
 from .analysis.previews import show as show
 from .analysis.sharing import share as share
+from .analysis.solver.average import AverageEvaluation as AverageEvaluation
+from .analysis.solver.average import AverageSolution as AverageSolution
 from .analysis.solver.distribution import ReturnDistribution as ReturnDistribution
 from .analysis.solver.distribution import return_distribution as return_distribution
 from .analysis.solver.evaluation import evaluate as evaluate

@@ -49,7 +49,7 @@ from babyrobot_levels.cli.pictures import (
     values_text,
 )
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.render.text import WIDEST
+from babyrobot_levels.render.text import WIDEST, number_lines
 
 LONGEST_FRACTION = 15
 """Fractions of more characters are decimals in the table; JSON has them."""
@@ -111,6 +111,13 @@ def solve(
             "Needs the extra `exact`.",
         ),
     ] = False,
+    criterion: Annotated[
+        Literal["return", "average"],
+        typer.Option(
+            help="What is optimal: the expected return, or the average reward of a step in the "
+            "long run, for levels that go on for ever."
+        ),
+    ] = "return",
     sight: SightOption = None,
     view_radius: ViewRadiusOption = None,
     gap: Annotated[
@@ -144,6 +151,9 @@ def solve(
     robot that turns, policy and values are those of the heading at the start: L left, R right, F
     forward. JSON has all headings, and all configurations of things.
 
+    With --criterion average, the values are the bias of each cell: how much more than the average
+    it earns in all. Where the average depends on the cell, a note says so.
+
     With --sight, the answer is what the best agent can expect that observes only this, remembers
     it, and knows the rules: exactly, or between two bounds.
 
@@ -163,6 +173,8 @@ def solve(
 
       babyrobot solve russell-norvig-4x3 --exact
 
+      babyrobot solve gridworld-3-5 --criterion average
+
       babyrobot solve shell-game --sight view --view-radius 1
 
       babyrobot solve final-maze frozen-lake
@@ -173,6 +185,15 @@ def solve(
         split, report_format, output, resume, force, keep_going, Workers(jobs, ray, ray_address)
     )
     many = levels_for_rows(levels, options)
+    if criterion == "average":
+        returns = {"--discount": discount, "--within": within, "--held": held, "--sight": sight}
+        for name, value in {**returns, "--exact": exact or None}.items():
+            if value is not None:
+                fail(f"{name} is for returns, not for the average reward", "leave it out")
+        if many is not None:
+            fail("--criterion average is for one level")
+        _solve_average(_loaded(levels[0], None), actions, report_format)
+        return
     search = {"--view-radius": view_radius, "--gap": gap, "--beliefs": beliefs}
     if sight is None:
         for name, value in search.items():
@@ -344,6 +365,29 @@ def _solve_one(
     if fractions is not None:
         heading = loaded.heading if actions == "turns" else None
         write("\n" + _fraction_table(fractions.at(shown or 0, heading).values.tolist()))
+
+
+def _solve_average(level: brl.Level, actions: ActionSet, report_format: TableFormat) -> None:
+    """Write the greatest average reward of a level, and the bias of each cell."""
+    with working("solving"):
+        try:
+            found = brl.solve(level, criterion="average", actions=str(actions))
+        except brl.EpisodeTooLongError as error:
+            fail(str(error))
+    arrays = {name: _nested(getattr(found, name).tolist()) for name in ("gain", "bias", "policy")}
+    if report_format is TableFormat.JSON:
+        about = {"name": level.name, "digest": level.digest, "expected_gain": found.expected_gain}
+        write_json(about | {"multichain": found.multichain, "actions": found.actions} | arrays)
+        return
+    if found.explanation:
+        note(found.explanation)
+    rounds = f"policy iteration, {found.iterations} policies, residual {found.residual:.2g}"
+    write(fact_lines({"average reward": f"{found.expected_gain:.6g} a step", "method": rounds}))
+    for name in ("gain", "bias") if found.multichain else ("bias",):
+        table = getattr(found, name).reshape(-1, *found.gain.shape[-2:])
+        if len(table) == 1:
+            lines = "\n".join(number_lines(table[0].tolist(), 2, frozenset()))
+            write(f"\n{name}:\n{lines}\n")
 
 
 def _fractions(level: brl.Level, discount: float | None, actions: ActionSet) -> brl.ExactSolution:

@@ -4,10 +4,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.average import AverageEvaluation, evaluate_average, is_average
 from babyrobot_levels.analysis.solver.linear import diverging_class, expected_sums, long_run
 from babyrobot_levels.analysis.solver.model import Model, attractor
 from babyrobot_levels.analysis.solver.policies import (
@@ -35,6 +36,24 @@ MAX_STEPS = 10_000
 """The limit of steps of simulated episodes in levels without a limit of their own."""
 
 
+@overload
+def evaluate(
+    level: Any,
+    policy: Policy,
+    discount: float | None = ...,
+    actions: str = ...,
+    *,
+    within: int | str | None = ...,
+    criterion: Literal["return"] = ...,
+) -> Evaluation: ...
+
+
+@overload
+def evaluate(
+    level: Any, policy: Policy, *, actions: str = ..., criterion: Literal["average"]
+) -> AverageEvaluation: ...
+
+
 def evaluate(
     level: Any,
     policy: Policy,
@@ -42,7 +61,8 @@ def evaluate(
     actions: str = "all",
     *,
     within: int | str | None = None,
-) -> Evaluation:
+    criterion: str = "return",
+) -> Evaluation | AverageEvaluation:
     """Return the values of a policy in a level, exactly.
 
     Without a discount the return is the total reward. It is inf from where the robot may reach,
@@ -68,6 +88,8 @@ def evaluate(
             level's own limit; by default that of the policy, if it is a `Solution` within one,
             else none. Within a limit, a policy may also be an array with an axis of that many
             steps before all others.
+        criterion: `"return"`; or `"average"`, the average reward of a step in the long run, as
+            `solve` takes it: an `AverageEvaluation`.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -77,6 +99,8 @@ def evaluate(
         EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
             end; or the limit is so large that this takes too long.
     """
+    if is_average(criterion, discount=discount, within=within):
+        return evaluate_average(space_of(world_of(level), actions), policy)
     found = evaluation_of(level, policy, discount, actions, within)
     if found.explanation:
         message = f"with this policy, {found.explanation}"

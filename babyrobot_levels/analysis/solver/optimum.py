@@ -14,6 +14,7 @@ from typing import Any, Literal, overload
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.average import AverageSolution, is_average, solve_average
 from babyrobot_levels.analysis.solver.bounds import margins
 from babyrobot_levels.analysis.solver.evaluation import action_values, diverging_states, episode
 from babyrobot_levels.analysis.solver.linear import (
@@ -72,6 +73,10 @@ def solve(
 
 
 @overload
+def solve(level: Any, *, criterion: Literal["average"], actions: str = ...) -> AverageSolution: ...
+
+
+@overload
 def solve(
     level: Any, discount: float | None = ..., *, actions: str = ..., exact: Literal[True]
 ) -> ExactSolution: ...
@@ -97,8 +102,9 @@ def solve(
     within: int | str | None = None,
     exact: bool = False,
     sight: str | Sequence[str] | Callable[..., Any] | None = None,
+    criterion: str = "return",
     **options: Any,
-) -> Solution | ExactSolution | Any:
+) -> Solution | ExactSolution | AverageSolution | Any:
     """Return the optimal values of a level and an optimal policy, exactly.
 
     Without a discount the return is the total reward. It is inf from where the robot can reach,
@@ -122,6 +128,9 @@ def solve(
         sight: what the agent observes, such as `"view"`, if it does not see everything: returns a
             `SightSolution`, the best that any agent with this sight and its memory can expect. The
             level may then be several, or a suite: the agent does not know in which it is.
+        criterion: `"return"`; or `"average"`, the average reward of a step in the long run, for
+            levels that go on for ever: an `AverageSolution`, with the gain and the bias of each
+            cell. A discount, limits of steps, fractions and sights are for returns.
         options: with a sight, the other arguments of
             `babyrobot_levels.extensions.sight.solve_sight`: `view_radius`, `gap`, `beliefs`, …
 
@@ -136,13 +145,15 @@ def solve(
             end; or the limit is so large that this takes too long, or the policy is too large.
         NotExactError: there are too many states or digits for exact values, or no python-flint.
     """
+    if is_average(criterion, discount=discount, within=within, sight=sight, exact=exact or None):
+        return solve_average(space_of(world_of(level), actions))
     if sight is not None:
         if exact:
             raise ValueError("exact values are those of full sight; leave `sight` or `exact` out")
         how = {"discount": discount, "actions": actions, "within": within}
         return own("solve_sight")(level, sight, **how, **options)
     for name in options:
-        known = "discount", "actions", "within", "exact", "sight"
+        known = "discount", "actions", "within", "exact", "sight", "criterion"
         raise TypeError(unexpected("solve", name, known))
     level = world_of(level)
     discount = check_discount(discount, level.discount)
