@@ -15,7 +15,7 @@ def random_team(random: Random) -> Fields | None:
     It is a random level with things, without boxes, in which robots have starts and exits.
     """
     fields = random_level(random)
-    for name in ("boxes", "heading", "start"):
+    for name in ("boxes", "heading", "start", "start_weights"):
         fields.pop(name, None)
     width, height = fields.get("size", (3, 3))
     taken = {cell for name in ("items", "switches", "targets") for cell in _places(fields, name)}

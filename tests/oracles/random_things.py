@@ -505,4 +505,8 @@ def random_level(random: Random, things: bool = True) -> Fields:
         random: The generator that decides.
         things: Whether the level may have things that change during an episode.
     """
-    return _Maker(random, things).fields
+    fields = _Maker(random, things).fields
+    wanders = any("within" in mover for mover in fields.get("movers", []))
+    if not wanders and random.random() < 0.35:
+        random.choice((add_weights, add_gusts))(random, fields)
+    return fields

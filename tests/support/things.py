@@ -11,7 +11,10 @@ from oracles.random_things import random_level
 from babyrobot_levels.language.kinds import LISTED, THINGS
 from support.worlds import World, optional
 
-FIELDS = (*(kind.field for kind in THINGS), "hit", "exit_one_of", "exit_needs", "heading")
+FIELDS = (
+    *(kind.field for kind in THINGS),
+    *("hit", "exit_one_of", "exit_weights", "exit_needs", "heading", "team"),
+)
 """The fields of things."""
 
 

@@ -17,6 +17,7 @@ from babyrobot_levels.language.cells import (
     SmallPuddle,
     Wall,
     Warp,
+    Wind,
 )
 from babyrobot_levels.language.fields import LevelFields, Role, fields_with
 from babyrobot_levels.language.validation import parse as parse_text
@@ -164,6 +165,10 @@ def add_warps(draw: DrawFn, world: World, free: list[Cell], exits: list[Cell]) -
             taken[cell] = goal
         warp: World = {"at": list(cell), "to": list(goal) if goal != "start" else goal}
         warp |= {"when": when} if when else {}
+        if goal != "start" and sometimes(draw, 3):
+            others = [to for to in free if to not in taken]
+            warp["to"] = [warp["to"], *([list(draw(st.sampled_from(others)))] if others else [])]
+            warp["weights"] = [draw(st.sampled_from([1, 2, 0.5])) for _ in warp["to"]]
         warps.append(warp | draw(optional(Warp, "when")))
     world["warps"] = warps
 
@@ -175,7 +180,7 @@ def add_wind(draw: DrawFn, world: World, width: int, height: int) -> None:
             ("north", "east", "south", "west"), (width, height, width, height), strict=True
         )
         if draw(st.booleans())
-    }
+    } | draw(optional(Wind))
 
 
 @st.composite
@@ -198,6 +203,8 @@ def worlds(draw: DrawFn, largest: int = 8) -> World:
     rest = [cell for cell in free if cell not in starts]
     exits = draw(st.lists(st.sampled_from(rest), max_size=2, unique=True)) if rest else []
     world["start"] = [list(c) for c in starts] if len(starts) > 1 else list(starts[0])
+    if len(starts) > 1 and sometimes(draw, 3):
+        world["start_weights"] = [draw(st.sampled_from([1, 2, 0.5])) for _ in starts]
     world["exit"] = "none" if not exits else [list(c) for c in exits]
     if len(exits) == 1 and draw(st.booleans()):
         world["exit"] = list(exits[0])

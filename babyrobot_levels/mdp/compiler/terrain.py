@@ -279,6 +279,7 @@ class Warps:
         leave: `[states]`: the landing of the moves that a warp sends away.
         chance: `[states]`: the probability with which it does, 0 without such a warp.
         lots: what chance decides; the first is which of the starts it is.
+        cells: the number of cells.
     """
 
     arrive: States
@@ -287,6 +288,7 @@ class Warps:
     leave: States
     chance: Floats
     lots: tuple[Lot, ...]
+    cells: int
 
     @property
     def leaves(self) -> Flags:
@@ -300,12 +302,24 @@ class Warps:
         return not np.isnan(self.reward).all()
 
     @cached_property
+    def _rows(self) -> dict[bytes, int]:
+        """The sets of cells to which lots lead, as flags, numbered: the starts first."""
+        return {row: n for n, row in enumerate(dict.fromkeys(map(self._cells_of, self.lots)))}
+
+    def _cells_of(self, lot: Lot) -> bytes:
+        leads = np.zeros(self.cells, bool)
+        leads[self.arrive[lot.landings]] = True
+        return leads.tobytes()
+
+    @property
     def drawn(self) -> Flags:
-        """The cells to which each lot may lead, `[lots, cells]`."""
-        found = np.zeros((len(self.lots), self.leave.size), bool)
-        for leads, lot in zip(found, self.lots, strict=True):
-            leads[self.arrive[lot.landings]] = True
-        return found
+        """The cells of which chance decides on one, `[…, cells]`: in the first row, the starts."""
+        return np.frombuffer(b"".join(self._rows), bool).reshape(len(self._rows), -1)
+
+    @property
+    def row_of_lot(self) -> Ints:
+        """The row of `drawn` that has the cells of each lot."""
+        return np.array([self._rows[self._cells_of(lot)] for lot in self.lots])
 
     def left_from(self, cell: Ints) -> Warps:
         """Return the warps of states that begin in some cells."""
@@ -407,7 +421,13 @@ def build_warps(level: LevelFields, grid: Grid) -> Warps:
             at = _state(warp.at, grid)
             leave[at], chance[at] = added(leads(ways.of(warp))), warp.probability
     return Warps(
-        np.array(arrive, np.int32), np.array(reward), np.array(sends), leave, chance, (*lots,)
+        np.array(arrive, np.int32),
+        np.array(reward),
+        np.array(sends),
+        leave,
+        chance,
+        (*lots,),
+        count,
     )
 
 
@@ -418,7 +438,10 @@ def _state(cell: tuple[int, int], grid: Grid) -> int:
 def obstructions(
     air: Air, terrain: Terrain, warps: Warps
 ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
-    """Return what hinders each action, and where it leads without chance; below 0, to a lot."""
+    """Return what hinders each action, and where it leads without chance.
+
+    Below 0, `-1 - target` is the row of `drawn` that has the cells to one of which it leads.
+    """
     count, moves = terrain.over.size, air.given
     obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
     target = np.empty((count, NUM_ACTIONS), np.int32)
@@ -434,4 +457,7 @@ def obstructions(
         landing = np.where(glass, moves.through[way], moves.landing[way])
         target[:, action] = warps.arrive[np.where(warps.leaves, warps.leave, landing)]
     target[terrain.over] = moves.here[terrain.over, None]
+    drawn = target < 0
+    if drawn.any():
+        target[drawn] = -1 - warps.row_of_lot[-1 - target[drawn]]
     return obstruction, target

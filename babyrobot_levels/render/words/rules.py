@@ -127,6 +127,9 @@ def _ground(
 MOST = 20
 """The most rules that are told: pages take no more from links."""
 
+_MOST_WEIGHED = 4
+"""The most cells of which it is told how often each is drawn."""
+
 _MOST_GROUNDS = 6
 """The most kinds of ground that are told one by one."""
 
@@ -203,7 +206,18 @@ def _told(level: GridWorld, drawn: bool) -> Rules:
     text = "start: episodes begin here"
     if len(level.starts) > 1:
         text = f"start: one of {len(level.starts):,} cells, drawn at random"
+        if level.start_weights:
+            text = f"start: {_weighed(level.starts, level.start_weights)}"
     yield Rule("start", text, _numbers(level, level.starts))
+
+
+def _weighed(cells: Sequence[tuple[int, int]], weights: Sequence[float]) -> str:
+    """Return cells of which one is drawn, with how often each is, unless there are many."""
+    if len(cells) > _MOST_WEIGHED:
+        return f"one of {len(cells):,} cells, some more often than others"
+    total = sum(weights)
+    told = zip(cells, weights, strict=True)
+    return listed([f"{show_cell(at)} {phrases.chance(each / total)}" for at, each in told], "or")
 
 
 def _numbers(level: GridWorld, cells: Iterable[tuple[int, int]]) -> tuple[int, ...]:
@@ -216,6 +230,8 @@ def _exits(level: GridWorld) -> Rules:
     where = ""
     if level.exit_one_of is not None:
         where = f"in one of {len(level.exits)} cells, "
+        if level.exit_weights:
+            where = f"in {_weighed(level.exit_one_of, level.exit_weights)}, "
     worth = exit_rewards(level, level.exits)
     if 1 < len({*worth}) <= _MOST_GROUNDS and level.exit_one_of is None and not level.robots:
         for reward in dict.fromkeys(worth):
@@ -322,14 +338,13 @@ def _leads(level: GridWorld, warp: Warp, *, arrows: bool) -> Iterator[str]:
     leads = () if isinstance(warp.to, str) else level.leads_of(warp)
     if not leads:
         yield f"{moves}leads back to {'a' if level.starts[1:] else 'the'} start"
+    elif len({weight for _, weight in leads}) > 1:
+        cells, weights = zip(*leads, strict=True)
+        yield f"{moves}leads to {_weighed(cells, weights)}"
     elif arrows:
         yield f"{moves}leads along {'one of its arrows' if leads[1:] else 'its arrow'}"
-    elif len({weight for _, weight in leads}) == 1:
-        yield f"{moves}leads to {listed([show_cell(cell) for cell, _ in leads], 'or')}"
     else:
-        total = sum(weight for _, weight in leads)
-        told = [f"{show_cell(cell)} {phrases.chance(weight / total)}" for cell, weight in leads]
-        yield f"{moves}leads to {listed(told, 'or')}"
+        yield f"{moves}leads to {listed([show_cell(cell) for cell, _ in leads], 'or')}"
 
 
 def _wind(level: GridWorld) -> Rules:
