@@ -43,6 +43,10 @@ MAX_WORLDS = 10_000
 """The most worlds of one text: collections have hundreds, and each takes some milliseconds."""
 
 
+MAX_LOST = 1_000
+"""So much of what is lost is told one by one."""
+
+
 @dataclass(frozen=True, slots=True)
 class Format:
     """A format.
@@ -127,7 +131,9 @@ class Format:
         if source.is_made:
             return replace(world, lost=tuple(replace(each, at=None) for each in world.lost))
         places = self.codec.places(source)
-        lost = (replace(each, at=part.placed(each.at, places)) for each in world.lost)
+        lost = [replace(each, at=part.placed(each.at, places)) for each in world.lost[:MAX_LOST]]
+        if len(world.lost) > MAX_LOST:
+            lost.append(Lost("more", f"{len(world.lost) - MAX_LOST:,} further losses", lost[-1].at))
         return replace(world, file=source.name, lost=tuple(lost))
 
     def write(self, level: Level) -> Conversion:

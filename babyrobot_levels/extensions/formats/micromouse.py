@@ -83,6 +83,8 @@ def _frame(source: SourceFile) -> tuple[int, int]:
         raise ConversionError("the text has no maze of posts and walls", _HELP)
     # Two rows of posts with one missing in between have a row of cells too many or too few.
     last = posts[-1] if (posts[-1] - posts[0]) % 2 == 0 else posts[-1] - 1
+    if last == posts[0]:
+        raise ConversionError("the maze has no row of cells", _HELP)
     return posts[0], last
 
 

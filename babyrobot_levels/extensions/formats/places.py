@@ -18,7 +18,7 @@ At = Position | Route
 _NUMBERS = re.compile(r"\[[\d\s,.]*\]")
 """A list of plain numbers, none of which is looked up: some have a million."""
 
-_Entries = dict[str | int, tuple[Position, ast.expr]]
+_Entries = dict[str | int, tuple[ast.expr | ast.keyword, ast.expr]]
 
 
 class Places:
@@ -34,13 +34,14 @@ class Places:
 
     def __call__(self, route: Route) -> Position:
         """Return the place of a value, or of what holds it if it has no place of its own."""
-        place, node = START, self._root
+        place: ast.expr | ast.keyword | None = None
+        node = self._root
         for key in route:
             entry = self._entries_of(node).get(key) if node else None
             if entry is None:
                 break
             place, node = entry
-        return place
+        return START if place is None else self._at(place)
 
     @cached_property
     def _root(self) -> ast.expr | None:
@@ -55,12 +56,14 @@ class Places:
 
     def _entries_of(self, node: ast.expr) -> _Entries:
         if id(node) not in self._entries:
-            self._entries[id(node)] = {key: (self._at(at), to) for key, at, to in _children(node)}
+            self._entries[id(node)] = {key: (at, to) for key, at, to in _children(node)}
         return self._entries[id(node)]
 
     def _at(self, node: ast.expr | ast.keyword) -> Position:
-        line = self._source.line(node.lineno - 1).encode()[: node.col_offset]
-        return Position(node.lineno - 1, len(line.decode(errors="replace")) + 1)
+        line, offset = self._source.line(node.lineno - 1), node.col_offset
+        # Python counts bytes.
+        before = offset if line.isascii() else len(line.encode()[:offset].decode(errors="replace"))
+        return Position(node.lineno - 1, before + 1)
 
 
 def _children(node: ast.expr) -> Iterator[tuple[str | int, ast.expr | ast.keyword, ast.expr]]:

@@ -53,6 +53,7 @@ _BOTH = {("@", _DOT): _ON_GOAL, (_DOT, _BOX): _BOX_ON_GOAL}
 _COMMENT = ";"
 _KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):(.*)")
 _RUNS = re.compile(r"(?=.*\d)(?=.*#)(\d*[#@+$*. _|-])+\Z")
+_DIGITS = 7
 _RUN = re.compile(r"(\d+)(\D)")
 _HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit, $ and * boxes"
 
@@ -127,9 +128,9 @@ def _expanded(source: SourceFile) -> SourceFile:
     room = (MAX_SIZE + 2) ** 2
     for number, line in enumerate(source.lines, 1):
         is_runs = _RUNS.match(line) is not None
+        counts = re.findall(r"\d+", line) if is_runs else []
         # Numbers with more digits would take long to be read.
-        counts = re.findall(r"\d{1,7}", line) if is_runs else []
-        room -= sum(map(int, counts))
+        room -= sum(int(count) if len(count) <= _DIGITS else room + 1 for count in counts)
         if room < 0:
             message = "the runs come to more cells than a level has"
             raise ConversionError.at(source, Position(number, 1), message)
