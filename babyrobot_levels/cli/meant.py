@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 
-from babyrobot_levels.text.words import NAMED, words_beside
+from babyrobot_levels.text.words import NAMED, did_you_mean, words_beside
 
 _WRITTEN = re.compile(r".+\.(png|svg|gif|pdf|html?|json|npz?|csv|txt)", re.I)
 NO_LEVEL = re.compile(r".+\.(png|svg|gif|pdf|html?|np[yz]|csv|py|brlplay)", re.I)
@@ -52,6 +52,14 @@ def extra(word: str, known: Iterable[str]) -> str:
     likely = ("--tag", "--output") if "." in word else ("--tag", "--to", "--output")
     options = [each for each in likely if each in known]
     return f". Did you mean `{options[0]} {word}`?" if options else ""
+
+
+def tag(word: str, known: Iterable[str]) -> str:
+    """Return the question what a tag means that no level has."""
+    for ours, others in words_beside(__file__)["tags"].items():
+        if word in others.split():
+            return f"; did you mean `{ours}`?"
+    return did_you_mean(word, known)
 
 
 def argument(word: str, what: str, is_near: bool) -> str | None:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from babyrobot_levels import __version__
+from babyrobot_levels.cli import meant
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
@@ -64,7 +65,6 @@ from babyrobot_levels.library.search_path import Place
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import printable
-from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.suite_list import PackFields
@@ -349,7 +349,7 @@ def list_levels(
         _write_levels(infos, figures, grouped=sort is None)
     else:
         wishes = [f"the tag {name!r}" for name in tag or ()]
-        guess = "".join(did_you_mean(name, tags) for name in sorted(unknown))
+        guess = "".join(meant.tag(name, tags) for name in sorted(unknown))
         note(f"no level has {' and '.join(wishes) or f'a difficulty of {difficulty}'}{guess}")
 
     if report_format is ReportFormat.TEXT and not tag and sys.stdout.isatty():

@@ -196,7 +196,7 @@ def load(level: LevelLike) -> Level:
         if hasattr(level, "reset"):
             told = "; of an environment it is `env.unwrapped.level`"
         elif kind == "list":
-            told = "; `brl.import_` reads the maps of other programs"
+            told = "; load each of several, and the map of another program by `brl.import_`"
         raise TypeError(f"a level is a name, a path, a mapping or a Level, not {kind}{told}")
     if isinstance(level, str) and is_code(level):
         return load_code(level)

@@ -30,3 +30,8 @@ def test_options_of_others_lead_to_options_of_a_command_that_lacks_them() -> Non
         if any(name not in has and meant.option(name, has) == f"`{ours}`" for has in known)
     }
     assert led == {name for others in WORDS["options"].values() for name in others.split()}
+
+
+def test_words_of_difficulty_are_no_tags() -> None:
+    assert meant.tag("easy", ["areas"]) == "; did you mean `--difficulty A..B`?"
+    assert meant.tag("area", ["areas"]) == "; did you mean `areas`?"

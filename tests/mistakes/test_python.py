@@ -21,6 +21,8 @@ MISTAKES = (
     ("brl.load('maze').solve(gamma=0.9)", "argument 'gamma'; did you mean `discount`?"),
     ("brl.solve('maze', max_steps=9)", "argument 'max_steps'; did you mean `within`?"),
     ("brl.load('maze', seed=3)", "did you mean `brl.load(level).with_maze_seed(number)`?"),
+    ("brl.load(['maze', 'final-maze'])", "load each of several, and the map of another program"),
+    ("brl.q_learning('maze', episodes='many')", "episodes must be at least 1, not 'many'"),
     ("brl.solve('maze', method='vi')", "did you mean `brl.value_iteration(level)`?"),
     ("brl.load('maze').V", "did you mean `brl.solve(level).values`?"),
     ("brl.load('maze').actions", "did you mean `brl.Action`?"),

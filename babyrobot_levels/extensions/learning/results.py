@@ -278,7 +278,7 @@ def check_counts(**counts: int) -> None:
         ValueError: one is not at least 1.
     """
     for name, count in counts.items():
-        if count < 1:
+        if not isinstance(count, int | np.integer) or count < 1:
             raise ValueError(f"{name} must be at least 1, not {count!r}")
 
 

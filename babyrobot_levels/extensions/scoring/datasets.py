@@ -21,6 +21,7 @@ from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.suite import Suite
+from babyrobot_levels.text.errors import how_to_install
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +76,11 @@ def to_minari(
         ValueError: no episode ended, or too few in a level, the plays are not of one level, the
             suite is a slice of another one, or another argument does not fit.
     """
-    import minari
-    from minari.data_collector import EpisodeBuffer
+    try:
+        import minari
+        from minari.data_collector import EpisodeBuffer
+    except ImportError as error:
+        raise ImportError(f"these datasets need Minari: {how_to_install('minari')}") from error
 
     suite = level if isinstance(level, Suite) else None
     if isinstance(episodes, Rollout):
