@@ -9,6 +9,7 @@ from contextlib import closing
 from dataclasses import dataclass, fields
 from functools import lru_cache, partial
 from hashlib import sha256
+from operator import length_hint
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,19 +18,22 @@ import numpy as np
 from babyrobot_levels.agents.agents import MAX_BYTES, Table, load_policy
 from babyrobot_levels.agents.sent import Item, portable_error, received, sent
 from babyrobot_levels.analysis.metrics import metrics
+from babyrobot_levels.analysis.solver.compiled import are_compiled
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import (
     Evaluation,
     check_actions,
     check_discount,
     check_within,
 )
+from babyrobot_levels.analysis.solver.within import optimum_within
 from babyrobot_levels.language.plain_data import json_mapping
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.parallel import ExecutorName, InProcess, executor_for
 from babyrobot_levels.parallel.executor import Executor, Failure
-from babyrobot_levels.suites.suite import Levels
+from babyrobot_levels.suites.suite import Levels, named_levels
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.files import read_bytes
 from babyrobot_levels.text.words import NAMED, Telling
@@ -111,7 +115,8 @@ def solve_many(
     """Solve many levels exactly; see `solve`. Yield what an optimal policy is worth in each.
 
     A level is solved when its row is asked for, or a bounded number of levels ahead: iterate over
-    the result. The rows do not depend on the executor.
+    the result. The rows do not depend on the executor. From 500 levels on, a limit of steps and the
+    extra `fast` make it faster by far; the rows are then those of `solve` but for rounding errors.
 
     Args:
         levels: a suite, a folder, a pack or a level: a name, a path, a mapping, a `Suite` or a
@@ -138,8 +143,11 @@ def solve_many(
             its index. The rows before it are yielded.
     """
     _check(within, discount, actions)
+    named = named_levels(levels)
+    is_quick = within is not None and are_compiled(length_hint(named))
+    task = _solved_quickly if is_quick else _solved
     return _rows(
-        LevelValue, partial(_solved, within, discount, actions), levels, executor, jobs, keep_going
+        LevelValue, partial(task, within, discount, actions), named, executor, jobs, keep_going
     )
 
 
@@ -316,6 +324,23 @@ def _solved(
     within: int | str | None, discount: float | None, actions: str, level: Level
 ) -> dict[str, Any]:
     return _values(solve(level, discount, actions=actions, within=within))
+
+
+def _solved_quickly(
+    within: int | str | None, discount: float | None, actions: str, level: Level
+) -> dict[str, Any]:
+    space = space_of(level, actions)
+    factor, limit = check_discount(discount, level.discount), check_within(within, level.max_steps)
+    assert limit is not None
+    earned, success, steps = optimum_within(space, factor, limit)
+    return {
+        "states": int(np.count_nonzero(~space.without_value)),
+        "expected_return": earned,
+        "success": success,
+        "steps": steps,
+        "within": limit,
+        "discount": factor,
+    }
 
 
 def _evaluated(

@@ -16,6 +16,7 @@ from support.combinations import combined
 
 import babyrobot_levels as brl
 from babyrobot_levels.agents.sent import received, sent
+from babyrobot_levels.analysis.solver.compiled import MANY_LEVELS
 from babyrobot_levels.parallel import InProcess
 from babyrobot_levels.parallel.executor import Executor
 from babyrobot_levels.parallel.processes import Processes
@@ -62,6 +63,35 @@ def test_levels_of_a_suite_are_solved(executor: Executor, options: dict[str, Any
     assert rows == [
         value(index, level, brl.solve(level, **options)) for index, level in enumerate(suite)
     ]
+
+
+CROWDED: dict[str, Any] = {
+    "version": 1,
+    "kind": "suite",
+    "size": [4, 4],
+    "puddles": {"min": 0, "max": 4},
+    "keys": {"min": 0, "max": 1},
+    "guards": {"min": 0, "max": 1},
+    "count": MANY_LEVELS,
+}
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"within": 25}, {"within": 9, "discount": 0.9, "actions": "turns"}],
+    ids=["moves", "turns"],
+)
+def test_very_many_levels_are_solved_with_the_same_result(options: dict[str, Any]) -> None:
+    suite = brl.load_suite(CROWDED)
+    rows = list(brl.solve_many(suite, executor=Processes(2), **options))
+    assert rows == list(brl.solve_many(suite, **options))
+    for row, level in list(zip(rows, suite, strict=True))[::7]:
+        wanted = value(row.index, level, brl.solve(level, **options))
+        for name in ("expected_return", "success", "steps"):
+            got, exact = getattr(row, name), getattr(wanted, name)
+            assert got == pytest.approx(exact, rel=1e-12, abs=1e-12)
+        unknown: Any = {"expected_return": None, "success": None, "steps": None}
+        assert replace(row, **unknown) == replace(wanted, **unknown)
 
 
 @BOTH

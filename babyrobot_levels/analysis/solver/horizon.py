@@ -35,7 +35,7 @@ _OUTCOME = 30
 _ALWAYS = 2000
 """So many rounds are computed in any level unless it is to be quick."""
 
-_FIRST_LOOK = 1024
+FIRST_LOOK = 1024
 """From so many rounds on, it is looked for changes that repeat."""
 
 _MOST_PERIODS = 4
@@ -131,7 +131,7 @@ def induction(
         budget.spend(cost / 10)
         return step(values)
 
-    done, look = 0, _FIRST_LOOK
+    done, look = 0, FIRST_LOOK
     mix = np.sqrt(np.arange(1, values.size + 1)).reshape(values.shape)
     sums = []
     while done < count:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.solver.bounds import ROUNDINGS, UNIT
-from babyrobot_levels.analysis.solver.horizon import EXACT, after, induction
+from babyrobot_levels.analysis.solver.horizon import EXACT, FIRST_LOOK, after, induction
 from babyrobot_levels.analysis.solver.model import Model, largest_reward
 from babyrobot_levels.analysis.solver.policies import StateSpace, read_policy
 from babyrobot_levels.analysis.solver.results import (
@@ -25,12 +25,16 @@ from babyrobot_levels.analysis.solver.results import (
     probability,
 )
 from babyrobot_levels.mdp.tables import Flags, Floats
+from babyrobot_levels.text import budget
 
 MAX_POLICY_SIZE = 200_000_000
 """The most actions of a policy by step: states times steps, a byte each."""
 
 TOLERANCE = 1e-9
 """By which share of a reward what counts as equally good may differ, in all steps together."""
+
+MOST_COMPILED = 100_000
+"""The most outcomes of levels that are solved in one call of machine code, which nothing ends."""
 
 _ROUNDING = 4 * np.finfo(np.float64).eps
 
@@ -71,8 +75,7 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
     rows, rounds = np.arange(model.size), 0
     values, action = np.zeros((model.size, 0)), rows
     greedy = fastest = np.zeros((model.size, 0), bool)
-    # What is lost by what is taken for equally good: in all steps together, a share of a reward.
-    slack = TOLERANCE * float(np.abs(model.reward).max(initial=0.0)) / steps
+    slack = _slack(model, steps)
 
     def step(ahead: Floats) -> Floats:
         nonlocal values, greedy, fastest, action
@@ -106,6 +109,35 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
             model, _margins(model, now[:, 0], (steps, rounds), largest_reward(mdp))
         ),
     )
+
+
+def optimum_within(space: StateSpace, discount: float, steps: int) -> tuple[float, float, float]:
+    """Return what `solve_within` finds of the start, with machine code: for very many levels.
+
+    It is the expected return, the probability of reaching an exit and the expected number of steps,
+    but for rounding errors. Large levels and many steps are left to `solve_within`.
+    """
+    model = space.model()
+    if steps >= FIRST_LOOK or model.probability.size > MOST_COMPILED:
+        found = solve_within(space, discount, steps)
+        return found.expected_return, found.exit_probability, found.expected_steps
+    from babyrobot_levels.analysis.solver.compiled.horizon import optimum
+
+    budget.spend(steps * model.probability.size)
+    now = optimum(
+        model.probability, model.next_state, model.reward, model.success, discount,
+        _slack(model, steps), steps,
+    )  # fmt: skip
+    earned, success, lengths = (space.at_start(model, now[:, column]) for column in range(3))
+    return earned, probability(success), lengths
+
+
+def _slack(model: Model, steps: int) -> float:
+    """Return how much may be lost in a step by what is taken for equally good.
+
+    In all steps together it is a share of a reward.
+    """
+    return TOLERANCE * float(np.abs(model.reward).max(initial=0.0)) / steps
 
 
 def _margins(model: Model, values: Floats, steps: tuple[int, int], largest: float) -> Floats:

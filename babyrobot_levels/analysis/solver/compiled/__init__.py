@@ -13,6 +13,15 @@ def is_compiled(states: int) -> bool:
     return states >= MANY_STATES and _has_numba()
 
 
+MANY_LEVELS = 500
+"""From so many small levels on, it is worth loading Numba, too."""
+
+
+def are_compiled(levels: int) -> bool:
+    """Return whether so many small levels are solved with machine code, one after the other."""
+    return levels >= MANY_LEVELS and _has_numba()
+
+
 @cache
 def _has_numba() -> bool:
     return load("babyrobot_levels.analysis.solver.compiled.rows") is not None
