@@ -59,6 +59,7 @@ export class Panels {
         editor.set("panel", { panel: name }),
       );
       panel.setAttribute("role", "tabpanel");
+      panel.tabIndex = 0; // It is scrolled by keys.
       panel.setAttribute("aria-label", panel.dataset.tab);
       return tab;
     });

@@ -53,7 +53,6 @@ export class Rail {
       toolButton(
         {
           icon,
-          key,
           named: title,
           title: tapped(`${title} (${key}): ${hint}`),
           "aria-label": title,
@@ -68,7 +67,14 @@ export class Rail {
     );
     this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) =>
       toolButton(
-        { icon, key, named: title, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name },
+        {
+          icon,
+          named: title,
+          title: `${title}: ${hint}`,
+          "aria-label": title,
+          "aria-keyshortcuts": key,
+          "data-modifier": name,
+        },
         () => editor.toggle(name),
       ),
     );
