@@ -29,7 +29,7 @@ INK, FAINT, LINE = "#000000", "#555555", "#8c8c8c"
 
 _MARGIN = 54.0
 _GAP = 22.0
-_TITLE, _FIELD, _NAME, _SMALL = 20.0, 12.0, 13.0, 8.5
+_TITLE, _FIELD, _NAME, _SMALL = 20.0, 12.0, 13.0, 9.0
 """The font sizes of the title of a page, of texts, of the title of a level, and of small texts."""
 
 _CAPTION_SIZE = 9.5
@@ -236,8 +236,10 @@ class _Area(NamedTuple):
 def _body(part: _Part, style: PageStyle, room: _Area) -> Iterator[Shape]:
     """Yield the levels of a page, in as many columns as make their pictures largest."""
     best = 0.0
-    for columns in range(1, style.per_page + 1):
-        rows = math.ceil(style.per_page / columns)
+    # A single page with fewer levels has no room for others.
+    size = len(part.entries) if part.first == 1 else style.per_page
+    for columns in range(1, size + 1):
+        rows = math.ceil(size / columns)
         width = (room.width - (columns - 1) * _GAP) / columns
         height = (room.height - (rows - 1) * _GAP) / rows
         blocks = [
@@ -351,8 +353,8 @@ class _Block:
         for _ in range(self._lines):
             y += _RULED
             yield _line(0, y, self.width)
-        mark = cut(self._entry.mark, self.width, _SMALL - 1)
-        yield Text(0, y + 14, mark, _SMALL - 1, FAINT, "start")
+        mark = cut(self._entry.mark, self.width, _SMALL)
+        yield Text(0, y + 14, mark, _SMALL, FAINT, "start")
 
 
 def _lines_of(text: str, room: float, most: int, size: float) -> list[str]:
