@@ -35,8 +35,8 @@ def _one_configuration() -> NDArray[np.int16]:
     return np.zeros((1, 0), np.int16)
 
 
-def _nothing_drawn() -> NDArray[np.bool_]:
-    return np.zeros((0, 0), bool)
+def _nothing_drawn() -> NDArray[np.int64]:
+    return np.zeros(0, np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,13 +69,14 @@ class Mdp(Telling, public=True):
         is_terminal: bool, `[states]`: whether the episode is over there.
         action_mask: int8, `[states, actions]`: 1 for the actions that nothing refuses.
         intended_next_state: int32, `[states, actions]`: where the action leads without chance;
-            from the number of states on, to one of the cells of a row of `drawn`.
+            from the number of states on, to one of a set of cells in `drawn`: 0 is the starts.
             Its configuration and, of a move, its heading are those of before.
         obstruction: int8, `[states, actions]`: `FREE`, `REFUSED` or `GLASS`.
         configurations: int16, `[configurations, things]`: the value of each thing in each
             configuration, in rising order; `[1, 0]` without things.
         headings: 4 with turning, else 1.
-        drawn: bool, `[…, cells]`: the cells of which warps lead to one; of the first row, starts.
+        drawn: int64, in rising order: of each set of cells of which warps lead to one, its number
+            times `cells` plus each cell; the first set is that of the starts.
         shares: float64, `[states, actions, outcomes, robots]`: what each of several robots gets, of
             which `reward` is the sum; None for one robot.
     """
@@ -93,7 +94,7 @@ class Mdp(Telling, public=True):
     obstruction: NDArray[np.int8]
     configurations: NDArray[np.int16] = field(default_factory=_one_configuration)
     headings: int = 1
-    drawn: NDArray[np.bool_] = field(default_factory=_nothing_drawn)
+    drawn: NDArray[np.int64] = field(default_factory=_nothing_drawn)
     shares: NDArray[np.float64] | None = None
 
     def __repr__(self) -> str:
@@ -412,8 +413,9 @@ def leads_to(mdp: Mdp, intended: Ints, next_state: Ints) -> Flags:
     found: Flags = next_cell == intended % mdp.cells
     is_drawn = intended >= mdp.num_states
     if is_drawn.any():
-        row = np.where(is_drawn, intended - mdp.num_states, 0)
-        found = np.where(is_drawn, mdp.drawn[row, next_cell], found)
+        where = np.broadcast_to(is_drawn, found.shape)
+        number = np.broadcast_to(intended, found.shape)[where] - mdp.num_states
+        found[where] = np.isin(number * np.int64(mdp.cells) + next_cell[where], mdp.drawn)
     return found
 
 

@@ -302,23 +302,22 @@ class Warps:
         return not np.isnan(self.reward).all()
 
     @cached_property
-    def _rows(self) -> dict[bytes, int]:
-        """The sets of cells to which lots lead, as flags, numbered: the starts first."""
+    def _rows(self) -> dict[tuple[int, ...], int]:
+        """The sets of cells to which lots lead, numbered: the starts first."""
         return {row: n for n, row in enumerate(dict.fromkeys(map(self._cells_of, self.lots)))}
 
-    def _cells_of(self, lot: Lot) -> bytes:
-        leads = np.zeros(self.cells, bool)
-        leads[self.arrive[lot.landings]] = True
-        return leads.tobytes()
+    def _cells_of(self, lot: Lot) -> tuple[int, ...]:
+        return tuple(np.unique(self.arrive[lot.landings]).tolist())
 
     @property
-    def drawn(self) -> Flags:
-        """The cells of which chance decides on one, `[…, cells]`: in the first row, the starts."""
-        return np.frombuffer(b"".join(self._rows), bool).reshape(len(self._rows), -1)
+    def drawn(self) -> Ints:
+        """The cells of which chance decides on one: see `Mdp`."""
+        found = [row * self.cells + cell for cells, row in self._rows.items() for cell in cells]
+        return np.array(found, np.int64)
 
     @property
     def row_of_lot(self) -> Ints:
-        """The row of `drawn` that has the cells of each lot."""
+        """The number of the set of cells to which each lot leads."""
         return np.array([self._rows[self._cells_of(lot)] for lot in self.lots])
 
     def left_from(self, cell: Ints) -> Warps:
@@ -440,7 +439,7 @@ def obstructions(
 ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
     """Return what hinders each action, and where it leads without chance.
 
-    Below 0, `-1 - target` is the row of `drawn` that has the cells to one of which it leads.
+    Below 0, `-1 - target` is the number of the set of cells to one of which it leads.
     """
     count, moves = terrain.over.size, air.given
     obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)

@@ -164,7 +164,9 @@ def test_rules_and_ends(fields: World, changes: list[tuple[str, Any, Any]]) -> N
     assert [(name, before) for name, before, _ in told] == [(n, b) for n, b, _ in changes]
     for (_, _, after), (_, _, expected) in zip(told, changes, strict=True):
         given = (
-            {k: v for k, v in after.items() if v is not None} if isinstance(after, dict) else after
+            {name: value for name, value in after.items() if value not in (None, False, 1.0)}
+            if isinstance(after, dict)
+            else after
         )
         assert given == expected
     assert not difference.same_game
