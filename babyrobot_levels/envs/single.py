@@ -163,7 +163,7 @@ class LevelEnv(RenderedEnv):
         self.level, self._mdp = level, mdp
         self._parts: dict[int, _Part] = {}
         self._observer: Any = make_observer(level, self._observation, self._extent())
-        self._starts: list[int] = mdp.start.nonzero()[0].tolist()
+        self._starts: list[int] = mdp.starts.tolist()
         self._states: list[_State | None] = [None] * mdp.num_states
         self._now: _State | None = None
         self._table: dict[int, dict[int, list[Outcome]]] | None = None

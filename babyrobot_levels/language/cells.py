@@ -213,8 +213,11 @@ _Strengths = Annotated[
 ]
 
 
-Weights = tuple[Annotated[Number, Field(ge=1e-6, le=1e6)], ...]
-"""How often each of several is drawn, compared with the others; none for all alike."""
+Weights = tuple[Annotated[Integer, Field(ge=1, le=100)], ...]
+"""How often each of several is drawn, compared with the others; none for all alike.
+
+They are whole numbers, so that a draw from a list in which each stands so often is exact.
+"""
 
 
 class Warp(Model):

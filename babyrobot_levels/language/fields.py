@@ -258,24 +258,24 @@ class LevelFields(Model):
         return self.common_exits if robot.exit is None else (robot.exit,)
 
     @property
-    def weights_of_starts(self) -> tuple[float, ...]:
+    def weights_of_starts(self) -> tuple[int, ...]:
         """How often each start is drawn, compared with the others."""
-        return self.start_weights or (1.0,) * len(self.starts)
+        return self.start_weights or (1,) * len(self.starts)
 
     @property
-    def weights_of_exits(self) -> tuple[float, ...]:
+    def weights_of_exits(self) -> tuple[int, ...]:
         """How often each cell of `exit_one_of` is drawn, compared with the others."""
-        return self.exit_weights or (1.0,) * len(self.exit_one_of or ())
+        return self.exit_weights or (1,) * len(self.exit_one_of or ())
 
     def targets_of(self, warp: Warp) -> tuple[tuple[int, int], ...]:
         """Return the cells to which a warp may lead."""
         return self.starts if isinstance(warp.to, str) else as_cells(warp.to)
 
-    def leads_of(self, warp: Warp) -> tuple[tuple[tuple[int, int], float], ...]:
+    def leads_of(self, warp: Warp) -> tuple[tuple[tuple[int, int], int], ...]:
         """Return the cells to which a warp may lead, each with its weight."""
         cells = self.targets_of(warp)
         weights = self.weights_of_starts if isinstance(warp.to, str) else warp.weights
-        return tuple(zip(cells, weights or (1.0,) * len(cells), strict=True))
+        return tuple(zip(cells, weights or (1,) * len(cells), strict=True))
 
     @property
     def has_things(self) -> bool:

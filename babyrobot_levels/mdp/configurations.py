@@ -389,11 +389,11 @@ class Things(Telling, public=True):
         """Yield the values with which episodes may begin, before the robot takes anything."""
         yield from product(*self.begins())
 
-    def weight_of(self, values: Values) -> float:
+    def weight_of(self, values: Values) -> int:
         """Return how often an episode begins with some values, compared with others."""
-        return self.level.weights_of_exits[values[0]] if self.level.exit_one_of else 1.0
+        return self.level.weights_of_exits[values[0]] if self.level.exit_one_of else 1
 
-    def beginnings(self) -> Iterator[tuple[Values, Cell, float]]:
+    def beginnings(self) -> Iterator[tuple[Values, Cell, int]]:
         """Yield how episodes may begin: the values of things, the start, and its weight."""
         starts = [*zip(self.level.starts, self.level.weights_of_starts, strict=True)]
         for values in self.draws():

@@ -6,6 +6,8 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import IntEnum
+from fractions import Fraction
+from math import lcm
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,10 @@ FREE, REFUSED, GLASS = range(3)
 
 def _one_configuration() -> NDArray[np.int16]:
     return np.zeros((1, 0), np.int16)
+
+
+MAX_WEIGHT = 10_000
+"""The greatest weight of a start, times that of an exit."""
 
 
 def _nothing_drawn() -> NDArray[np.int64]:
@@ -104,6 +110,17 @@ class Mdp(Telling, public=True):
             f"<Mdp: {self.width}x{self.height}; probability, next_state, reward, terminal {shape}, "
             f"action_mask {shape[:2]}, start {shape[:1]}>"
         )
+
+    @property
+    def starts(self) -> Ints:
+        """The states in which episodes begin: with weights, each as often as it is drawn."""
+        states = np.flatnonzero(self.start)
+        shares = self.start[states] / self.start[states].min()
+        if (shares == 1).all():
+            return states
+        counts = [Fraction(share).limit_denominator(MAX_WEIGHT) for share in shares.tolist()]
+        common = lcm(*(count.denominator for count in counts))
+        return np.repeat(states, [int(count * common) for count in counts])
 
     @property
     def cells(self) -> int:

@@ -41,7 +41,7 @@ def tables_of(level: GridWorld) -> dict[str, Any]:
             f"numbers, and the limit is {MAX_NUMBERS:,}"
         )
     return {
-        "starts": mdp.start.nonzero()[0].tolist(),
+        "starts": mdp.starts.tolist(),
         "rows": rows,
         "table": table,
         "possible": _possible(mdp).tolist(),

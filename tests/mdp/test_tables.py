@@ -107,3 +107,29 @@ def test_only_actions_of_all_robots_are_a_joint_action(actions: Any) -> None:
     assert mdp.joint_action([[1, 2], [4, 4]]).tolist() == [7, 24]
     with pytest.raises(ValueError, match="is not an action, 0 to 4, of each of the 2 robots"):
         mdp.joint_action(actions)
+
+
+def test_environments_draw_starts_as_often_as_weights_say() -> None:
+    level = brl.load(
+        {
+            "version": 1,
+            "start": [[0, 0], [1, 0]],
+            "start_weights": [4, 6],
+            "exit_one_of": [[2, 1], [2, 2]],
+            "exit_weights": [1, 2],
+        }
+    )
+    mdp = level.compile()
+    states, counts = np.unique(mdp.starts, return_counts=True)
+    assert counts.tolist() == [2, 3, 4, 6]
+    assert mdp.start[states] == pytest.approx(counts / 15)
+    env = level.make()
+    begun = [env.reset(seed=seed)[1] and env.unwrapped.state for seed in range(3000)]
+    found = np.bincount(begun, minlength=mdp.num_states)[states] / 3000
+    # Four standard deviations of a share of 3,000.
+    assert np.abs(found - counts / 15).max() < 4 * 0.5 / 3000**0.5
+    vector = brl.LevelVectorEnv(levels=[level], num_envs=3000)
+    observations, _ = vector.reset(seed=1)
+    # An observation tells the configuration and the cell.
+    _, seen = np.unique(np.asarray(observations), axis=0, return_counts=True)
+    assert np.abs(np.sort(seen) / 3000 - counts / 15).max() < 4 * 0.5 / 3000**0.5

@@ -460,7 +460,7 @@ def add_weights(random: Random, fields: Fields) -> None:
 
     def weigh(entry: Fields, name: str, count: int) -> None:
         if count > 1 and random.random() < 0.7:
-            entry[name] = [random.choice((1, 2, 0.5, 3)) for _ in range(count)]
+            entry[name] = [random.choice((1, 2, 5, 3)) for _ in range(count)]
 
     starts = fields.get("start", [0, 0])
     if isinstance(starts[0], list) and "robots" not in fields:
@@ -469,7 +469,7 @@ def add_weights(random: Random, fields: Fields) -> None:
     leads = {tuple(warp["at"]) for warp in fields.get("warps", []) if "when" not in warp}
     leads |= {tuple(warp["at"]) for warp in fields.get("warps", []) if warp.get("when") == "enter"}
     for warp in fields.get("warps", []):
-        if warp["to"] != "start" and random.random() < 0.6:
+        if isinstance(warp["to"][0], int) and random.random() < 0.6:
             more = [cell for cell in _targets(fields) if tuple(cell) not in leads]
             warp["to"] = [warp["to"], *random.sample(more, min(len(more), random.randint(1, 2)))]
             weigh(warp, "weights", len(warp["to"]))

@@ -168,7 +168,7 @@ def add_warps(draw: DrawFn, world: World, free: list[Cell], exits: list[Cell]) -
         if goal != "start" and sometimes(draw, 3):
             others = [to for to in free if to not in taken]
             warp["to"] = [warp["to"], *([list(draw(st.sampled_from(others)))] if others else [])]
-            warp["weights"] = [draw(st.sampled_from([1, 2, 0.5])) for _ in warp["to"]]
+            warp["weights"] = [draw(st.sampled_from([1, 2, 5])) for _ in warp["to"]]
         warps.append(warp | draw(optional(Warp, "when")))
     world["warps"] = warps
 
@@ -204,7 +204,7 @@ def worlds(draw: DrawFn, largest: int = 8) -> World:
     exits = draw(st.lists(st.sampled_from(rest), max_size=2, unique=True)) if rest else []
     world["start"] = [list(c) for c in starts] if len(starts) > 1 else list(starts[0])
     if len(starts) > 1 and sometimes(draw, 3):
-        world["start_weights"] = [draw(st.sampled_from([1, 2, 0.5])) for _ in starts]
+        world["start_weights"] = [draw(st.sampled_from([1, 2, 5])) for _ in starts]
     world["exit"] = "none" if not exits else [list(c) for c in exits]
     if len(exits) == 1 and draw(st.booleans()):
         world["exit"] = list(exits[0])

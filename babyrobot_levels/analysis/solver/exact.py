@@ -10,7 +10,7 @@ improved until no action is better.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from math import lcm
+from math import lcm, prod
 from typing import Any
 
 import numpy as np
@@ -144,10 +144,21 @@ def denominators(level: GridWorld) -> tuple[int, int]:
     unit = lcm(*(number.denominator for number in numbers))
     wanderers = sum(mover.within is not None for mover in level.movers)
     ways = lcm(*range(1, NUM_ACTIONS + 1)) ** wanderers
+    ways *= prod(_of_chances(level))
     # A move may meet glass and skid; a warp may lead to one of the starts.
     robots = len(level.robots)
     moves = (unit * unit * SHARES) ** max(1, robots)
-    return moves * (1 if robots else len(level.starts)) * ways, unit
+    return moves * (1 if robots else sum(level.weights_of_starts)) * ways, unit
+
+
+def _of_chances(level: GridWorld) -> Iterator[int]:
+    """Yield denominators of what wind and warps do by chance; chains may take all of them."""
+    if level.wind is not None:
+        yield exactly(level.wind.probability).denominator * (3 if level.wind.varies else 1)
+    for warp in level.warps:
+        yield exactly(warp.probability).denominator
+        if not isinstance(warp.to, str):
+            yield sum(weight for _, weight in level.leads_of(warp))
 
 
 def _whole(numbers: Floats, denominator: int) -> Numbers:

@@ -219,7 +219,7 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
         columns={name: column.reshape(-1, width) for name, column in columns.items()},
         state_info=state_info.view(np.uint64),
         held=_held(level, mdp),
-        starts=np.flatnonzero(mdp.start),
+        starts=mdp.starts,
         has_items=bool(level.items),
         has_movers=bool(level.movers),
     )

@@ -124,7 +124,7 @@ class Boxes:
         self.yard, self.is_open, self.is_solved = (np.zeros(0, kind) for kind in (int, bool, bool))
         self.found = np.zeros((0, self.size), np.uint8)
         self.parts: list[_Part] = []
-        self.weights: list[float] = []
+        self.weights: list[int] = []
         self.starts = self._begin()
         self._search()
 

@@ -323,7 +323,7 @@ class Layers:
 
     # -- search ----------------------------------------------------------------------------
 
-    def _begin(self) -> list[tuple[int, int, int, float]]:
+    def _begin(self) -> list[tuple[int, int, int, int]]:
         """Return layer, joint state, cell and weight of each start, and mark them."""
         starts = []
         for values, (x, y), weight in self.things.beginnings():

@@ -163,7 +163,7 @@ class Robots:
         self._scenes: dict[tuple[tuple[bool, ...], int], _Scene] = {}
         self._has_exit = np.array([bool(level.exits_of(robot)) for robot in level.robots])
         self.parts: list[_Part] = []
-        self.weights: list[float] = []
+        self.weights: list[int] = []
         self.starts = self._begin()
         self.keys = self._search()
 

@@ -347,8 +347,9 @@ class _Ways:
         """Return where a warp leads, if it acts."""
         leads = self._level.leads_of(warp)
         found: dict[End, float] = {}
-        total = sum(weight for _, weight in leads)
-        for cell, weight in leads:
+        total = float(sum(weight for _, weight in leads))
+        for cell, count in leads:
+            weight = float(count)
             ends, among = self.from_cell(_state(cell, self._grid))
             if len(leads) == 1:
                 # As it stands, so that equal weights stay exact.
@@ -392,7 +393,7 @@ def build_warps(level: LevelFields, grid: Grid) -> Warps:
     count, ways = grid.width * grid.height, _Ways(level, grid)
     arrive, reward, sends = [*range(count)], [np.nan] * count, [False] * count
     starts = np.array([_state(cell, grid) for cell in level.starts])
-    lots = [Lot(starts, np.array(level.weights_of_starts))]
+    lots = [Lot(starts, np.array(level.weights_of_starts, float))]
 
     def added(end: End) -> int:
         """Add a landing that surely is an end."""

@@ -85,7 +85,7 @@ export function checked(data) {
   const robots = checkRobots(data, configurations);
   const actions = 5 ** robots;
   need(states * actions <= 5 * COMMON.max_states);
-  for (const state of list(data.starts, states, 1)) whole(state, 0, states - 1);
+  for (const state of list(data.starts, 100 * states, 1)) whole(state, 0, states - 1);
   for (const cell of list(data.exits, cells)) whole(cell, 0, cells - 1);
   if (data.max_steps !== null) whole(data.max_steps, 1, Infinity);
   need(data.learn === undefined || typeof data.learn === "boolean");

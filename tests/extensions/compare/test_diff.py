@@ -108,7 +108,7 @@ def test_the_other_way_round_is_the_same_the_other_way_round() -> None:
         (
             {"warps": [{"at": [0, 1], "to": [[2, 0], [1, 0]], "weights": [1, 3]}]},
             (0, 1),
-            {"warp": {"to": [[2, 0], [1, 0]], "when": "enter", "weights": [1.0, 3.0]}},
+            {"warp": {"to": [[2, 0], [1, 0]], "when": "enter", "weights": [1, 3]}},
         ),
         (
             {"warps": [{"at": [0, 1], "to": [2, 0], "probability": 0.5}]},
