@@ -58,7 +58,7 @@ class Bounds:
         """Return the bounds of one level."""
         has_wind = level.wind is not None
         if not level.has_things:
-            return cls(level.size, num_starts=len(level.starts), has_wind=has_wind)
+            return cls(level.size, num_starts=sum(level.weights_of_starts), has_wind=has_wind)
         mdp = level.compile()
         return cls(
             level.size,

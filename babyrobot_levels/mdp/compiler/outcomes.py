@@ -178,10 +178,11 @@ def chance_branches(
     air: Air, terrain: Terrain, warps: Warps, part: slice
 ) -> tuple[Flags, Branches]:
     """Return the rows of a part that chance decides, `[states, actions]`, and their branches."""
-    goes = ~terrain.over[part] & ~warps.leaves[part] & air.windy[part] & (len(air.moves) > 1)
-    varies = np.broadcast_to(goes[:, None], (goes.size, NUM_ACTIONS)).copy()
-    varies[:, Action.STAY] = False
-    rows, found = varies.copy(), plain_branches(air.given, terrain, warps, part).select(slice(0))
+    varies = np.zeros((part.stop - part.start, NUM_ACTIONS), bool)
+    if len(air.moves) > 1:
+        goes = ~terrain.over[part] & ~warps.leaves[part] & air.windy[part]
+        varies[:, Action.NORTH :] = goes[:, None]
+    rows, found = varies.copy(), [_no_branches()]
     for number, (chance, moves) in enumerate(zip(air.chances, air.moves, strict=True)):
         stochastic = stochastic_rows(moves, terrain, warps, part)
         # Where there is no wind, one of them is enough.
@@ -190,12 +191,17 @@ def chance_branches(
         if varies.any():
             plain = plain_branches(moves, terrain, warps, part)
             parts.append(plain.select((varies & ~stochastic).ravel()))
-        for each in parts:
-            share = np.where(varies.ravel()[each.row - part.start * NUM_ACTIONS], chance, 1.0)
-            each.probability = each.probability * share
+            for each in parts:
+                share = np.where(varies.ravel()[each.row - part.start * NUM_ACTIONS], chance, 1.0)
+                each.probability = each.probability * share
         rows |= stochastic
-        found = found.joined(*parts)
-    return rows, found.select(found.probability > 0)
+        found += parts
+    branches = found[0].joined(*found[1:])
+    return rows, branches.select(branches.probability > 0)
+
+
+def _no_branches() -> Branches:
+    return Branches(np.zeros(0, np.int64), np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int8))
 
 
 def stochastic_branches(

@@ -290,7 +290,7 @@ class Warps:
     lots: tuple[Lot, ...]
     cells: int
 
-    @property
+    @cached_property
     def leaves(self) -> Flags:
         """Whether every move out of each state is a warp."""
         leaves: Flags = self.chance == 1
@@ -391,21 +391,20 @@ class _Ways:
 def build_warps(level: LevelFields, grid: Grid) -> Warps:
     """Follow every warp to its ends."""
     count, ways = grid.width * grid.height, _Ways(level, grid)
-    arrive, reward, sends = [*range(count)], [np.nan] * count, [False] * count
+    arrive, reward, sends = np.arange(count), np.full(count, np.nan), np.zeros(count, bool)
+    more: list[End] = []
     starts = np.array([_state(cell, grid) for cell in level.starts])
     lots = [Lot(starts, np.array(level.weights_of_starts, float))]
 
     def added(end: End) -> int:
         """Add a landing that surely is an end."""
-        arrive.append(end[0])
-        reward.append(np.nan if end[1] is None else end[1])
-        sends.append(end[2])
-        return len(arrive) - 1
+        more.append(end)
+        return count + len(more) - 1
 
     def leads(ends: Ends) -> End:
         """Return where a landing leads that has several ends: below 0, to a lot."""
-        (first, *more), weights = [*ends[0]], [*ends[0].values()]
-        if not more:
+        (first, *others), weights = [*ends[0]], [*ends[0].values()]
+        if not others:
             return first
         lots.append(Lot(np.array([added(end) for end in ends[0]]), np.array(weights)))
         return -len(lots), None, False
@@ -420,14 +419,15 @@ def build_warps(level: LevelFields, grid: Grid) -> Warps:
         if warp.when == "leave":
             at = _state(warp.at, grid)
             leave[at], chance[at] = added(leads(ways.of(warp))), warp.probability
+    paid_more = [np.nan if paid is None else paid for _, paid, _ in more]
     return Warps(
-        np.array(arrive, np.int32),
-        np.array(reward),
-        np.array(sends),
-        leave,
-        chance,
-        (*lots,),
-        count,
+        arrive=np.append(arrive, [cell for cell, _, _ in more]).astype(np.int32),
+        reward=np.append(reward, paid_more),
+        sends=np.append(sends, [sent for _, _, sent in more]).astype(bool),
+        leave=leave,
+        chance=chance,
+        lots=(*lots,),
+        cells=count,
     )
 
 
