@@ -404,8 +404,7 @@ def course(
     codes, and the code with the levels; for teachers: the site and the sheets with the answers,
     autograders for Gradescope, PrairieLearn, Classroom 50 and GitHub Classroom, and pages that
     report to a school's system (SCORM). With --browser there is a page for students who cannot
-    install anything: functions of values and policies are written and run there. What was built
-    before is replaced.
+    install anything: functions are written and run there. What was built before is replaced.
 
     Exits with status 1 if a file of the course has an error.
 

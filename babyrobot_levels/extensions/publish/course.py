@@ -110,8 +110,8 @@ def course(
     Args:
         folder: the folder of the course, whose `pack.yaml` lists `levels`.
         output: the folder to write to: new, empty, or made by this function.
-        browser: whether there is a page, too, in which students write the functions of values and
-            policies, and run them without installing.
+        browser: whether there is a page, too, in which students write the functions, and run them
+            without installing.
         runtime: a folder with the files of Python for browsers, which `babyrobot editor --site`
             takes, too: then there is that page. By default, npm fetches them.
         progress: told how many of how many parts are done.

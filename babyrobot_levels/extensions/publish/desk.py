@@ -35,8 +35,8 @@ from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.render.templates import embedded_json, html, put_together, static
 from babyrobot_levels.text.files import write_bytes
 
-KINDS = ("values", "policy")
-"""What functions return that are graded in the page, which has no environments to learn in."""
+AT_LEAST = 0.95
+"""The share of the way from the random policy to the optimum that an agent has to cover."""
 
 MAX_STATES = 2_000
 """The most states of a level whose tables are in the page."""
@@ -83,22 +83,17 @@ def write_desk(course: Course, title: str, folder: Path, runtime: Path | None) -
 def _told(course: Course, title: str) -> dict[str, Any]:
     """Return what the page knows of a course: no hidden levels, and of answers only hashes."""
     fields = course.fields
-    functions = {name: kind for name, kind in fields.functions.items() if kind in KINDS}
     levels = []
     for entry in fields.levels:
-        wanted = [name for name in fields.graded_in(entry) if name in functions]
+        wanted = fields.graded_in(entry)
         known = level_data(load(course.files[entry.level])) if wanted and not entry.hidden else None
         if known is not None:
-            levels.append({**known, "functions": wanted})
-    texts = {name: (course.folder / f"{name}.py").read_text("utf-8") for name in functions}
-    return {
-        "title": title,
-        "functions": [
-            {"name": name, "kind": functions[name], "text": texts[name]} for name in functions
-        ],
-        "others": [f"{name}.py" for name in fields.functions if name not in functions],
-        "levels": levels,
-    }
+            levels.append({**known, "functions": [*wanted]})
+    functions = [
+        {"name": name, "kind": kind, "text": (course.folder / f"{name}.py").read_text("utf-8")}
+        for name, kind in fields.functions.items()
+    ]
+    return {"title": title, "functions": functions, "levels": levels}
 
 
 def level_data(level: Level) -> dict[str, Any] | None:
@@ -121,6 +116,8 @@ def level_data(level: Level) -> dict[str, Any] | None:
         "name": name,
         "title": level.title or name,
         "discount": level.discount,
+        "max_steps": level.max_steps,
+        "needed": _needed(level),
         "shape": [*mdp.shape],
         "tables": {each: getattr(mdp, each).tolist() for each in _TABLES},
         "places": [space.text(state) for state in range(mdp.num_states)],
@@ -132,6 +129,13 @@ def level_data(level: Level) -> dict[str, Any] | None:
         graded(best.policy, "policy", found)
         return found
     return None
+
+
+def _needed(level: Level) -> float:
+    """Return the least expected return of an agent that passes."""
+    limit = level.max_steps
+    random = evaluate(level, "random", within=limit).expected_return
+    return random + AT_LEAST * (solve(level, within=limit).expected_return - random)
 
 
 def _mistakes(level: Level, right: Floats, counted: Any) -> Iterator[tuple[str, Floats]]:

@@ -11,6 +11,8 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from hashlib import sha256
+from random import Random
+from types import SimpleNamespace
 from typing import Any
 
 STEP = 4e-3
@@ -24,6 +26,8 @@ MAX_PRINTED = 10_000
 
 SWEEPS = 2_000
 """The most sweeps by which a policy is evaluated."""
+
+_OUTCOMES = ("probability", "reward", "next_state", "terminal")
 
 ACTIONS = ("stay", "north", "east", "south", "west")
 
@@ -75,21 +79,64 @@ class Tables:
                 setattr(self, name, array)
 
 
+class Env:
+    """Episodes in a level, as Gymnasium has them. An observation is the cell `(x, y)`."""
+
+    def __init__(self, level: Mapping[str, Any]) -> None:
+        self._tables, self._limit = level["tables"], level["max_steps"]
+        *_, self._height, self._width = level["shape"]
+        self.unwrapped, self.state, self._steps = self, 0, 0
+        self._random = Random()
+        self.action_space = SimpleNamespace(
+            n=len(ACTIONS), sample=lambda: self._random.randrange(len(ACTIONS))
+        )
+
+    def reset(self, *, seed: int | None = None) -> tuple[tuple[int, int], dict[str, Any]]:
+        """Begin an episode, and return the observation and what else is told."""
+        if seed is not None:
+            self._random = Random(seed)
+        self._steps, self.state = 0, self._drawn(self._tables["start"])
+        return self._seen()
+
+    def step(self, action: int) -> tuple[tuple[int, int], float, bool, bool, dict[str, Any]]:
+        """Take an action, and return Gymnasium's five values."""
+        row = {each: self._tables[each][self.state][action] for each in _OUTCOMES}
+        at = self._drawn(row["probability"])
+        self.state, self._steps = row["next_state"][at], self._steps + 1
+        ends = row["terminal"][at] or self._tables["is_terminal"][self.state]
+        is_late = not ends and self._steps == self._limit
+        observation, info = self._seen()
+        return observation, row["reward"][at], ends, is_late, info
+
+    def close(self) -> None:
+        """Do nothing: there is nothing to close."""
+
+    def _drawn(self, chances: Sequence[float]) -> int:
+        return self._random.choices(range(len(chances)), chances)[0]
+
+    def _seen(self) -> tuple[tuple[int, int], dict[str, Any]]:
+        y, x = divmod(self.state % (self._height * self._width), self._width)
+        return (x, y), {"action_mask": self._tables["action_mask"][self.state]}
+
+
 class Level:
-    """What a function gets: the name, the title, the discount, and the tables."""
+    """What a function gets: the name, the title, the discount, the tables, and episodes."""
 
     def __init__(self, level: Mapping[str, Any]) -> None:
         self.name, self.title = level["name"], level["title"]
-        self.discount, self._tables = level["discount"], Tables(level)
+        self.discount, self._level, self._tables = level["discount"], level, Tables(level)
 
     def compile(self) -> Tables:
         """Return the tables."""
         return self._tables
 
+    def make(self) -> Env:
+        """Return an environment of its own."""
+        return Env(self._level)
+
     def __getattr__(self, name: str) -> Any:
-        raise AttributeError(
-            f"here, a level has compile(), discount, name and title, but no {name!r}"
-        )
+        told = "compile(), make(), discount, name and title"
+        raise AttributeError(f"here, a level has {told}, but no {name!r}")
 
 
 def run(text: str, name: str, kind: str, given: str) -> str:
@@ -98,7 +145,7 @@ def run(text: str, name: str, kind: str, given: str) -> str:
     Args:
         text: Python with the function.
         name: the name of the function.
-        kind: whether it returns `values` or a `policy`.
+        kind: whether it returns `values`, a `policy`, or that of an `agent`.
         given: the level, as JSON.
 
     Returns:
@@ -140,8 +187,10 @@ def graded(answer: Any, kind: str, level: Mapping[str, Any]) -> str:
         AnswerError: it is wrong.
     """
     values = _flat(answer, level, kind)
-    actions = _actions(values, level) if kind == "policy" else None
-    values = values if actions is None else _evaluated(level, actions)
+    actions = None if kind == "values" else _actions(values, level)
+    if actions is not None and kind == "agent":
+        return _earned(actions, level)
+    values = values if actions is None else _evaluated(level, actions, level["graded"])
     counted = [values[state] for state in level["graded"]]
     for state, value in zip(level["graded"], counted, strict=True):
         if not math.isfinite(value):
@@ -205,9 +254,7 @@ def _actions(answer: Sequence[Any], level: Mapping[str, Any]) -> list[int]:
 def _ahead(level: Mapping[str, Any], values: Sequence[float], state: int, action: int) -> float:
     """Return the value of an action, by values of the next states."""
     tables, discount = level["tables"], level["discount"]
-    rows = (
-        tables[each][state][action] for each in ("probability", "reward", "next_state", "terminal")
-    )
+    rows = (tables[each][state][action] for each in _OUTCOMES)
     return math.fsum(
         chance * (reward + (0.0 if ends else discount * values[following]))
         for chance, reward, following, ends in zip(*rows, strict=True)
@@ -215,9 +262,11 @@ def _ahead(level: Mapping[str, Any], values: Sequence[float], state: int, action
     )
 
 
-def _evaluated(level: Mapping[str, Any], actions: Sequence[int]) -> list[float]:
-    """Return the values of a policy."""
-    going_on = [state for state in level["graded"] if not level["tables"]["is_terminal"][state]]
+def _evaluated(
+    level: Mapping[str, Any], actions: Sequence[int], states: Sequence[int]
+) -> list[float]:
+    """Return the values of a policy, of some states that it does not leave."""
+    going_on = [state for state in states if not level["tables"]["is_terminal"][state]]
     values = [0.0] * len(actions)
     for _ in range(SWEEPS):
         change = 0.0
@@ -228,6 +277,31 @@ def _evaluated(level: Mapping[str, Any], actions: Sequence[int]) -> list[float]:
             return values
     worst = level["places"][values.index(min(values))]
     raise AnswerError(f"from {worst} its episodes do not end, or too late to evaluate it here")
+
+
+def _earned(actions: Sequence[int], level: Mapping[str, Any]) -> str:
+    """Return what the policy of an agent earns from the starts, if that is enough."""
+    tables, needed = level["tables"], level["needed"]
+    reached = [state for state, chance in enumerate(tables["start"]) if chance]
+    refused = 0
+    for state in reached:
+        if not tables["is_terminal"][state]:
+            action = actions[state]
+            refused += not tables["action_mask"][state][action]
+            outcomes = zip(*(tables[each][state][action] for each in _OUTCOMES), strict=True)
+            new = {following for chance, _, following, _ in outcomes if chance} - {*reached}
+            reached += sorted(new)
+    told = "; leave impossible actions out of the maximum" * (refused > 0)
+    try:
+        values = _evaluated(level, actions, reached)
+    except AnswerError as error:
+        raise AnswerError(f"{error}{told}") from None
+    earned = math.fsum(
+        chance * value for chance, value in zip(tables["start"], values, strict=True)
+    )
+    if earned < needed - 1e-9:
+        raise AnswerError(f"the expected return is {earned:.4g}, and {needed:.4g} is needed{told}")
+    return f"the expected return is {earned:.4g}, and {needed:.4g} is enough"
 
 
 def _first_wrong(

@@ -86,9 +86,49 @@ def test_policies_are_right_as_elsewhere(name: str) -> None:
                 hashed.graded(changed, "policy", DATA[name])
 
 
+def test_agents_learn_in_episodes_of_the_page() -> None:
+    learned = (SOLUTIONS / "q_learning.py").read_text("utf-8")
+    passed, message = asked(learned, "q_learning", "agent", "puddle-test")
+    needed = DATA["puddle-test"]["needed"]
+    assert (passed, message.endswith(f"{needed:.4g} is enough")) == (True, True), message
+    best = brl.solve("puddle-test").expected_return
+    random = brl.evaluate("puddle-test", "random", within="max_steps").expected_return
+    assert needed == pytest.approx(random + 0.95 * (best - random), rel=1e-6)
+    masked = """
+def q_learning(level):
+    return [max(range(5), key=lambda action: -mask[action]) for mask in level.compile().action_mask]
+"""
+    _, message = asked(masked, "q_learning", "agent", "puddle-test")
+    assert message.startswith("from ")
+    assert message.endswith("; leave impossible actions out of the maximum")
+
+
+def test_episodes_are_those_of_the_tables() -> None:
+    level = hashed.Level(DATA["frozen-lake"])
+    env, mdp = level.make(), brl.load("frozen-lake").compile()
+    told = [(env.reset(seed=3), *(env.step(2) for _ in range(3))) for _ in range(2)]
+    assert told[0] == told[1]
+    ends = 0
+    for _ in range(50):
+        env.reset()
+        for _ in range(level.make()._limit):
+            state, action = env.state, env.action_space.sample()
+            (x, y), reward, over, late, info = env.step(action)
+            outcomes = mdp.next_state[state, action], mdp.reward[state, action]
+            assert (env.state, reward) in [*zip(*(each.tolist() for each in outcomes), strict=True)]
+            assert (x + 4 * y, info["action_mask"]) == (
+                env.state,
+                mdp.action_mask[env.state].tolist(),
+            )
+            if over or late:
+                ends += over
+                break
+    assert ends > 40
+
+
 def test_solutions_are_right_and_skeletons_are_not_written() -> None:
     told = desk._told(read_course(ROOT / "course"), "Robots")
-    for function in told["functions"]:
+    for function in told["functions"][:2]:
         right = (SOLUTIONS / f"{function['name']}.py").read_text("utf-8")
         for level in told["levels"]:
             given = function["name"], function["kind"], json.dumps(level)
@@ -118,8 +158,8 @@ WRONG = {
     "return ['east'] * 16": "the values are not numbers",
     "return [float('nan')] * 16": "the value of [0, 0] is nan",
     "pass": "it returns nothing: it has to end with `return`",
-    "return level.size": "AttributeError in line 2: here, a level has compile(), discount, name "
-                         "and title, but no 'size'",
+    "return level.size": "AttributeError in line 2: here, a level has compile(), make(), discount, "
+                         "name and title, but no 'size'",
     "return 1 /": "SyntaxError: invalid syntax (value_iteration.py, line 2)",
     "level.compile().probability[0, 0] = 1": "ValueError in line 2: assignment destination is "
                                              "read-only",

@@ -64,11 +64,7 @@ function choose(wanted) {
   text.setAttribute("aria-label", `${wanted.name}.py`);
   found.replaceChildren();
   printed.textContent = "";
-  tell(
-    course.others.length
-      ? `${course.others.join(" and ")} need the package, and are graded where it is installed.`
-      : "",
-  );
+  tell("");
 }
 
 function begin() {
