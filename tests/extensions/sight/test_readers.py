@@ -90,7 +90,8 @@ def with_costs(value: Any, *, is_reward: bool = False) -> Any:
         }
     if isinstance(value, list):
         return [with_costs(each) for each in value]
-    return -1 - abs(value) if is_reward and value is not None else value
+    # An exit that pays what its cell does says so by a word.
+    return -1 - abs(value) if is_reward and isinstance(value, int | float) else value
 
 
 def costly(seed: int) -> list[Fields] | None:
