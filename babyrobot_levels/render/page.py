@@ -117,7 +117,7 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         facts=facts(level),
         common=embedded_json(common),
         data=embedded_json(data),
-        **_own(is_team=bool(level.robots)),
+        **_own(is_team=bool(level.robots), is_foggy="sight" in data),
     )
 
 
@@ -151,9 +151,11 @@ def _answer_overlay(options: PageOptions) -> Overlay:
 
 
 @cache
-def _own(*, is_team: bool) -> dict[str, Markup]:
+def _own(*, is_team: bool, is_foggy: bool) -> dict[str, Markup]:
     """Return style, script, and a content security policy that allows these, and no loading."""
     given = {} if is_team else {"render/static/team.js": static("render/static/one.js")}
+    if not is_foggy:
+        given["render/static/fog.js"] = static("render/static/clear.js")
     style = put_together("render/static/page.css")
     script = f'"use strict";\n{put_together("render/static/page.js", given)}'
     style_hash, script_hash = (

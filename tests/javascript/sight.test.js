@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Game } from "../../babyrobot_levels/render/static/game.js";
-import { inPercent } from "../../babyrobot_levels/render/static/sight.js";
+import { inPercent, Sight } from "../../babyrobot_levels/render/static/sight.js";
 import { corridor } from "./page.js";
 
 const [EAST, WEST] = [2, 4];
@@ -9,7 +9,11 @@ const OWN_CELL = { field: [0, 0, 0], fields: [[0, 0]] };
 
 /** The corridor, through a sight that shows the same everywhere, or what is given. */
 function foggy(sight = {}, changes = {}) {
-  return new Game(corridor({ sight: { shown: [0, 0, -1], ...OWN_CELL, ...sight }, walker: "sight", ...changes }));
+  const data = corridor({ sight: { shown: [0, 0, -1], ...OWN_CELL, ...sight }, walker: "sight", ...changes });
+  const game = new Game(data);
+  game.sight = new Sight(data);
+  game.sight.begin(game.state);
+  return game;
 }
 
 const belief = (game) => Object.fromEntries(game.sight.now.belief);

@@ -2,11 +2,18 @@
 
 import { COMMON } from "./common.js";
 import { element } from "./paint.js";
-import { inPercent } from "./sight.js";
+import { inPercent, Sight } from "./sight.js";
 
 const [FAINT, STRONG] = [0.25, 0.85]; // The opacities of shades of what is unlikely, and nearly certain.
 const LINE = 13; // The height of a line of text.
 const MOST_LINES = 4;
+
+/** Have a game played through the sight of its page, if there is one. */
+export function limitSight(game) {
+  if (game.data.sight === undefined) return;
+  game.sight = new Sight(game.data);
+  game.sight.begin(game.state);
+}
 
 /** The layers of a picture that hide what a sight does not show. */
 export class Fog {

@@ -4,7 +4,6 @@ import { OUTCOME_LENGTH } from "./checks.js";
 import { COMMON } from "./common.js";
 import { Generator } from "./random.js";
 import { optimalAction } from "./regret.js";
-import { Sight } from "./sight.js";
 import { Things } from "./things.js";
 
 export const SIDES = ["", "north", "east", "south", "west"];
@@ -25,8 +24,8 @@ export class Game {
     this.isTurning = isTurning;
     /** @type {"optimum" | "agent" | "costs"} What is shown over the cells. */
     this.view = data.agent === undefined ? "optimum" : "agent";
-    /** What one sees who does not see everything; null on other pages. */
-    this.sight = data.sight === undefined ? null : new Sight(data);
+    /** @type {any} What one sees who does not see everything; null on other pages. */
+    this.sight = null;
     this.begin(data.seed);
   }
 

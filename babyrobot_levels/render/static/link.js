@@ -44,8 +44,8 @@ export async function linkedLevel(fragment) {
   } catch {
     throw new LinkError(NOT_A_LEVEL);
   }
-  // Only a page that was made for an agent has one.
-  need(data?.agent === undefined);
+  // Only a page that was made for an agent, or a sight, has one.
+  need(data?.agent === undefined && data?.sight === undefined);
   const level = checked(data);
   level.code ??= letters;
   return level;

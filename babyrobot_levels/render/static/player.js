@@ -2,7 +2,7 @@
 
 import { keepRun, runOf } from "./address.js";
 import { byId, html, showStars } from "./dom.js";
-import { Fog } from "./fog.js";
+import { Fog, limitSight } from "./fog.js";
 import { capital, formatted, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
 import { downloadPlays, keepName, keepPlay, recallName, seedAfter } from "./kept.js";
@@ -50,6 +50,7 @@ export function showLevel(data) {
   watch(false);
   picture?.stop();
   game = gameOf(data);
+  limitSight(game);
   picture = new Picture(game, svg, view);
   trail = new Trail(game, svg);
   fog = new Fog(game, svg);
