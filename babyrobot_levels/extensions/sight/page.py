@@ -51,7 +51,9 @@ def page_sight(
     own = load(level.to_dict(whole=True))
     chosen = sight_of(sight, Extent.of([own], turns=False), **options)
     if not isinstance(chosen, ObservationSight):
-        raise ValueError(f"a page shows what environments show, and not {chosen.name!r}")
+        raise ValueError(
+            f"a page is seen through what environments show, such as 'view', not {chosen.name!r}"
+        )
     states = space_of(own, "all").mdp.num_states
     if states > MOST_STATES:
         raise TooLargeError(

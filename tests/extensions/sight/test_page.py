@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.places import ROOT
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
@@ -100,13 +101,20 @@ def test_without_answers_the_best_agent_is_not_in_the_page() -> None:
         ({"view_radius": 1}, "view_radius is for a sight"),
         ({"sight": "view", "values": True}, "values is of one who sees everything"),
         ({"sight": "view", "policy": "random"}, "policy is of one who sees everything"),
-        ({"sight": "text-view"}, "what environments show"),
+        ({"sight": "text-view"}, "what environments show, such as 'view'"),
         ({"sight": "vew"}, "did you mean `view`"),
     ],
 )
 def test_what_does_not_go_together_is_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         brl.load("shell-game").to_html(**options)
+
+
+def test_a_level_with_very_many_states_is_refused() -> None:
+    with pytest.raises(ValueError, match="22,500 states is too large for a page with a sight"):
+        page_sight(brl.load({"version": 1, "size": [150, 150]}), "position")
+    with pytest.raises(brl.LevelError, match="only for levels with one"):
+        page_sight(brl.load(ROOT / "examples" / "robots" / "two-pads.yaml"))
 
 
 def test_the_command_makes_such_a_page(here: Path) -> None:
