@@ -53,6 +53,13 @@ def standing(session: Session) -> Counter[tuple[Any, ...]]:
     )
 
 
+def test_a_wanderer_is_stamped_with_its_rectangle() -> None:
+    wanderer = "movers:\n  - {within: {at: [0, 0], size: [2, 1]}}\n"
+    session = Session(f"version: 1\nsize: [6, 2]\nstart: [5, 1]\nexit: [5, 0]\n{wanderer}")
+    copied(session, (0, 0), (1, 0))
+    assert "{within: {at: [2, 0], size: [2, 1]}}" in done(session, "stamp", at=[2, 0])
+
+
 def test_a_room_is_stamped_with_walls_and_a_door_that_its_own_key_opens() -> None:
     session = Session(ROOM)
     copied(session, (0, 0), (1, 1))

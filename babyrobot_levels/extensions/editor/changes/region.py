@@ -130,7 +130,7 @@ def _put(draft: Draft, field: str, entry: Entry, names: Names, ends: Set[Cell]) 
         return _put_side(draft, field, entry, names)
     if field in GROUND:
         return _put_ground(draft, field, entry, ends)
-    at = entry.get("one_of") or [entry["at"]] if "path" not in entry else []
+    at = entry.get("one_of") or ([entry["at"]] if "at" in entry else [])
     if not ends.isdisjoint(map(as_cell, at)):
         return False
     if field == "movers":
