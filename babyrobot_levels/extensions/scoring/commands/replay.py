@@ -106,7 +106,8 @@ def _read(file: Path) -> list[brl.Play]:
         note(f"error: {error}")
         raise typer.Exit(FINDINGS) from None
     except OSError as error:
-        help_text = f"to play a level: babyrobot play {quoted(file)}" * (not file.suffix)
+        is_name = not file.suffix and not file.is_dir()
+        help_text = f"to play a level: babyrobot play {quoted(file)}" * is_name
         fail(f"{file} cannot be read ({error.strerror or error})", help_text)
 
 
