@@ -58,6 +58,7 @@ from .extensions.assistants.skill import skill as skill
 from .extensions.compare.diff import Difference as Difference
 from .extensions.compare.diff import diff as diff
 from .extensions.editor.notebook import edit as edit
+from .extensions.editor.runtime import RuntimeFileError as RuntimeFileError
 from .extensions.expect.expecting import expect as expect
 from .extensions.formats.conversion import Conversion as Conversion
 from .extensions.formats.conversion import ConversionError as ConversionError

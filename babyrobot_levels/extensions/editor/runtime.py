@@ -39,7 +39,7 @@ TIMEOUT = 300
 """How long fetching may take, in seconds."""
 
 
-class RuntimeFileError(BabyRobotError):
+class RuntimeFileError(BabyRobotError, public=True):
     """A file of the runtime that cannot be had, or is another one."""
 
 
