@@ -102,7 +102,8 @@ def _rows(fields: dict[str, Any]) -> Iterator[str]:
 
 
 def _entries(fields: dict[str, Any], definitions: dict[str, Any]) -> Iterator[str]:
-    """Yield a line for each field that holds mappings: what these may have."""
+    """Yield a line for each field that holds mappings: what these may have, if that is new."""
+    told: dict[str, str] = {}
     for name, schema in fields.items():
         model = next(iter(re.findall(r"#/\$defs/(\w+)", str(schema))), "")
         if not model or name in (*fields_with(Role.LOOK, Role.EXPECTATION), "skid"):
@@ -113,7 +114,9 @@ def _entries(fields: dict[str, Any], definitions: dict[str, Any]) -> Iterator[st
             if key not in LOOKS:
                 kind = ", ".join(filter(None, (_type(each), _default(each))))
                 mark = "" if key in required else "?"
-                parts.append(f"`{key}`{mark} ({kind}): {each['description'].rstrip('.')}")
+                text = f"`{key}`{mark} ({kind}): {each['description'].rstrip('.')}"
+                parts.append(f"`{key}`{mark}" if told.get(key) == text else text)
+                told[key] = text
         yield f"- **{name}**: {'; '.join(parts)}."
 
 
