@@ -25,6 +25,9 @@ GATE = {"at": [2, 0], "side": "E", "needs": "lever"}
 PAD = {"name": "pad", "at": [1, 1]}
 GUARD = {"path": [[1, 2], [2, 2]]}
 BAT = {"within": {"at": [1, 0], "size": [2, 2]}, "start": [1, 0]}
+BREEZE = {**SIZE, "wind": {"north": [0, 1, 0, 0]}}
+CHOICE = {**SIZE, "start": [[0, 0], [1, 0]]}
+SHELLS = {"size": [4, 3], "exit_one_of": [[3, 2], [3, 0]]}
 GLASS = {"at": [1, 1], "side": "E", "pass": 0.2}
 MAP = "+---+---+---+\n| S   k   E |\n+---+---+---+\n"
 
@@ -83,6 +86,8 @@ DIFFERENT: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "warps.at": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"at": [2, 1]}),
     "warps.to": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"to": [2, 0]}),
     "warps.when": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"when": "leave"}),
+    "warps.probability": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"probability": 0.5}),
+    "warps.weights": pair("warps", {"at": [1, 1], "to": [[3, 0], [2, 0]]}, {"weights": [1, 3]}),
     "warps.reward": pair("warps", {"at": [1, 1], "to": [3, 0]}, {"reward": -7}),
     "puddles.at": pair("puddles", {"at": [1, 1]}, {"at": [2, 1]}),
     "puddles.size": pair("puddles", {"at": [1, 1]}, {"size": "large"}),
@@ -105,16 +110,19 @@ DIFFERENT: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
                             walls=[{"at": [1, 0], "side": "E", "length": 3}]),
     **{f"wind.{side}": (SIZE, {**SIZE, "wind": {side: [0, 2, 0, 0][:lines]}})
        for side, lines in (("north", 4), ("east", 3), ("south", 4), ("west", 3))},
+    "wind.varies": (BREEZE, {**SIZE, "wind": {"north": [0, 1, 0, 0], "varies": True}}),
+    "wind.probability": (BREEZE, {**SIZE, "wind": {"north": [0, 1, 0, 0], "probability": 0.5}}),
     # -- further fields
     "size": (SIZE, {**SIZE, "size": [5, 3]}),
     "map": ({"map": MAP.replace("k", " ")}, {"map": MAP.replace("k", "o")}),
     "legend": ({"map": MAP, "legend": {"k": {"reward": -3}}},
                {"map": MAP, "legend": {"k": {"reward": -4}}}),
     "start": (SIZE, {**SIZE, "start": [1, 1]}),
+    "start_weights": (CHOICE, {**CHOICE, "start_weights": [1, 3]}),
     "heading": (SIZE, {**SIZE, "heading": "N"}),
     "exit": (SIZE, {**SIZE, "exit": [2, 2]}),
-    "exit_one_of": ({"size": [4, 3], "exit_one_of": [[3, 2], [3, 0]]},
-                    {"size": [4, 3], "exit_one_of": [[3, 2], [3, 1]]}),
+    "exit_one_of": (SHELLS, {"size": [4, 3], "exit_one_of": [[3, 2], [3, 1]]}),
+    "exit_weights": (SHELLS, {**SHELLS, "exit_weights": [1, 3]}),
     "exit_needs": ({**SIZE, "items": [KEY]}, {**SIZE, "items": [KEY], "exit_needs": "key"}),
     "maze": ({**SIZE, "maze": {"seed": 1}}, {**SIZE, "maze": {"seed": 2}}),
     "skid": (SIZE, {**SIZE, "skid": 0.1}),

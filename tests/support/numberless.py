@@ -28,6 +28,8 @@ MESSAGES: list[dict[str, Any]] = [
     {"do": "answers"},
     {"do": "levels"},
     {"do": "filled", "brush": "small", "at": [1, 1]},
+    {"do": "lift", "cells": [[0, 0], [1, 1]]},
+    {"do": "stamp", "at": [2, 1]},
     *({"do": "copy", "form": form} for form in ("yaml", "drawing", "python", "code")),
     {"do": "text", "text": TEXT + "puddles: [[1, 1]]\nexits: [3, 2]\n"},
     {"do": "undo"},

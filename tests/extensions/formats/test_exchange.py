@@ -64,9 +64,11 @@ SLOPE: World = {"walls": [{"at": [1, 1], "side": "E"}]}
 CHANGES: dict[str, tuple[World, World]] = {
     "size": ({}, {"size": [5, 3]}),
     "start": ({}, {"start": [[0, 0], [1, 0]]}),
+    "start_weights": ({"start": [[0, 0], [1, 0]]}, {"start_weights": [1, 3]}),
     "heading": ({}, {"heading": "S"}),
     "exit": ({}, {"exit": [[3, 2], [3, 1]]}),
     "exit_one_of": ({"exit": [[3, 2], [3, 1]]}, {"exit": None, "exit_one_of": [[3, 2], [3, 1]]}),
+    "exit_weights": ({"exit": None, "exit_one_of": [[3, 2], [3, 1]]}, {"exit_weights": [1, 3]}),
     "boxes": ({}, {"boxes": [{"at": [1, 1]}]}),
     "targets": (
         {"boxes": [{"at": [1, 1]}], "rewards": {"covered": 2}},
@@ -98,6 +100,7 @@ OTHERS: tuple[World, ...] = ({"wind": {"east": [0, 1, 0]}}, {"rewards": {"bump":
 
 NEEDED = {
     **{"exit_one_of": "exit", "exit_needs": "items", "doors": "items"},
+    **{"start_weights": "start", "exit_weights": "exit_one_of"},
     **{"hit": "movers", "puddle_types": "puddles", "targets": "boxes"},
 }
 """Fields that mean nothing where another one is lost."""
@@ -123,7 +126,7 @@ def test_what_is_lost_is_told_whatever_else_is(name: str, monkeypatch: pytest.Mo
     write = FORMATS[name].write
     for field, (around, change) in CHANGES.items():
         other = next(other for other in OTHERS if field not in other)
-        without = brl.load({**plain, **around, **other})
+        without = brl.load({**plain, **other}).replace(**around)
         level = without.replace(**change)
         told = [lost.field for lost in export(level, name).warnings]
         again = level_of_world(world_of(export(level, name).text, name))
