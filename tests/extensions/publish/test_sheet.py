@@ -20,7 +20,7 @@ from support.scenes import bounds
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.publish.sheet_pages import LINE
 from babyrobot_levels.render.scene import shapes
-from babyrobot_levels.render.scene.shapes import Scene, Text
+from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
 
 NAMES = [
     "final-maze",
@@ -69,6 +69,13 @@ def test_a_single_level_and_a_suite_are_levels_too() -> None:
     suite = brl.load_suite("small-mazes")
     assert len(brl.sheet(suite[:6], per_page=4).pages) == 2
     assert len(brl.sheet((brl.load(name) for name in NAMES), per_page=6).pages) == 1
+
+
+def test_fewer_levels_than_have_room_share_the_whole_page() -> None:
+    def width(sheet: brl.Sheet) -> float:
+        return max(shape.width for shape in sheet.pages[0].shapes if isinstance(shape, Rect))
+
+    assert width(brl.sheet("frozen-lake")) > 1.2 * width(brl.sheet(["frozen-lake"] * 4))
 
 
 def test_a_key_has_a_picture_for_each_set_of_held_things() -> None:
