@@ -23,6 +23,7 @@ import yaml
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.expectations import is_met
+from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.expectations import Expect
 from babyrobot_levels.language.metric_names import NEEDS, THINGS
 
@@ -45,7 +46,10 @@ KINDS: Mapping[str, Callable[[brl.Level], Collection[Any]]] = {
     "glass": lambda level: [wall for wall in level.walls if wall.pass_],
     "warps": lambda level: level.warps,
     "wind": lambda level: [
-        strength for _, line in level.wind or () for strength in line or () if strength
+        strength
+        for side in SIDE_NAMES
+        for strength in getattr(level.wind, side, None) or ()
+        if strength
     ],
     "items": lambda level: level.items,
     "coins": lambda level: [item for item in level.items if item.reward is not None],

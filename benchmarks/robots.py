@@ -13,7 +13,6 @@ import random
 import time
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import report
@@ -22,7 +21,7 @@ from timing import Comparison, Measure, compare_in_turns, installed
 import babyrobot_levels as brl
 
 STEPS = 20_000
-LEVEL = Path(__file__).resolve().parent.parent / "examples" / "robots" / "two-pads.yaml"
+LEVEL = "two-pads"
 
 
 def joint_steps() -> Measure:

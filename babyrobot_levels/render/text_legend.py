@@ -206,6 +206,9 @@ class _Reader:
             return self._of_things(BOX[column], ON_TARGET[column])
         if kind in ("item", "switch"):
             return self._of_things(self._marks_of_things[name])
+        if kind == "start":
+            # Several robots: the drawing has the first letter of each.
+            return self._of_things(rule.text[0].upper())
         if kind == "mover":
             return self._of_things(MOVER[column])
         if kind == "glass" and glass:

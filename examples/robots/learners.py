@@ -8,7 +8,6 @@ far each team is from its optimum, exactly, and whose loss it is.
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,8 +58,7 @@ def learn(
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    folder = Path(__file__).parent
-    parser.add_argument("levels", nargs="*", default=sorted(folder.glob("*.yaml")))
+    parser.add_argument("levels", nargs="*", default=["passing-place", "two-pads"])
     parser.add_argument("--steps", type=int, default=60_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--discount", type=float, default=0.95)

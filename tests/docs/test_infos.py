@@ -63,7 +63,7 @@ def test_target_reached_and_skidded_follow_from_the_tables() -> None:
     seen = set()
     for before, action, (*_, info), after in walk(env):
         target = mdp.intended_next_state[before, action]
-        there = after == target or (target == mdp.num_states and after in starts)
+        there = after == target or (target >= mdp.num_states and after in starts)
         obstruction = mdp.obstruction[before, action]
         assert info["target_reached"] == (there and obstruction != REFUSED)
         assert info["skidded"] == (not there and obstruction != GLASS)

@@ -20,6 +20,8 @@ ENTRIES = [
     ("extensions/editor", "site.js"),
     ("extensions/editor", "widget.js"),
     ("extensions/editor", "worker.js"),
+    ("extensions/publish", "desk.js"),
+    ("extensions/publish", "desk_worker.js"),
     ("extensions/publish", "level.css"),
     ("extensions/publish", "played_level.js"),
     ("extensions/publish", "scorm.js"),
@@ -28,6 +30,9 @@ ENTRIES = [
     ("extensions/publish", "wall.js"),
     ("render", "page.css"),
     ("render", "page.js"),
+    # In place of others in pages that do without them.
+    ("render", "clear.js"),
+    ("render", "one.js"),
 ]
 """What pages name."""
 

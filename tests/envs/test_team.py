@@ -9,12 +9,11 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from support.places import ROOT
 
 import babyrobot_levels as brl
 
-PASSING = ROOT / "examples" / "robots" / "passing-place.yaml"
-PADS = ROOT / "examples" / "robots" / "two-pads.yaml"
+PASSING = "passing-place"
+PADS = "two-pads"
 SLIPPERY = {
     "version": 1,
     "size": [4, 3],
@@ -120,7 +119,6 @@ def test_a_level_with_one_robot_and_one_with_several_are_told_apart() -> None:
         lambda: brl.LevelEnv(PASSING),
         lambda: gymnasium.make_vec("babyrobot/Level-v0", num_envs=2, level=PASSING),
         lambda: brl.rollout(PASSING, "random"),
-        lambda: brl.score(PASSING, "random"),
         lambda: brl.solve(PASSING, sight="view"),
     ):
         with pytest.raises(brl.LevelError, match=r"2 robots.*only for levels with one"):

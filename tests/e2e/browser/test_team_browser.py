@@ -62,7 +62,7 @@ def test_two_players_on_one_keyboard(ground: Playground, tmp_path: Path, arrived
 
 
 def test_the_optimum_is_a_partner(ground: Playground, tmp_path: Path) -> None:
-    level = brl.load("examples/robots/two-pads.yaml")
+    level = brl.load("two-pads")
     level = level.replace(display={**level.display.model_dump(), "robot": {"speed": 100}})
     solution = brl.solve(level)
     ground.open(level, guide=guide_of(level, solution))
@@ -104,7 +104,7 @@ def test_a_tap_moves_the_robot_that_is_asked(ground: Playground) -> None:
 
 
 def test_a_link_to_several_robots_is_refused_by_a_page_of_one(ground: Playground) -> None:
-    team = brl.load("examples/robots/two-pads.yaml")
+    team = brl.load("two-pads")
     ground.open(brl.load("final-maze"))
     ground.follow(link_fragment(team, team))
     notice = ground.page.locator("#notice").inner_text()

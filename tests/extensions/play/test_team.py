@@ -9,11 +9,11 @@ from support.games import DOWN, RIGHT, UP, Game
 import babyrobot_levels as brl
 from babyrobot_levels.agents.verify import verify_play
 
-TWO_PADS = Path(__file__).parents[3] / "examples" / "robots" / "two-pads.yaml"
+TWO_PADS = "two-pads"
 
 
 def test_two_players_share_the_keyboard(tmp_path: Path) -> None:
-    with Game(tmp_path, str(TWO_PADS), "--seed", "1", "--record", "a.brlplay") as game:
+    with Game(tmp_path, TWO_PADS, "--seed", "1", "--record", "a.brlplay") as game:
         assert "WASD red · ←↑↓→ blue" in game.until("Move all robots to the exit. And red?")
         game.press(RIGHT)
         game.until("blue: east. And red?")
@@ -41,7 +41,7 @@ def test_two_players_share_the_keyboard(tmp_path: Path) -> None:
 
 
 def test_a_team_does_not_turn(tmp_path: Path) -> None:
-    with Game(tmp_path, str(TWO_PADS), "--actions", "turns") as game:
+    with Game(tmp_path, TWO_PADS, "--actions", "turns") as game:
         status, told = game.ended()
     assert status == 2
     assert "the robots of a team do not turn" in told

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.random_teams import random_team
-from support.places import ROOT
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.observations.base import Extent
@@ -16,7 +15,7 @@ from babyrobot_levels.envs.observations.numbers import vector_names
 from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.observations.views import view_planes
 
-PASSING = ROOT / "examples" / "robots" / "passing-place.yaml"
+PASSING = "passing-place"
 NAMES = ("position", "walls", "vector", "planes", "view")
 
 

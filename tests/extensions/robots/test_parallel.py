@@ -10,11 +10,10 @@ import gymnasium
 import pytest
 from oracles.random_teams import random_team
 from pettingzoo.utils import parallel_to_aec
-from support.places import ROOT
 
 import babyrobot_levels as brl
 
-PASSING = ROOT / "examples" / "robots" / "passing-place.yaml"
+PASSING = "passing-place"
 TEAMS = [fields for seed in range(30) if (fields := random_team(Random(seed))) is not None]
 
 
@@ -24,7 +23,7 @@ def test_pettingzoo_finds_no_fault() -> None:
         # Its tests import environments in a way that it calls deprecated itself (1.27).
         warnings.simplefilter("ignore", DeprecationWarning)
         from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
-    levels: list[Any] = [PASSING, ROOT / "examples" / "robots" / "two-pads.yaml", *TEAMS]
+    levels: list[Any] = [PASSING, "two-pads", *TEAMS]
     for level in levels:
         parallel_api_test(brl.parallel_env(level), num_cycles=20)
     parallel_seed_test(lambda: brl.parallel_env(PASSING), num_cycles=20)

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.random_teams import random_team
-from support.places import ROOT
 
 import babyrobot_levels as brl
 from babyrobot_levels.text.errors import LevelError
 
-PASSING = ROOT / "examples" / "robots" / "passing-place.yaml"
+PASSING = "passing-place"
 MEETING: dict[str, Any] = {
     # Both want the cell between them, which one alone can enter: a game of chicken.
     "version": 1,
@@ -36,7 +35,7 @@ def always(level: brl.Level, action: int) -> np.ndarray[Any, Any]:
 
 
 def test_the_optimum_has_no_regret() -> None:
-    for level in (PASSING, ROOT / "examples" / "robots" / "two-pads.yaml"):
+    for level in (PASSING, "two-pads"):
         found = brl.score_team(level, "best")
         assert found.regret == pytest.approx(0, abs=1e-9)
         assert [each.team_regret for each in found.robots] == pytest.approx([0, 0], abs=1e-9)
@@ -129,7 +128,7 @@ def test_wrong_policies_are_named() -> None:
 
 def test_coordination_is_known_where_the_team_never_ends() -> None:
     # Each can wait for the other to come by chance, so that either could end what never ends.
-    found = brl.score_team(ROOT / "examples" / "robots" / "two-pads.yaml", "random")
+    found = brl.score_team("two-pads", "random")
     assert found.expected_return == -np.inf
     assert max(each.team_return for each in found.robots) == pytest.approx(-90.8333333)
     assert found.coordination == pytest.approx(80.8333333)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.places import ROOT
 
 import babyrobot_levels as brl
 
@@ -69,7 +68,7 @@ def test_masked_and_recurrent_models_of_sb3_contrib() -> None:
 
 @pytest.mark.parametrize("kind", ["stable_baselines3:PPO", "sb3_contrib:MaskablePPO"])
 def test_models_that_move_several_robots(kind: str) -> None:
-    pads = ROOT / "examples" / "robots" / "two-pads.yaml"
+    pads = "two-pads"
     model = resolve_name(kind)("MlpPolicy", brl.load(pads).make(), seed=3)
     score = brl.score(pads, model, deterministic=False)[0]
     # A network that has learned nothing is nearly indifferent between what is allowed.

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.places import ROOT
 
 import babyrobot_levels as brl
 
-PADS = ROOT / "examples" / "robots" / "two-pads.yaml"
+PADS = "two-pads"
 
 
 @pytest.fixture(scope="module")

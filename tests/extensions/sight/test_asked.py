@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 from extensions.sight import cassandra
-from support.places import ROOT
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
@@ -218,7 +217,7 @@ def test_the_metric_has_no_value_where_it_is_not_found_or_makes_no_sense() -> No
     assert corridor.sight_cost is None
     least, most = brl.solve("large-corridor", sight="view", beliefs=1000).cost
     assert corridor.why_none("sight_cost") == f"it is between {least:.6g} and {most:.6g}"
-    assert brl.metrics(ROOT / "examples" / "robots" / "two-pads.yaml").sight_cost is None
+    assert brl.metrics("two-pads").sight_cost is None
     cancelling = {"version": 1, "size": [3, 1], "rewards": {"closer": 1, "farther": -1, "exit": -9}}
     assert brl.metrics(cancelling).sight_cost is None
 
