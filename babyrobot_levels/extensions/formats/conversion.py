@@ -18,7 +18,6 @@ from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import LONGEST_COLOR, is_color
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import emit_field
 from babyrobot_levels.text.errors import LevelError, warn
@@ -264,6 +263,7 @@ def _tidy(text: str) -> str:
     """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
     # Here, because exporting does not need the linter.
     from babyrobot_levels.language.formatting import format_source
+    from babyrobot_levels.linter.finding import Needs
     from babyrobot_levels.linter.rules import select
     from babyrobot_levels.linter.runner import fix
 
@@ -274,11 +274,12 @@ def _tidy(text: str) -> str:
             f"the level would be too large for one file: {error.diagnostics[0].message}",
             "a drawing takes eight characters a cell, so it has room for some 360 by 360 cells",
         ) from None
-    errors = errors_of(source)
-    if errors:
-        raise ConversionError("this is not a valid level:\n" + "\n".join(map(str, errors[:5])))
-    fixed = fix(source, select(None)).text
-    return format_source(SourceFile(source.name, fixed)).text
+    # What needs tables may take long, and is no matter of style.
+    fixed = fix(source, [rule for rule in select(None) if rule.needs is Needs.LEVEL])
+    if not fixed.report.is_valid:
+        errors = map(str, fixed.report.diagnostics[:5])
+        raise ConversionError("this is not a valid level:\n" + "\n".join(errors))
+    return format_source(SourceFile(source.name, fixed.text)).text
 
 
 def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[Lost]:
