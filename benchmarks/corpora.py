@@ -10,19 +10,30 @@ are the same on every machine.
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from io import BytesIO
 from pathlib import Path
+from runpy import run_path
 from statistics import median
+from types import ModuleType
 from typing import NamedTuple
 
+from PIL import Image
+
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.formats.formats import FORMATS
 from babyrobot_levels.extensions.formats.many import Outcome, worker
-from babyrobot_levels.extensions.formats.sources import single
+from babyrobot_levels.extensions.formats.sources import Found, opened, single
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.parallel.executor import results
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import listed
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "corpora.md"
+
+PICTURES = PAGE.parent / "images" / "corpora"
+
+MAX_SHOWN, TILE, GAP = 100, 200, 16
+"""The most cells across of a level with a picture; its size, and the gap, in pixels."""
 
 MAX_CELLS = 20_000
 """Levels with more cells are read, but not solved here."""
@@ -37,6 +48,8 @@ class Corpus(NamedTuple):
         license: its licence, as it says.
         files: the patterns of its files.
         what: what they are.
+        sample: so many worlds are read of each file; None for all.
+        pictures: whether the page shows some: the licence allows it.
     """
 
     repository: str
@@ -44,6 +57,8 @@ class Corpus(NamedTuple):
     license: str
     files: tuple[str, ...]
     what: str
+    sample: int | None = None
+    pictures: bool = True
 
     @property
     def name(self) -> str:
@@ -58,6 +73,7 @@ CORPORA = (
         "none stated",
         ("classic/*.txt", "halfsize/*.txt", "training/*.txt"),
         "mazes of micromouse contests, as text",
+        pictures=False,
     ),
     Corpus(
         "micromouseonline/micromouse_maze_tool",
@@ -122,6 +138,21 @@ CORPORA = (
         ("**/*.npy",),
         "mazes of gym-maze",
     ),
+    Corpus(
+        "google-deepmind/boxoban-levels",
+        "78011d8c86ad423bfb2e1005012393b4c3c24409",
+        "Apache-2.0",
+        ("hard/000.txt",),
+        "the first eight of Boxoban's hard maps of Sokoban",
+        sample=8,
+    ),
+    Corpus(
+        "facebookresearch/minihack",
+        "09eaa7ee45c567850668d3743d7fe1853917d98f",
+        "Apache-2.0",
+        ("**/*.des",),
+        "levels of MiniHack",
+    ),
 )
 
 
@@ -130,7 +161,7 @@ class Facts(NamedTuple):
 
     Attributes:
         digest: its digest.
-        ends: whether it has exits.
+        ends: whether it has exits, or targets.
         steps: the expected number of steps to the exit; None if it is not surely reached.
         is_solved: whether it was solved: it is not too large.
     """
@@ -146,12 +177,12 @@ def facts_of(text: str) -> Facts | None:
     try:
         level = brl.loads(text)
         if level.width * level.height > MAX_CELLS:
-            return Facts(level.digest, bool(level.exits), None, is_solved=False)
+            return Facts(level.digest, level.has_goal, None, is_solved=False)
         solution = brl.solve(level, 0.999)
     except LevelError:
         return None
     steps = solution.expected_steps if solution.exit_probability > 1 - 1e-9 else None
-    return Facts(level.digest, bool(level.exits), steps, is_solved=True)
+    return Facts(level.digest, level.has_goal, steps, is_solved=True)
 
 
 class Read(NamedTuple):
@@ -160,6 +191,7 @@ class Read(NamedTuple):
     corpus: Corpus
     outcomes: Sequence[Outcome]
     levels: Sequence[Facts | None]
+    picture: bytes | None
 
 
 def read(corpus: Corpus, folder: Path) -> Read:
@@ -167,9 +199,39 @@ def read(corpus: Corpus, folder: Path) -> Read:
     paths = sorted({path for pattern in corpus.files for path in folder.glob(pattern)})
     if not paths:
         sys.exit(f"{folder} has none of the files of {corpus.repository}")
-    outcomes = [*_each(worker(None, None, strict=False), [*map(single, paths)])]
+    found = [_sampled(single(path), corpus.sample) for path in paths]
+    outcomes = [*_each(worker(None, None, strict=False), found)]
     texts = [text for outcome in outcomes for _, text in outcome.texts]
-    return Read(corpus, outcomes, [*_each(facts_of, texts)])
+    levels = [*_each(facts_of, texts)]
+    return Read(corpus, outcomes, levels, sheet(texts) if corpus.pictures else None)
+
+
+def _sampled(file: Found, count: int | None) -> Found:
+    """Return a file of maps of Sokoban with the first of them."""
+    if count is None:
+        return file
+    parts = FORMATS["sokoban"].parts(opened(file))[:count]
+    return file._replace(data="\n\n".join(part.text for part in parts).encode())
+
+
+def sheet(texts: Sequence[str]) -> bytes:
+    """Return a picture of six of the levels that are not too large, all along the list."""
+    shown = []
+    for number in range(6):
+        for text in texts[number * len(texts) // 6 :]:
+            level = brl.loads(text)
+            if max(level.size) <= MAX_SHOWN and text not in shown:
+                shown.append(text)
+                break
+    page = Image.new("RGBA", (6 * (TILE + GAP) - GAP, TILE), (0, 0, 0, 0))
+    for number, text in enumerate(shown):
+        picture = Image.open(BytesIO(brl.loads(text).to_png()))
+        picture.thumbnail((TILE, TILE))
+        left = number * (TILE + GAP) + (TILE - picture.width) // 2
+        page.paste(picture, (left, (TILE - picture.height) // 2))
+    file = BytesIO()
+    page.quantize(128).save(file, "PNG", optimize=True)
+    return file.getvalue()
 
 
 def _each(function, items) -> Iterator:  # type: ignore[no-untyped-def, type-arg]
@@ -231,24 +293,51 @@ exits out of reach | copies |
 |---|---|---|---|---|---|---|---|---|
 {rows}
 
+## Pictures
+
+Six levels of each collection whose licence allows it.
+
+{pictures}
+
 ## What is refused
 
 | collection | files | why |
 |---|---|---|
 {refused}
 
+## As in the originals
+
+| format | what is compared | where |
+|---|---|---|
+| FrozenLake | Gymnasium's tables: each state and action | in tests |
+| MiniGrid | each action in each state, of grids without objects | in tests |
+| PyPI babyrobot | the levels recorded for setups of the package | in tests |
+| Overcooked-AI | the steps of two players, by its rule for meetings | in tests |
+| gym-maze | the moves out of each cell, by its own class | here: {moves:,}, all equal |
+
 ## What the levels are
 
 - In micromouse mazes, the robot goes from the start to the nearest goal. Mazes without marks start
   in the bottom-left cell, and their goals are the cells in the middle.
-- Levels of Boxoban have up to millions of states of robot and boxes: `python benchmarks/boxoban.py`
-  solves them one by one.
+- Levels of Boxoban have up to millions of states of robot and boxes: those with more than fit are
+  refused. `python benchmarks/boxoban.py` solves more of them, one by one.
 - Of maps of MovingAI, the start is the first free cell, and the exit the last one that can be
   reached from there.
 - Tiles of Tiled that have none of the classes of [Tiled maps](converting.md#tiled) are plain cells.
-- Worlds of Karel, MettaGrid and Overcooked-AI have no exits, as their tasks are others.
+- Worlds of Karel, MettaGrid and Overcooked-AI have no exits, as their tasks are others. The
+  players of Overcooked-AI are robots, and move as there. One kitchen has four, which have too many
+  joint states for tables.
 - Licences, as the collections state them: {licenses}.
 """
+
+
+def _has_picture(found: Read) -> bool:
+    return found.picture is not None
+
+
+def _pictured(found: Read) -> str:
+    name = found.corpus.name
+    return f"**{name}**\n\n![Six levels of {name}](images/corpora/{name}.png)"
 
 
 def clones() -> str:
@@ -260,12 +349,39 @@ def clones() -> str:
     )
 
 
-def page(all_read: Sequence[Read]) -> str:
+def moves_of_gym_maze(folder: Path) -> int:
+    """Return how many moves its own class makes as the levels do.
+
+    Raises:
+        AssertionError: one of them ends elsewhere.
+    """
+    # Its module draws with pygame, which nobody needs here.
+    sys.modules.setdefault("pygame", ModuleType("pygame"))
+    maze_class = run_path(str(folder / "gym_maze/envs/maze_view_2d.py"))["Maze"]
+    count = 0
+    for path in sorted(folder.glob("**/*.npy")):
+        maze, level = maze_class(maze_cells=maze_class.load_maze(str(path))), brl.import_(path)
+        (width, height), next_state = level.size, level.compile().next_state
+        for cell in range(width * height):
+            y, x = divmod(cell, width)
+            if (x, y) in level.exits:
+                continue
+            for action, side in enumerate("NESW", 1):
+                right, down = maze.COMPASS[side]
+                to = cell + right + down * width if maze.is_open((x, y), side) else cell
+                assert next_state[cell, action, 0] == to, (path, x, y, side)
+                count += 1
+    return count
+
+
+def page(all_read: Sequence[Read], moves: int) -> str:
     """Return the page."""
     return _HEAD.format(
         clones=clones(),
         most=MAX_CELLS,
+        moves=moves,
         rows="\n".join(map(_row, all_read)),
+        pictures="\n\n".join(map(_pictured, filter(_has_picture, all_read))),
         refused="\n".join(line for found in all_read for line in _refusals(found)),
         licenses=listed([f"{each.name} {each.license}" for each in CORPORA]),
     )
@@ -281,7 +397,12 @@ def main() -> None:
     for corpus in CORPORA:
         all_read.append(read(corpus, folder / corpus.name))
         print(_row(all_read[-1]), flush=True)
-    PAGE.write_text(page(all_read), encoding="utf-8")
+    PICTURES.mkdir(exist_ok=True)
+    for found in all_read:
+        if found.picture is not None:
+            (PICTURES / f"{found.corpus.name}.png").write_bytes(found.picture)
+    moves = moves_of_gym_maze(folder / "gym-maze")
+    PAGE.write_text(page(all_read, moves), encoding="utf-8")
 
 
 if __name__ == "__main__":
