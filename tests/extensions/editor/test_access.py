@@ -149,6 +149,8 @@ def test_everything_is_in_reach(editor_page: OpenEditor, width: int, height: int
     assert picture is not None
     assert picture["width"] >= 0.35 * width or picture["height"] >= 0.35 * height
     for tool in page.locator("[data-tool]").all():
+        if page.locator(".tool-sheet").is_visible():
+            page.locator(".tool-sheet").click()
         tool.click()
         expect(tool).to_have_attribute("aria-pressed", "true")
     for name in (*TABS[1:], "Text"):
