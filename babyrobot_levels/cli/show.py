@@ -57,7 +57,7 @@ from babyrobot_levels.cli.many import (
 from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, track
 from babyrobot_levels.cli.pictures import text_picture
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
-from babyrobot_levels.cli.solve import cost_text, sight_solution
+from babyrobot_levels.cli.sights import cost_text, sight_solution
 from babyrobot_levels.language.ranges import ends
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
 from babyrobot_levels.library.packs import KnownPack, fields, known_packs

@@ -48,6 +48,7 @@ from babyrobot_levels.cli.pictures import (
     solution_text,
     values_text,
 )
+from babyrobot_levels.cli.sights import json_number, sight_data, sight_solution, sight_summary
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import WIDEST, number_lines
 
@@ -59,9 +60,6 @@ LONGEST_SHOWN = 60
 
 MAX_WRITTEN = 10_000_000
 """The most actions of a policy by step in JSON."""
-
-MOST_BELIEFS = 100_000
-"""So many beliefs are explored at most unless another number is asked for."""
 
 MAX_OTHERS = 3
 """How many other sets of held things are named."""
@@ -252,24 +250,6 @@ def _loaded(level: str, discount: float | None) -> brl.Level:
     return loaded
 
 
-def sight_solution(level: brl.Level, **how: Any) -> Any:
-    """Return the optimum of a sight; end the command if there is none."""
-    most = how.get("beliefs", MOST_BELIEFS)
-    with working("solving") as report:
-
-        def progress(explored: int, lower: float, upper: float) -> None:
-            report(explored, most)
-
-        try:
-            return brl.solve(level, progress=progress, **how)
-        except (brl.UndefinedReturnError, brl.EpisodeTooLongError) as error:
-            fail(str(error))
-        except brl.BabyRobotError:
-            raise
-        except (ValueError, TypeError) as error:
-            fail(str(error))
-
-
 def _solve_sight(
     level: str, within: str | None, report_format: TableFormat, how: dict[str, Any]
 ) -> None:
@@ -278,50 +258,11 @@ def _solve_sight(
     found = sight_solution(loaded, within=_limit(within, loaded), **how)
     if report_format is TableFormat.JSON:
         rules = {"discount": how["discount"] or loaded.discount, "actions": how["actions"]}
-        write_json(_sight_data(loaded, found) | rules)
+        write_json(sight_data(loaded, found) | rules)
         return
     if not found.is_exact and found.gap > how.get("gap", 0):
         note("the bounds may come closer with more --beliefs, or with --no-limit")
-    write(_sight_summary(loaded, found))
-
-
-def _sight_data(level: brl.Level, found: Any) -> dict[str, Any]:
-    """Return for JSON what is known of the optimum of a sight."""
-    bounds = "lower", "upper", "full", "gap"
-    return {
-        "name": level.name,
-        "digest": level.digest,
-        "sight": found.sight,
-        "within": found.within,
-        **{name: _number(getattr(found, name)) for name in bounds},
-        "cost": [*map(_number, found.cost)],
-        "is_exact": found.is_exact,
-        "beliefs": found.beliefs,
-    }
-
-
-def _told(found: Any, lower: float, upper: float) -> str:
-    return f"{lower:.6g}" if found.is_exact else f"{lower:.6g} to {upper:.6g}"
-
-
-def cost_text(found: Any) -> str:
-    """Return what full sight is worth, exactly or at least and at most."""
-    return _told(found, *found.cost)
-
-
-def _sight_summary(level: brl.Level, found: Any) -> str:
-    from babyrobot_levels.render.words.phrases import with_limit
-
-    more = "exact" if found.is_exact else f"bounds, {100 * found.gap:.3g} % apart"
-    best = f"{_told(found, found.lower, found.upper)} ({more})"
-    facts = {
-        "sight": found.sight,
-        "expected return": with_limit(best, found.within, level.max_steps),
-        "with full sight": f"{found.full:.6g}",
-        "cost of the sight": cost_text(found),
-        "beliefs": f"{found.beliefs:,} explored",
-    }
-    return fact_lines(facts)
+    write(sight_summary(loaded, found))
 
 
 def _solve_one(
@@ -431,7 +372,7 @@ def _exact_data(found: brl.ExactSolution) -> dict[str, Any]:
     def text(values: Any) -> Any:
         if isinstance(values, list):
             return [text(value) for value in values]
-        return str(values) if isinstance(values, Fraction) else _number(values)
+        return str(values) if isinstance(values, Fraction) else json_number(values)
 
     return {
         "expected_return": text(found.expected_return),
@@ -508,13 +449,13 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
         "digest": level.digest,
         "discount": solution.discount,
         "within": solution.within,
-        "expected_return": _number(solution.expected_return),
-        "expected_steps": _number(solution.expected_steps),
-        "exit_probability": _number(solution.exit_probability),
+        "expected_return": json_number(solution.expected_return),
+        "expected_steps": json_number(solution.expected_steps),
+        "exit_probability": json_number(solution.exit_probability),
         "ending": None if (ending := ending_of(solution)) is None else ending.text,
         "method": solution.method,
         "iterations": solution.iterations,
-        "residual": _number(solution.residual),
+        "residual": json_number(solution.residual),
         "actions": names[solution.first_action :],
         "values": _nested(solution.values.tolist()),
         "action_values": _nested(solution.action_values.tolist()),
@@ -553,13 +494,7 @@ def _configuration(things: brl.Things, values: list[int]) -> dict[str, Any]:
 
 
 def _nested(values: Any) -> Any:
-    return [_nested(value) for value in values] if isinstance(values, list) else _number(values)
-
-
-def _number(value: float) -> float | str | None:
-    if math.isnan(value):
-        return None
-    return value if math.isfinite(value) else "inf" if value > 0 else "-inf"
+    return [_nested(value) for value in values] if isinstance(values, list) else json_number(values)
 
 
 def _summary(
