@@ -49,7 +49,7 @@ from babyrobot_levels.render.page_format import (
     short,
 )
 from babyrobot_levels.render.page_sight import PageSight
-from babyrobot_levels.render.page_things import Marks, arrivals, things_data
+from babyrobot_levels.render.page_things import Marks, team_data, things_data
 from babyrobot_levels.render.scene.build import build_scene, floor_shapes, ground_layer, sign_shapes
 from babyrobot_levels.render.scene.heat import BAR_STEPS, STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
@@ -360,18 +360,8 @@ def page_data(level: GridWorld, **shown: Unpack[PageOptions]) -> dict[str, Any]:
         **_answers(level, guide),
         **({} if learn is None else {"learn": learn}),
         **_seen(shown.get("sight")),
-        **(_team(level) if level.robots else {}),
+        **(team_data(level) if level.robots else {}),
     }
-
-
-def _team(level: GridWorld) -> dict[str, Any]:
-    """Return the robots of a level with several, and what is different on its page."""
-    arrived = arrivals(level) if is_numeric() else [[0]] * len(level.robots)
-    robots = [
-        {"name": robot.name, "color": hexadecimal(robot_color(level, number)), "arrived": found}
-        for number, (robot, found) in enumerate(zip(level.robots, arrived, strict=True))
-    ]
-    return {"robots": robots, "ends_first": level.team.ends == "first", "learn": False}
 
 
 @cache

@@ -22,7 +22,7 @@ from babyrobot_levels.mdp.grid import door_name, door_sides
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.page_format import BAR, Group, Palette, length, pack
+from babyrobot_levels.render.page_format import BAR, Group, Palette, hexadecimal, length, pack
 from babyrobot_levels.render.scene.build import Lengths, arrow_lengths, arrow_shapes, number_form
 from babyrobot_levels.render.scene.heat import (
     Heat,
@@ -37,7 +37,7 @@ from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import Layout, Overlay
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
-from babyrobot_levels.render.scene.team import teammate_shapes
+from babyrobot_levels.render.scene.team import robot_color, teammate_shapes
 from babyrobot_levels.render.scene.texts import busy_cells, form_of, number_shapes
 from babyrobot_levels.render.scene.things import Piece, mover_shapes, pieces, thing_label
 from babyrobot_levels.render.situation import look_of, situation_at
@@ -226,7 +226,17 @@ def things_data(
     return _Things(level, layout, palette).data()
 
 
-def arrivals(level: GridWorld) -> list[list[int]]:
+def team_data(level: GridWorld) -> dict[str, Any]:
+    """Return the robots of a level with several, and what is different on its page."""
+    arrived = _arrivals(level) if is_numeric() else [[0]] * len(level.robots)
+    robots = [
+        {"name": robot.name, "color": hexadecimal(robot_color(level, number)), "arrived": found}
+        for number, (robot, found) in enumerate(zip(level.robots, arrived, strict=True))
+    ]
+    return {"robots": robots, "ends_first": level.team.ends == "first", "learn": False}
+
+
+def _arrivals(level: GridWorld) -> list[list[int]]:
     """Return for each of several robots whether it has arrived, 0 or 1, in each configuration."""
     things, columns = level.things(), level.things().of_kind("robot")
     configurations = level.compile().configurations
