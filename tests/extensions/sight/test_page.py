@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.places import ROOT
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
@@ -114,7 +113,7 @@ def test_a_level_with_very_many_states_is_refused() -> None:
     with pytest.raises(ValueError, match="22,500 states is too large for a page with a sight"):
         page_sight(brl.load({"version": 1, "size": [150, 150]}), "position")
     with pytest.raises(brl.LevelError, match="only for levels with one"):
-        page_sight(brl.load(ROOT / "examples" / "robots" / "two-pads.yaml"))
+        page_sight(brl.load("two-pads"))
 
 
 def test_the_command_makes_such_a_page(here: Path) -> None:
