@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 import babyrobot_levels as brl
 from babyrobot_levels.envs.engine.tables import Tables
 
-GALLERY = [brl.load(info.name) for info in brl.levels() if info.name != "random-maze"]
-"""All levels of the gallery that have one maze."""
+_ALL = [brl.load(info.name) for info in brl.levels()]
+GALLERY = [level for level in _ALL if not level.has_random_maze and not level.robots]
+"""All levels of the gallery that have one maze and one robot."""
 
 SEVERAL_STARTS = brl.Level.from_fields(
     {

@@ -113,12 +113,13 @@ def each_level_and(*parameters: tuple[str, Sequence[Any]]) -> pytest.MarkDecorat
     """Parametrise a test by `name` and parameters, so that no cross product of all is needed.
 
     The levels of `FEATURES` come with every value of each parameter; further combinations of
-    values are a sweep, and so are the other levels of the gallery, once each.
+    values are a sweep, and so are the gallery's other levels with one robot, once each.
     """
     combinations = list(product(*(values for _, values in parameters)))
     few = zip(FEATURES, *(cycle(values) for _, values in parameters), strict=False)
     cases = [pytest.param(*case) for case in few]
-    rest = [name for name in GALLERY if name not in FEATURES]
+    others = (name for name in GALLERY if name not in FEATURES)
+    rest = [name for name in others if GALLERY[name].parent.name != "robots"]
     names = chain(islice(cycle(FEATURES), len(combinations)), rest)
     cases += [
         pytest.param(name, *values, marks=pytest.mark.sweep)
