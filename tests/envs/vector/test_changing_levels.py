@@ -456,7 +456,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
 def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     played: list[Level], first_action: int
 ) -> None:
-    one_start = [level.replace(start=level.starts[0]) for level in played]
+    one_start = [level.replace(start=level.starts[0], start_weights=()) for level in played]
     parts = [part_of(level, level.compile(), first_action) for level in one_start]
     most = [max(sizes) for sizes in zip(*map(needed, parts), strict=True)]
     room = Room(
