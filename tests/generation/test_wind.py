@@ -10,6 +10,7 @@ from support.combinations import swept
 
 import babyrobot_levels as brl
 from babyrobot_levels.generation import search
+from babyrobot_levels.language.base import SIDE_NAMES
 
 FIELDS: dict[str, Any] = {
     "version": 1,
@@ -25,7 +26,11 @@ FIELDS: dict[str, Any] = {
 
 
 def lines(level: brl.Level) -> int:
-    given = {} if level.wind is None else level.wind.model_dump(exclude_none=True)
+    given = (
+        {}
+        if level.wind is None
+        else level.wind.model_dump(include={*SIDE_NAMES}, exclude_none=True)
+    )
     assert {strength for side in given.values() for strength in side} <= {0, 1}
     return sum(map(sum, given.values()))
 

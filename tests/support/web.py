@@ -78,8 +78,8 @@ class WebPage:
     def _content(self) -> Iterator[str]:
         for image in self.all("img, area, input[type=image]"):
             # One beside the words of a link need not say them again.
-            named = "alt" in image.attrs and image.parent.name == "a" and image.parent.to_text()
-            if not (image.attrs.get("alt") or named or "").strip():
+            words = _words_of_link(image) if "alt" in image.attrs else ""
+            if not (image.attrs.get("alt") or words).strip():
                 yield f"{_told(image)} has no alternative text"
         for outer in self.all("a[href], button, label, summary"):
             inside = outer.query(_INTERACTIVE)
@@ -161,6 +161,13 @@ def ids_of(path: Path) -> frozenset[str]:
     """Return the ids of a page, fast."""
     text = path.read_text(encoding="utf-8")
     return frozenset(re.findall(r"""<[^>]*?\sid=["']([^"']+)["']""", text))
+
+
+def _words_of_link(node: Any) -> str:
+    """Return the words of the link that something is in; none if it is in no link."""
+    while node is not None and node.name != "a":
+        node = node.parent
+    return "" if node is None else str(node.to_text())
 
 
 def _told(element: Any) -> str:
