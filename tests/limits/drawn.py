@@ -44,8 +44,12 @@ def _list_of(schema: dict[str, Any]) -> dict[str, Any] | None:
     return None
 
 
-LISTS = {name: entry for name, value in SCHEMA["properties"].items() if (entry := _list_of(value))}
-"""The fields that are lists, with the schemas of their entries."""
+LISTS = {
+    name: entry
+    for name, value in SCHEMA["properties"].items()
+    if (entry := _list_of(value)) and not name.endswith("_weights")
+}
+"""The fields that are lists, with the schemas of their entries; weights are as long as others."""
 
 
 class _Drawn:
