@@ -111,6 +111,8 @@ def sample(kind: str, field: dict[str, Any]) -> Any:
     [
         pytest.param(*each, marks=[] if number % 4 == 0 else pytest.mark.sweep)
         for number, each in enumerate(FIELDS)
+        # The editor draws no levels with several robots, of which only one takes an item.
+        if (each[0], each[1]["name"]) != ("item", "robot")
     ],
     ids=lambda each: each if isinstance(each, str) else each["name"],
 )
