@@ -175,7 +175,7 @@ def notebook(texts: Iterable[str]) -> str:
 def forms(texts: Mapping[str, str], number: int) -> dict[str, str]:
     """Return the files of a student, in one of several forms."""
     if number % 5 == 1:
-        return {f"robots/work/{name}.py": text for name, text in texts.items()}
+        return {f"robots/answers/{name}.py": text for name, text in texts.items()}
     if number % 5 == 2:
         return {f"{name}.py.txt": "\ufeff" + text for name, text in texts.items()}
     if number % 5 == 3:
