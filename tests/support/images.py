@@ -55,11 +55,13 @@ def _image(value: Any, width: int, height: int, *, is_transposed: bool) -> Any:
     def winds(value: Any) -> Any:
         names = {"north": "N", "east": "E", "south": "S", "west": "W"}
         letters = {letter: name for name, letter in names.items()}
-        return {
+        chances = {name: of for name, of in value.items() if name not in names}
+        return chances | {
             letters[sides[names[side]]]: (
                 pushes[::-1] if side in ("north", "south") and not is_transposed else pushes
             )
             for side, pushes in value.items()
+            if side in names
         }
 
     return image("", value, {})
