@@ -48,6 +48,14 @@ ViewRadiusOption = Annotated[
     int | None,
     value_option("N", "How many cells the sight `view` shows in each direction.", min=1, max=15),
 ]
+RuntimeOption = Annotated[
+    Path | None,
+    value_option(
+        "FOLDER",
+        "Take Python for browsers from this folder.  [default: fetched by npm and pip, 8 MB]",
+        "--runtime",
+    ),
+]
 
 
 def sight_options(sight: str, view_radius: int | None) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from babyrobot_levels.cli.console import fail, flag, note, value_option, write
+from babyrobot_levels.cli.inputs import RuntimeOption
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 from babyrobot_levels.text.errors import how_to_install
 from babyrobot_levels.text.words import listed
@@ -43,14 +44,7 @@ def edit(
             "--site",
         ),
     ] = None,
-    runtime: Annotated[
-        Path | None,
-        value_option(
-            "FOLDER",
-            "Take Python for browsers from this folder.  [default: fetched by npm and pip, 8 MB]",
-            "--runtime",
-        ),
-    ] = None,
+    runtime: RuntimeOption = None,
 ) -> None:
     """Edit a level in the browser, by drawing and as text.
 

@@ -23,6 +23,7 @@ from babyrobot_levels.cli.console import (
 )
 from babyrobot_levels.cli.inputs import (
     LevelsArgument,
+    RuntimeOption,
     SplitOption,
     each_loaded,
     levels_named,
@@ -385,14 +386,7 @@ def course(
     browser: Annotated[
         bool, typer.Option("--browser", help="Build a page in which functions are written and run.")
     ] = False,
-    runtime: Annotated[
-        Path | None,
-        value_option(
-            "FOLDER",
-            "Take Python for browsers from this folder.  [default: fetched by npm and pip, 8 MB]",
-            "--runtime",
-        ),
-    ] = None,
+    runtime: RuntimeOption = None,
 ) -> None:
     """Begin a course, or build all that students and teachers get of it.
 
