@@ -59,7 +59,7 @@ _FAINT_TEXT = 0.1
 def faint_parts(level: Level, overlay: Overlay | None = None) -> list[tuple[str, float]]:
     """Return what of a level's picture does not stand out: what it is, and its contrast.
 
-    Grid lines, the ground itself, the robot and what is not held yet are left out.
+    Grid lines, the ground itself, robots and what is not held yet are left out.
     """
     layout = layout_of(level, overlay=overlay)
     scene = build_scene(level, overlay=overlay)
@@ -90,7 +90,8 @@ def _figures(
         yield "casing", casing_shapes(level, layout)
     yield "wall", wall_shapes(level, layout, slots)
     yield "compass", [*compass_shapes(level, layout)][1:]
-    for cell in level.starts:
+    # An exit lies over the pad of one that begins there.
+    for cell in sorted({*level.starts}.difference(level.exits)):
         # Around the pad itself is only a glow.
         yield "pad", [*pad_shapes(layout, cell, ink_on([grounds[cell]], colors.start_text))][1:]
     for cell in level.exits if level.exit_one_of is None else ():
@@ -102,7 +103,7 @@ def _figures(
     movers = moving_pieces(level, layout, situation, level.starts[0], crowded=crowded)
     for piece in (*pieces(level, layout, situation, slots), *(piece for _, piece in movers)):
         is_missing = piece.name[0] == "held" and not piece.name[-1]
-        if not is_missing:
+        if not is_missing and piece.name[0] != "robot":
             yield " ".join(map(str, piece.name[:2])), piece.shapes
 
 
