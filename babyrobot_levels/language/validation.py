@@ -15,7 +15,7 @@ from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Rout
 from babyrobot_levels.text.document import Document, comments
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import SourceFile, Span, other_form
+from babyrobot_levels.text.source import Position, SourceFile, Span, other_form
 from babyrobot_levels.text.words import nearest, shortened
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -92,11 +92,20 @@ def _colours_in_comments(document: Document) -> Iterator[Issue]:
     """Yield the colours without quotes: to YAML they are comments, and the field is empty."""
     if not _COLOUR_IN_COMMENT.search(document.source.text):
         return
+    # Behind a comment, the value may stand on a line below.
+    empty = {
+        node.keys[field].span.end
+        for node in document.nodes()
+        for field in ("color", "text_color")
+        if field in node.keys and node.children[field].data is None
+    }
     for comment in comments(document):
-        line = document.source.line(comment.span.start.line)
-        found = _COLOUR_IN_COMMENT.search(line)
-        if found and found.start(2) == comment.span.start.column - 1:
-            field, colour = found.groups()
+        start = comment.span.start
+        found = _COLOUR_IN_COMMENT.search(document.source.line(start.line))
+        if not found or found.start(2) != start.column - 1:
+            continue
+        field, colour = found.groups()
+        if Position(start.line, found.end(1) + 1) in empty:
             message = f"`{field}` is empty: `{colour}` without quotes is a comment"
             yield Issue("BR203", comment.span, message, f'write `{field}: "{colour}"`')
 

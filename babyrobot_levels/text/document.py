@@ -69,6 +69,19 @@ class Document:
             node = node.children[segment]
         return node, len(route)
 
+    def nodes(self) -> Iterator[Node]:
+        """Yield every key and value, containers of aliases once."""
+        waiting, seen = [self.root], set()
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node.data, dict | list):
+                # Aliases lead to the same nodes again.
+                if id(node.children) in seen:
+                    continue
+                seen.add(id(node.children))
+                waiting += [*node.keys.values(), *node.children.values()]
+            yield node
+
     def span(self, location: Location) -> Span:
         """Return where a location is in the text.
 
@@ -207,16 +220,11 @@ def comments(document: Document) -> Sequence[Comment]:
 
 def _texts(document: Document) -> Iterator[tuple[int, int]]:
     """Yield where texts and other scalars begin and end, in characters from 0."""
-    waiting, seen = [document.root], set()
     text = document.source.text
-    while waiting:
-        node = waiting.pop()
+    for node in document.nodes():
         if isinstance(node.data, dict | list):
-            # Aliases lead to the same nodes again.
-            if id(node.children) not in seen:
-                seen.add(id(node.children))
-                waiting += [*node.keys.values(), *node.children.values()]
-        elif text[node.first : node.first + 1] in ("|", ">"):
+            continue
+        if text[node.first : node.first + 1] in ("|", ">"):
             # Behind the sign of a block there is room for a comment.
             ends = (text.find(end, node.first) for end in "\r\n")
             yield min((end for end in ends if end >= 0), default=len(text)), node.last

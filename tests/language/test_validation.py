@@ -234,6 +234,7 @@ def test_version_one_can_be_written_in_many_ways(version: str) -> None:
         "areas: [{at: [1, 1], reward: null, skid: null, ends: null, label: null, color: null}]",
         "wind: {north: null}",
         "areas: [{at: [0, 0], color: '#ABCd'}, {at: [0, 0], color: 'rgba( 255,0 , 0, .25 )'}]",
+        "areas:\n- at: [0, 0]\n  color: #c10\n    red",
         "start: [[0, 0]]",
         "puddles: []\nwalls: []\ntags: []",
     ],
