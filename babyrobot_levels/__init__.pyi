@@ -166,6 +166,7 @@ from .text.errors import LevelError as LevelError
 from .text.errors import LevelNotFoundError as LevelNotFoundError
 from .text.errors import RandomMazeError as RandomMazeError
 from .text.errors import SuiteNotFoundError as SuiteNotFoundError
+from .text.errors import UnplayableError as UnplayableError
 
 __all__: list[str]
 __version__: str

@@ -150,6 +150,12 @@ RENEW = f"python scripts/renew.py {PICTURE.relative_to(CHECKOUT)}"
 
 def test_public_classes_name_the_package_as_their_module() -> None:
     """Tracebacks and pickles then do not depend on the file in which a class is."""
+    marked = {
+        name
+        for path in PACKAGE.rglob("*.py")
+        for name in re.findall(r"^class (\w+)\(.*\bpublic=True\):", path.read_text("utf-8"), re.M)
+    }
+    assert marked <= {*brl.__all__}
     for name in brl.__all__:
         value = getattr(brl, name)
         if isinstance(value, type):

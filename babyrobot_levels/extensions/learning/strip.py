@@ -68,7 +68,7 @@ def strip(
 
 
 @dataclass(frozen=True, repr=False)
-class Strip(Shown, public=True):
+class Strip(Shown):
     """Pictures side by side.
 
     Attributes:
