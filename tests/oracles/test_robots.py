@@ -89,7 +89,11 @@ def _assert_agree(seeds: range, most: int) -> None:
         if fields is None:
             continue
         level = brl.load(fields)
-        mdp = level.compile()
+        try:
+            mdp = level.compile()
+        except brl.UnplayableError:
+            # So much happens by chance that the tables are too large.
+            continue
         if mdp.num_states * mdp.num_actions <= most:
             assert_agrees(fields, level)
             tried += 1
