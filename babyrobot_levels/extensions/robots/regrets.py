@@ -51,7 +51,8 @@ class TeamScore(Telling, public=True):
     """How good the policies of several robots are together.
 
     Attributes:
-        expected_return: what the team can expect: the sum of what all robots get.
+        expected_return: what the team can expect: the sum of what all robots get, times the weight
+            of each.
         best_return: the optimum of the team.
         regret: the difference.
         coordination: the part of it that no robot could save alone: `best_return` less the largest
@@ -88,7 +89,13 @@ def _cell(value: str | float) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
-def score_team(level: LevelLike, policies: Any, discount: float | None = None) -> TeamScore:
+def score_team(
+    level: LevelLike,
+    policies: Any,
+    discount: float | None = None,
+    *,
+    weights: Sequence[float] | None = None,
+) -> TeamScore:
     """Return how far several robots are from the optimum of the team, and whose loss it is.
 
     All is exact: it is computed by the tables of the level.
@@ -100,6 +107,8 @@ def score_team(level: LevelLike, policies: Any, discount: float | None = None) -
             list with what each robot does: arrays `[states]` of its actions, or `[states, 5]` of
             their probabilities; `"random"` stands for all that are allowed, evenly.
         discount: above 0 and at most 1; by default, the level's.
+        weights: how much what each robot gets counts for the team, in the order of the level; by
+            default, 1 for each. What a robot itself gets is not weighted.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -114,15 +123,16 @@ def score_team(level: LevelLike, policies: Any, discount: float | None = None) -
         raise ValueError("the level has one robot; `brl.evaluate` tells how good a policy is")
     factor = check_discount(discount, world.discount)
     space = space_of(world, "all", factor)
-    weights = _joint_weights(space, policies)
-    expected = _returns(space, weights, factor)
+    counts = _counts(space, weights)
+    space = replace(space, mdp=_weighted(space.mdp, counts))
+    joint = _joint_weights(space, policies)
+    expected = _returns(space, joint, factor)
+    total = float(counts @ expected)
     model = space.model()
     best = space.at_start(model, optimum_of(model, space, factor).found.values)
     robots = tuple(
-        _regret(space, weights, number, share, sum(expected), factor)
-        for number, share in enumerate(expected)
+        _regret(space, joint, number, share, total, factor) for number, share in enumerate(expected)
     )
-    total = sum(expected)
     regret = best - total
     slack = _EQUAL * max(1.0, abs(best), *(abs(each.best_return) for each in robots))
     return TeamScore(
@@ -195,18 +205,27 @@ def _own_weights(space: StateSpace, policy: Any, number: int) -> Floats:
 def _returns(space: StateSpace, weights: Floats, discount: float) -> list[float]:
     """Return what each robot can expect to get."""
     found = []
-    for number in range(space.mdp.num_robots):
-        own = replace(space, mdp=_paid(space.mdp, number))
+    for count in np.eye(space.mdp.num_robots):
+        own = replace(space, mdp=_weighted(space.mdp, count))
         model = own.model()
         chain = model.mixed(weights[model.states])
         found.append(own.at_start(model, chain_values(chain, discount, own)))
     return found
 
 
-def _paid(mdp: Mdp, number: int) -> Mdp:
-    """Return the tables in which rewards are those of one robot."""
+def _counts(space: StateSpace, weights: Sequence[float] | None) -> Floats:
+    """Return how much what each robot gets counts for the team, `[robots]`."""
+    robots = space.mdp.num_robots
+    counts = np.ones(robots) if weights is None else np.asarray(weights, float)
+    if counts.shape != (robots,) or not np.isfinite(counts).all() or counts.min() < 0:
+        raise ValueError(f"weights are {robots} numbers, one for each robot and none below 0")
+    return counts
+
+
+def _weighted(mdp: Mdp, counts: Floats) -> Mdp:
+    """Return the tables in which rewards are the sum of what robots get, each times its count."""
     assert mdp.shares is not None
-    return replace(mdp, reward=np.ascontiguousarray(mdp.shares[..., number]))
+    return replace(mdp, reward=mdp.shares @ counts)
 
 
 def _regret(
@@ -215,7 +234,7 @@ def _regret(
     """Return what one robot, and the team by it, loses while the others do as they do."""
     best, team = (
         _best_answer(replace(space, mdp=mdp), weights, number, discount)
-        for mdp in (_paid(space.mdp, number), space.mdp)
+        for mdp in (_weighted(space.mdp, np.eye(space.mdp.num_robots)[number]), space.mdp)
     )
     return RobotRegret(
         name=space.level.robots[number].name,

@@ -109,6 +109,26 @@ def test_best_answers_are_those_of_value_iteration(seed: int) -> None:
         assert told.regret >= -1e-9
 
 
+def test_weights_say_what_counts_for_the_team() -> None:
+    level = brl.load(MEETING)
+    goes, stays = always(level, 2), always(level, 0)
+    # Who goes gets the 10; the other one, who stays, gets nothing.
+    scores = {
+        weights: brl.score_team(level, [goes, stays], weights=weights)
+        for weights in ((1, 1), (3, 1), (0, 2))
+    }
+    assert [each.expected_return for each in scores.values()] == [10, 30, 0]
+    assert [each.best_return for each in scores.values()] == [10, 30, 20]
+    assert [each.regret for each in scores.values()] == [0, 0, 20]
+    for each in scores.values():
+        assert [robot.expected_return for robot in each.robots] == [10, 0]
+        assert [robot.regret for robot in each.robots] == [0, 0]
+    assert brl.score_team(level, "best", weights=(0, 2)).expected_return == 20
+    for wrong in ((1,), (1, -1), (1, float("nan"))):
+        with pytest.raises(ValueError, match="2 numbers, one for each robot"):
+            brl.score_team(level, "best", weights=wrong)
+
+
 def test_wrong_policies_are_named() -> None:
     level = brl.load(PASSING)
     for policies, told in (
