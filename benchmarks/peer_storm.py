@@ -33,7 +33,9 @@ def main() -> None:
             else stormpy.environments.Environment
         )
         settings = new()
-        settings.solver().min_max().precision = stormpy.Rational(PRECISION)
+        settings.solver().min_max().precision = stormpy.Rational(
+            question.get("precision", PRECISION)
+        )
         begin = time.perf_counter()
         try:
             found = [
