@@ -57,8 +57,11 @@ class Model:
 
     def leads_to(self, goals: Flags) -> Flags:
         """Return which actions have a chance to lead to one of the goals (`[n + 1]`)."""
-        found: Flags = np.any(goals[self.next_state] & (self.probability > 0), axis=-1)
-        return found
+        hits = np.flatnonzero(goals[self.next_state])
+        hits = hits[self.probability.ravel()[hits] > 0]
+        found = np.zeros(self.reward.size, bool)
+        found[hits // self.probability.shape[2]] = True
+        return found.reshape(self.reward.shape)
 
     def action_values(self, values: Floats, discount: float) -> Floats:
         """Return the action values, `[n, actions]`, for finite state values `[n]`."""
