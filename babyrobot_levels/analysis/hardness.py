@@ -7,14 +7,14 @@ import numpy as np
 
 from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values
 from babyrobot_levels.analysis.solver.linear import MAX_SWEEPS
-from babyrobot_levels.analysis.solver.optimum import MAX_ROUNDS, TOLERANCE, solve
+from babyrobot_levels.analysis.solver.optimum import MAX_ROUNDS, TOLERANCE, most_expected, solve
 from babyrobot_levels.analysis.solver.policies import read_policy, space_of
 from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.mdp.compiler.things import compile_things
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import Reach, ends_by_hit, reach_of, transitions
-from babyrobot_levels.mdp.tables import Flags, Mdp, leads_to
+from babyrobot_levels.mdp.tables import Flags, Floats, Mdp, leads_to
 from babyrobot_levels.text.errors import LevelError
 
 MISTAKES = 0.1
@@ -151,6 +151,30 @@ def intended_states(solution: Solution) -> Flags:
     ways = Graph(mdp.num_states, source, np.concatenate([target[happens], intended[never]]))
     found: Flags = ways.distances(mdp.start.nonzero()[0]) >= 0
     return found
+
+
+def fewest_pushes(solution: Solution) -> float:
+    """Return the fewest pushes of boxes that can be expected of those that end soonest.
+
+    Args:
+        solution: the solution of a level with boxes, for all actions; it surely ends.
+    """
+    assert solution.level is not None
+    space = space_of(solution.level, "all")
+    model = space.model()
+    fastest = solution.fastest.reshape(space.mdp.num_states, -1)[model.states]
+    costs = np.where(fastest, -_expected_pushes(solution.level)[model.states], -np.inf)
+    return -space.at_start(model, most_expected(model, costs, space)) + 0.0
+
+
+def _expected_pushes(level: GridWorld) -> Floats:
+    """Return how likely each action pushes a box, `[states, actions]`."""
+    mdp = level.compile()
+    boxes = mdp.configurations[:, level.things().of_kind("box")]
+    layout = np.unique(boxes, axis=0, return_inverse=True)[1].ravel()
+    before = layout[np.arange(mdp.num_states) // mdp.cells]
+    pushed = layout[mdp.next_state // mdp.cells] != before[:, None, None]
+    return np.asarray((mdp.probability * pushed).sum(axis=2))
 
 
 def _as_optimal(mdp: Mdp, optimal: Flags) -> tuple[Flags, Flags]:

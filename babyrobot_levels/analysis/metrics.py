@@ -35,6 +35,7 @@ from babyrobot_levels.language.metric_names import (
     MISTAKES,
     NEEDS,
     PATHS,
+    PUSHES,
     SHAPE,
     SOLVED,
     THINGS,
@@ -73,6 +74,8 @@ class Metrics(Shown, public=True):
     - Paths: `states`, `reachable`, `path_length`, `path`, `turns`.
     - Things, only of levels that have some: `items`, `doors`, `switches`, `movers`,
       `configurations`, `detour`.
+    - Boxes, only of levels with boxes or targets: `boxes`, `targets`, and `pushes`, for which the
+      level is solved.
     - Returns: `best_return`, `best_steps`, `random_return`, `random_steps`, `success`,
       `wet_share`, `difficulty`. Only for these the level is solved. None stands for an undefined
       return and for episodes that are too long (`brl.UndefinedReturnError`,
@@ -115,8 +118,8 @@ class Metrics(Shown, public=True):
                 than once.
         """
         things, needs = (THINGS, NEEDS) if self.level.has_things else ((), ())
-        boxes = BOXES if self.level.boxes or self.level.targets else ()
-        names = SHAPE + PATHS + things + boxes + (SOLVED + needs if solve else ())
+        boxes, pushes = (BOXES, PUSHES) if self.level.boxes or self.level.targets else ((), ())
+        names = SHAPE + PATHS + things + boxes + (pushes + SOLVED + needs if solve else ())
         return {name: getattr(self, name) for name in names}
 
     def why_none(self, name: str) -> str:
@@ -143,6 +146,8 @@ class Metrics(Shown, public=True):
             return "the best policy does not go to an exit"
         if name == "success" and self.best_return == math.inf:
             return "the optimal return is infinite"
+        if name == "pushes" and self.solution is not None:
+            return "the optimal policy may never end"
         return too_large_to_add_up(self.level.compile()) or (
             "undefined, or episodes are too long to compute"
         )
@@ -380,6 +385,19 @@ class Metrics(Shown, public=True):
         if optimal is None or at_random is None or math.isinf(optimal):
             return None
         return math.log2(at_random / least) + math.log2(optimal / least)
+
+    @cached_property
+    def pushes(self) -> float | None:
+        """The expected number of pushes of boxes under the optimal policy; 0 without boxes.
+
+        It is the least of all optimal policies that end as soon as can be expected. A skid that
+        pushes a box counts. None if the optimal policy may never end.
+        """
+        if not self.level.boxes:
+            return 0.0
+        if self.solution is None or math.isinf(self.solution.expected_steps):
+            return None
+        return hardness.fewest_pushes(self.solution)
 
     @cached_property
     def solution(self) -> Solution | None:

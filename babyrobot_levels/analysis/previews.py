@@ -12,7 +12,7 @@ from typing import Any
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.pictures import FORMATS, format_for
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
-from babyrobot_levels.language.metric_names import NEEDS, SOLVED
+from babyrobot_levels.language.metric_names import NEEDS, PUSHES, SOLVED
 from babyrobot_levels.mdp.gridworld import GridWorld, LevelLike, world_of
 from babyrobot_levels.text.budget import READ, OverBudgetError, within
 from babyrobot_levels.text.words import no_format
@@ -135,7 +135,8 @@ class Facts(Shown, dict[str, Any], public=True):
         if self.left_out:
             texts |= {name: self.left_out for name in ("digest", "metrics") if self[name] is None}
         if self["metrics"] and "difficulty" not in self["metrics"]:
-            names = (*SOLVED, *NEEDS) if "items" in self["metrics"] else SOLVED
+            pushes = PUSHES if "boxes" in self["metrics"] else ()
+            names = (*pushes, *SOLVED, *(NEEDS if "items" in self["metrics"] else ()))
             texts |= dict.fromkeys(names, f"not computed above {MAX_SOLVED:,} states")
         return texts
 

@@ -9,7 +9,7 @@ from babyrobot_levels.analysis.expectations import is_met, shown
 from babyrobot_levels.generation.candidates import Candidate, Maker
 from babyrobot_levels.language import ranges
 from babyrobot_levels.language.expectations import decimals_in
-from babyrobot_levels.language.metric_names import NEEDS, SEEN, SOLVED
+from babyrobot_levels.language.metric_names import NEEDS, PUSHES, SEEN, SOLVED
 from babyrobot_levels.language.ranges import CountRange, NumberRange, bounds
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.level import Level
@@ -29,7 +29,7 @@ _FIELDS = (*_QUICK, "detour", "difficulty")
 _COUNTED = ("items", "doors", "switches", "movers")
 """The metrics that the fields of a level tell without its tables."""
 
-_HARD = {*SOLVED, *NEEDS, *SEEN}
+_HARD = {*PUSHES, *SOLVED, *NEEDS, *SEEN}
 """The metrics for which a level has to be solved, or compiled several times."""
 
 

@@ -8,14 +8,19 @@ THINGS = ("items", "doors", "switches", "movers", "configurations", "detour")
 BOXES = ("boxes", "targets")
 """Only levels with boxes or targets have these."""
 
-UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps", "success")
+PUSHES = ("pushes",)
+"""Only levels with boxes or targets have it, and for it they are solved."""
+
+RETURNS = ("best_return", "best_steps", "random_return", "random_steps", "success")
+
+UNLIMITED = (*RETURNS, *PUSHES)
 """What is expected of episodes without a limit."""
 
 MISTAKES = ("irreversible", "decisions", "fragility")
 """What is lost by leaving what optimal policies do."""
 
-SOLVED = (*UNLIMITED, "wet_share", "difficulty", *MISTAKES)
-"""Those for which the level is solved."""
+SOLVED = (*RETURNS, "wet_share", "difficulty", *MISTAKES)
+"""Those for which each level is solved."""
 
 NEEDS = ("needs", "dependencies", "distractors")
 """Those for which it is compiled without the effect of some things; only levels with things."""
@@ -23,7 +28,7 @@ NEEDS = ("needs", "dependencies", "distractors")
 SEEN = ("sight_cost",)
 """Those that are computed only where they are asked for: a search among beliefs takes a while."""
 
-METRICS = (*SHAPE, *PATHS, *THINGS, *BOXES, *SOLVED, *NEEDS)
+METRICS = (*SHAPE, *PATHS, *THINGS, *BOXES, *PUSHES, *SOLVED, *NEEDS)
 """Those that are shown of each level."""
 
 STATED = (*METRICS, *SEEN)

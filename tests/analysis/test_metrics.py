@@ -16,7 +16,16 @@ from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import metrics, paths
-from babyrobot_levels.language.metric_names import MISTAKES, NEEDS, PATHS, SHAPE, SOLVED, THINGS
+from babyrobot_levels.language.metric_names import (
+    BOXES,
+    MISTAKES,
+    NEEDS,
+    PATHS,
+    PUSHES,
+    SHAPE,
+    SOLVED,
+    THINGS,
+)
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp import graph
 
@@ -461,6 +470,43 @@ def test_the_trajectory_of_the_optimal_policy_takes_things() -> None:
     level = locked(puddles=[{"at": [0, 0]}])
     found = brl.metrics(level)
     assert found.wet_share == pytest.approx(1 / 5)
+
+
+def boxed(**fields: Any) -> brl.Level:
+    return brl.load({"version": 1, "size": [4, 2], "boxes": [{"at": [2, 0]}], **fields})
+
+
+def test_of_ways_that_end_as_soon_the_one_with_the_fewest_pushes_counts() -> None:
+    around = {"exit": [3, 1], "rewards": {"step": -1}}
+    for fields in (around, {**around, "boxes": [{"at": [1, 0]}]}):
+        found = brl.metrics(boxed(**fields))
+        assert (found.best_steps, found.pushes) == (4, 0)
+    found = brl.metrics(boxed(targets=[{"at": [3, 0]}]))
+    assert (found.best_steps, found.pushes) == (2, 1)
+    assert [*found.to_dict()] == [*SHAPE, *PATHS, *THINGS, *BOXES, *PUSHES, *SOLVED, *NEEDS]
+    assert not {*PUSHES} & {*found.to_dict(solve=False)}
+    assert brl.metrics("final-maze").pushes == 0
+
+
+def test_a_skid_that_pushes_a_box_counts() -> None:
+    skidding = {
+        "size": [3, 4],
+        "start": [0, 1],
+        "exit": [2, 1],
+        "boxes": [{"at": [0, 2]}, {"at": [1, 2]}],
+        "skid": 0.3,
+    }
+    counting = boxed(**skidding, rewards={"step": 0, "exit": 0, "push": 1})
+    found = brl.metrics(boxed(**skidding))
+    assert found.solution is not None
+    expected = brl.evaluate(counting, found.solution).expected_return
+    assert 0 < expected == pytest.approx(found.pushes)
+
+
+def test_a_policy_that_may_never_end_has_no_pushes() -> None:
+    found = brl.metrics(boxed(targets=[{"at": [0, 1]}]))
+    assert found.pushes is None
+    assert found.why_none("pushes") == "the optimal policy may never end"
 
 
 # -- how it is asked -------------------------------------------------------------------------
