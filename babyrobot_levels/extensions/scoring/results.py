@@ -231,6 +231,7 @@ class Scores(Table[LevelScore], public=True):
         scores: Sequence[LevelScore],
         played: Sequence[Played] = (),
         knowable: float | None = None,
+        criterion: str = "return",
     ) -> None:
         """Make scores.
 
@@ -238,12 +239,14 @@ class Scores(Table[LevelScore], public=True):
             scores: that of each level.
             played: the episodes in each level, if there were any.
             knowable: what can be expected in one of the levels, if that was asked for.
+            criterion: what was scored: `"return"`, or `"average"`, the average reward of a step.
         """
         super().__init__(scores)
+        self.criterion = criterion
         self._played, self._knowable = tuple(played), knowable
 
     def _part(self, rows: slice) -> Scores:
-        return Scores(self._rows[rows], self._played[rows])
+        return Scores(self._rows[rows], self._played[rows], criterion=self.criterion)
 
     @property
     def is_exact(self) -> bool:
@@ -281,6 +284,7 @@ class Scores(Table[LevelScore], public=True):
         return {
             "summary": json_mapping(asdict(self.summary)),
             **pooled,
+            **({} if self.criterion == "return" else {"criterion": self.criterion}),
             "levels": [json_mapping(asdict(score)) for score in self],
         }
 
@@ -313,7 +317,10 @@ class Scores(Table[LevelScore], public=True):
         shown: Sequence[LevelScore] = self
         title = f"Share of the optimum, mean {self.summary.mean:.3g}"
         if len(self) == 1:
-            title = "Return {0.expected_return:.4g}; optimum {0.optimum:.4g}, random {0.random:.4g}"
+            what = "Return" if self.criterion == "return" else "Average reward"
+            title = (
+                what + " {0.expected_return:.4g}; optimum {0.optimum:.4g}, random {0.random:.4g}"
+            )
             title = title.format(self[0])
         if len(self) > MAX_BARS:
             shown = sorted(self, key=lambda each: (math.isnan(each.share), each.share))[:MAX_BARS]

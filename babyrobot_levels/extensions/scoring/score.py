@@ -11,6 +11,7 @@ import numpy as np
 from babyrobot_levels.agents.agents import Chooser, Table, read_agent
 from babyrobot_levels.agents.policy_tables import policy_of
 from babyrobot_levels.analysis.solver.advantage import mean_positive_advantage
+from babyrobot_levels.analysis.solver.average import is_average
 from babyrobot_levels.analysis.solver.distribution import distribution_of
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
@@ -26,6 +27,7 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.envs.team import TeamEnv
+from babyrobot_levels.extensions.scoring.averages import average_scores
 from babyrobot_levels.extensions.scoring.conversations import converse
 from babyrobot_levels.extensions.scoring.results import LevelScore, Played, Scores, extremes, share
 from babyrobot_levels.library.catalogue import load
@@ -65,6 +67,7 @@ def score(
     positive_advantage: bool = False,
     cvar: float | None = None,
     knowable: bool | Literal["suite"] = False,
+    criterion: str = "return",
     **options: Any,
 ) -> Scores:
     """Return the scores of an agent: its expected return in each level, beside the best one.
@@ -117,6 +120,9 @@ def score(
             one does, of an agent that observes, reads or has a memory; this can take seconds for
             each level. `"suite"`: of any that is not told in which of the levels it is, as
             `pooled` of the result.
+        criterion: `"return"`; or `"average"`, the average reward of a step in the long run, as
+            `brl.solve` takes it, of an agent without memory in levels that go on for ever: it
+            stands in the place of returns.
         options: the other options of the observation.
 
     Raises:
@@ -136,17 +142,22 @@ def score(
         raise ValueError("chat and record are for agents that read and write: give a sight, too")
     chosen = checked_observation(observation=observation, **options)
     own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
+    is_for_ever = is_average(
+        criterion,
+        **{"discount": discount, "within": within, "sight": sight, "cvar": cvar},
+        **{"episodes": episodes, "knowable": knowable or None},
+        positive_advantage=positive_advantage or None,
+    )
     members, extent = _levels(levels, split, turns=ACTION_SETS[actions].turns)
+    if is_for_ever:
+        taken = _read(agent, members, actions, deterministic=deterministic, batched=batched)
+        if isinstance(taken, Player):
+            raise ValueError("criterion='average' is for agents without memory: episodes end")
+        return Scores(average_scores(taken, members, chosen, extent, own), criterion=criterion)
     problems = [_problem(level, within, discount, own) for level in members]
-    taken: Any = agent
+    taken = agent
     if sight is None:
-        taken = read_agent(
-            agent,
-            ACTION_SETS[actions].num_actions,
-            deterministic=deterministic,
-            batched=batched,
-            robots=_robots(members),
-        )
+        taken = _read(agent, members, actions, deterministic=deterministic, batched=batched)
         episodes = 1000 if episodes is None else episodes
     else:
         _check_limits(problems)
@@ -210,6 +221,11 @@ def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level]
     if not found:
         raise ValueError("there are no levels to score")
     return found, Extent.of(found, turns=turns)
+
+
+def _read(agent: Any, levels: Sequence[Level], actions: str, **how: bool) -> Any:
+    """Return an agent as it is scored; `how` are whether it is deterministic, and batched."""
+    return read_agent(agent, ACTION_SETS[actions].num_actions, robots=_robots(levels), **how)
 
 
 def _robots(levels: Sequence[Level]) -> int:

@@ -313,3 +313,39 @@ def test_a_table_earns_what_its_agent_earns(agent: Any) -> None:
     assert table.shape == (4, 4, 5)
     one, other = (brl.score(["frozen-lake"], each)[0] for each in (agent, table))
     assert one.expected_return == pytest.approx(other.expected_return)
+
+
+# -- the average reward ----------------------------------------------------------------------
+
+
+def test_agents_are_compared_by_the_average_reward_of_a_step() -> None:
+    def score(agent: Any, **options: Any) -> brl.Scores:
+        how = {"actions": "moves", "criterion": "average", **options}
+        return brl.score("gridworld-3-5", agent, **how)
+
+    (best,) = score("best")
+    # From A to A' and back, 10 in five steps.
+    assert (best.expected_return, best.optimum, best.share) == pytest.approx((2, 2, 1))
+    random = brl.evaluate("gridworld-3-5", "random", actions="moves", criterion="average")
+    assert best.random == pytest.approx(random.expected_gain)
+    # North for ever costs 1 a step at the edge, but from A, whence it leads back for 10.
+    (north,) = score(lambda position: 0)
+    always = np.zeros((5, 5), int)
+    found = brl.evaluate("gridworld-3-5", always, actions="moves", criterion="average")
+    assert north.expected_return == pytest.approx(found.expected_gain)
+    assert north.regret == pytest.approx(2 - found.expected_gain)
+    assert (north.success, north.steps) == (0, math.inf)
+    assert score("best").to_dict()["criterion"] == "average"
+
+
+def test_the_average_reward_is_not_for_all_questions_and_agents() -> None:
+    class Remembering:
+        def reset(self) -> None: ...
+
+        def act(self, observation: Any, mask: Any) -> int:
+            return 1
+
+    with pytest.raises(ValueError, match="`within` is for returns"):
+        brl.score("gridworld-3-5", "best", within=3, criterion="average")
+    with pytest.raises(ValueError, match="without memory"):
+        brl.score("gridworld-3-5", Remembering(), criterion="average")

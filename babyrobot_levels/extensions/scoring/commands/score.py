@@ -87,6 +87,13 @@ def score(
         float | None,
         value_option("G", "Discount factor, above 0 and at most 1.  [default: each level's]"),
     ] = None,
+    criterion: Annotated[
+        Literal["return", "average"],
+        typer.Option(
+            help="What is compared: the expected return, or the average reward of a step in the "
+            "long run, of agents without memory in levels that go on for ever."
+        ),
+    ] = "return",
     observation: Annotated[
         str,
         typer.Option(
@@ -191,11 +198,11 @@ def score(
     if level is not None or are_plays == {True}:
         options = split, within, discount, episodes, sight, record
         if any(each is not None for each in options) or any(
-            (stochastic, trust, chat, knowable, knowable_suite)
+            (stochastic, trust, chat, knowable, knowable_suite, criterion == "average")
         ):
             fail(
                 "--split, --within, --discount, --stochastic, --trust, --episodes, --sight, "
-                "--chat, --knowable, --knowable-suite and --record are for agents",
+                "--chat, --knowable, --knowable-suite, --record and --criterion are for agents",
                 "leave them out: episodes are scored under the conditions under which they were "
                 "played",
             )
@@ -231,6 +238,7 @@ def score(
         chat=chat,
         knowable="suite" if knowable_suite else knowable,
         record=record,
+        criterion=criterion,
     )
     if scores.notice is not None and sight is None:
         note(f"warning: {scores.notice}")
@@ -276,7 +284,7 @@ def _put(scores: brl.Scores, kind: TableFormat, output: Path | None, *, force: b
         has_more["of knowable"] = has_more["knowable"]
         heading = [name for name in rows[0] if has_more.get(name, True)]
         write_table(heading, [[row[name] for name in heading] for row in rows])
-        facts = {**_summary(scores), **_pooled(scores), "returns": _limits(scores)}
+        facts = {**_summary(scores), **_pooled(scores), **_limits(scores)}
         write("\n" + fact_lines(facts))
 
 
@@ -326,12 +334,15 @@ def _pooled(scores: brl.Scores) -> dict[str, str]:
     }
 
 
-def _limits(scores: brl.Scores) -> str:
+def _limits(scores: brl.Scores) -> dict[str, str]:
     """Return within how many steps returns are; of several levels, each may have its own."""
     from babyrobot_levels.render.words.phrases import limited
 
+    if scores.criterion == "average":
+        return {"return": "the average reward of a step in the long run"}
     limits = {row.within for row in scores}
-    return limited(limits.pop()) if len(limits) == 1 else "within each level's max_steps"
+    several = "within each level's max_steps"
+    return {"returns": limited(limits.pop()) if len(limits) == 1 else several}
 
 
 def _summary(scores: brl.Scores) -> dict[str, str]:
