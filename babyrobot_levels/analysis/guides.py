@@ -14,6 +14,7 @@ from babyrobot_levels.text.words import BEST, RANDOM, is_agent
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
+    from babyrobot_levels.language.geometry import Cell
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.page import Guide
     from babyrobot_levels.render.scene.layout import Overlay
@@ -50,6 +51,14 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
 
         given |= dict.fromkeys(asked, solve(level))
     return overlay_given(level, given)
+
+
+def lost_of(level: GridWorld) -> frozenset[Cell]:
+    """Return the cells from which boxes of a level can reach no target; none without boxes."""
+    from babyrobot_levels.mdp.pushing import lost_cells
+
+    lost = lost_cells(level) if level.boxes else ()
+    return frozenset(divmod(cell, level.size[0])[::-1] for cell in lost)
 
 
 class EndlessVisitsError(ValueError):

@@ -17,6 +17,7 @@ class TextOptions(TypedDict, total=False):
     values: bool
     policy: Any
     held: str | Iterable[str] | None
+    lost: bool
     rules: bool
 
 
@@ -30,6 +31,7 @@ class StillOptions(TypedDict, total=False):
     coordinates: bool | None
     theme: Any
     held: str | Iterable[str] | None
+    lost: bool
     rules: bool
     scale: float | None
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, Unpack
 
-from babyrobot_levels.analysis.guides import guide_of, overlay_of
+from babyrobot_levels.analysis.guides import guide_of, lost_of, overlay_of
 from babyrobot_levels.analysis.picture_options import (
     FilmOptions,
     PageOptions,
@@ -50,7 +50,7 @@ NOTHING = "nothing"
 # -- pictures ------------------------------------------------------------------------------
 
 
-@takes(StillOptions, rules=False)
+@takes(StillOptions, lost=False, rules=False)
 def to_svg(
     level: GridWorld, path: str | os.PathLike[str] | None = None, **shown: Unpack[StillOptions]
 ) -> str:
@@ -72,6 +72,8 @@ def to_svg(
         held: the names of the things that are held or on, in a list or separated by commas;
             `"nothing"` or an empty list for none. By default, the level is
             shown as a whole, with values and actions where episodes begin.
+        lost: whether cells are crossed from which a box can be pushed to no target, even if there
+            were no other box and all doors were open. Without boxes and targets there are none.
         rules: whether the rules of the level are shown: in its panel, or below the picture.
         scale: the size; 1, the default, is 64 pixels per cell.
 
@@ -86,7 +88,7 @@ def to_svg(
     return _saved(paint(still(level, **shown), times or 1.0), path, "svg")
 
 
-@takes(StillOptions, rules=False)
+@takes(StillOptions, lost=False, rules=False)
 def to_pdf(
     level: GridWorld, path: str | os.PathLike[str] | None = None, **shown: Unpack[StillOptions]
 ) -> bytes:
@@ -100,7 +102,7 @@ def to_pdf(
     return _saved(paint([still(level, **shown)], times or 1.0), path, "pdf")
 
 
-@takes(StillOptions, rules=False)
+@takes(StillOptions, lost=False, rules=False)
 def to_png(
     level: GridWorld,
     path: str | os.PathLike[str] | None = None,
@@ -128,6 +130,7 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     The robot is left out where it would hide what its cell shows.
     """
     from babyrobot_levels.render.scene.build import build_scene
+    from babyrobot_levels.render.scene.layout import Overlay
 
     policy, held = shown.get("policy"), shown.get("held")
     if isinstance(policy, str) and policy == RANDOM:
@@ -141,6 +144,8 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
 
         configuration = initial_configuration(level)
     robot = overlay is None and held is None
+    if shown.get("lost"):
+        overlay = replace((overlay or Overlay()).at(configuration), lost=lost_of(level))
     overlay = _with_rules(overlay) if shown.get("rules") else overlay
     return build_scene(level, configuration=configuration, robot=robot, overlay=overlay)
 
@@ -483,7 +488,7 @@ def format_for(suffix: str) -> str | None:
 
 def titles_of(option: str) -> list[str]:
     """Return the titles of the formats that have an option."""
-    return [each.title for each in _OWN.values() if option in each.options]
+    return [*dict.fromkeys(each.title for each in _OWN.values() if option in each.options)]
 
 
 def maker_of(path: str | os.PathLike[str]) -> str | None:

@@ -18,6 +18,7 @@ from babyrobot_levels.analysis.pictures import FORMATS, PictureFormat, titles_of
 from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode
 from babyrobot_levels.cli.inputs import configuration_of
 from babyrobot_levels.cli.parallel import Report
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.terminal import colors_of, room_of
 from babyrobot_levels.render.text import WIDEST, TextPainter, number_lines
 from babyrobot_levels.render.words.rules import MOST
@@ -146,11 +147,15 @@ def text_picture(
     *,
     plain: bool = False,
     configuration: int | None = None,
+    lost: frozenset[Cell] = frozenset(),
     all_rules: bool = False,
 ) -> str:
     """Return the level for standard output, and what the marks mean."""
+    from babyrobot_levels.render.scene.layout import Overlay
+
     plain = plain or not takes_pictures()
-    return _text(level, None, configuration, plain=plain, all_rules=all_rules)
+    overlay = Overlay(lost=lost) if lost else None
+    return _text(level, overlay, configuration, plain=plain, all_rules=all_rules)
 
 
 def solution_text(
@@ -161,6 +166,7 @@ def solution_text(
     policy: bool,
     plain: bool = False,
     configuration: int | None = None,
+    lost: frozenset[Cell] = frozenset(),
     all_rules: bool = False,
 ) -> str:
     """Return values and policy of a solution for standard output.
@@ -175,6 +181,7 @@ def solution_text(
         policy: whether to show the optimal actions.
         plain: whether to use ASCII in any case.
         configuration: what is where; None is where episodes begin.
+        lost: cells that are marked, as boxes can reach no target from there.
         all_rules: whether to tell all rules, however many there are.
     """
     from babyrobot_levels.analysis.shown import actions_shown, overlay_given
@@ -185,6 +192,7 @@ def solution_text(
         overlay_given(level, {"values": solution}).at(number),
         values=_values(solution, number) if values and not plain else None,
         actions=actions_shown(solution, number) if policy else None,
+        lost=lost,
     )
     below = ""
     if plain and values and level.size[0] <= WIDEST:

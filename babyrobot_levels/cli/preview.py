@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.guides import lost_of
 from babyrobot_levels.analysis.pictures import (
     FORMATS,
     MAX_SCALE,
@@ -171,6 +172,9 @@ def preview(
             "episodes begin]",
         ),
     ] = None,
+    lost: Annotated[
+        bool, flag("--lost", "Cross the cells from which a box can be pushed to no target.")
+    ] = False,
     seed: Annotated[
         int | None,
         value_option(
@@ -230,6 +234,8 @@ def preview(
 
       babyrobot preview first-key --values --held key -o with-key.svg
 
+      babyrobot preview first-box --lost
+
       babyrobot preview final-maze --visits -o visits.png
 
       babyrobot preview final-maze --policy best --seed 3 -o walk.gif
@@ -260,6 +266,7 @@ def preview(
     if view_radius is not None and sight is None:
         fail("--view-radius is for --sight", "add --sight view")
     _check_for("visits", chosen, given=visits)
+    _check_for("lost", chosen, given=lost)
     if no_answers and (values or policy == "best"):
         fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
     if agent is not None and (is_text or policy is not None):
@@ -287,6 +294,7 @@ def preview(
         "seed": seed or 0,
         "scale": times,
         "held": held,
+        "lost": lost,
         "answers": not no_answers,
         "learn": learn or None,
         **({} if sight is None else sight_options(sight, view_radius)),
@@ -298,9 +306,7 @@ def preview(
         shown = _prepared(level, theme, coordinates, maze_seed, several=not one)
         if is_text:
             check_policy(chosen, policy)
-            return _text(
-                shown, values=values, policy=policy is not None, held=held, plain=plain, rules=rules
-            )
+            return _text(shown, asked, plain=plain)
         if agent is None:
             return picture(shown, chosen.name, asked | pages, report)
         with blamed(agent):
@@ -433,24 +439,20 @@ def _prepared(
     return level
 
 
-def _text(
-    level: brl.Level, *, values: bool, policy: bool, held: str | None, plain: bool, rules: bool
-) -> str:
-    configuration = None if held is None else configuration_of(level, held)
+def _text(level: brl.Level, asked: Mapping[str, Any], *, plain: bool) -> str:
+    """Return a level for the terminal, by what is asked of all pictures."""
+    values, policy, held = asked["values"], asked["policy"] is not None, asked["held"]
+    options = {
+        "plain": plain or not takes_pictures(),
+        "configuration": None if held is None else configuration_of(level, held),
+        "lost": lost_of(level) if asked["lost"] else frozenset(),
+        "all_rules": asked["rules"],
+    }
     if not (values or policy):
-        return text_picture(level, plain=plain, configuration=configuration, all_rules=rules)
-    plain = plain or not takes_pictures()
-    if values and plain and level.size[0] > WIDEST:
+        return text_picture(level, **options)
+    if values and options["plain"] and level.size[0] > WIDEST:
         note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
-    return solution_text(
-        level,
-        solution_of(level),
-        values=values,
-        policy=policy,
-        plain=plain,
-        configuration=configuration,
-        all_rules=rules,
-    )
+    return solution_text(level, solution_of(level), values=values, policy=policy, **options)
 
 
 preview.command_class = PreviewCommand  # type: ignore[attr-defined]

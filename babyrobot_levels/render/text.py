@@ -11,7 +11,7 @@ from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat, Scale
-from babyrobot_levels.render.scene.layout import AtHand, Overlay, Rows, layout_of
+from babyrobot_levels.render.scene.layout import LOST, AtHand, Overlay, Rows, layout_of
 from babyrobot_levels.render.scene.slots import Slots, standing_cells
 from babyrobot_levels.render.scene.texts import Form, form_of
 from babyrobot_levels.render.situation import Situation, place_of, situation_of
@@ -50,6 +50,9 @@ _ARROWS, _PLAIN_ARROWS = "·↑→↓←", ".^>v<"
 
 _NEVER, _PLAIN_NEVER = "╱", "-"
 """The characters of a cell in which no robot can be in the configuration that is shown."""
+
+_LOST, _PLAIN_LOST = "×", "x"
+"""The characters of a cell from which a box can reach no target."""
 
 _BLACK = (0, 0, 0)
 _BAR = 24
@@ -231,6 +234,7 @@ class TextPainter:
             ]
             for y, row in enumerate(symbols)
         ]
+        self._cross(overlay, contents)
         lines = (ascii_lines if self._plain else unicode_lines)(self._drawing, contents)
         below = [
             *_table(overlay.values, overlay.precision),
@@ -271,6 +275,7 @@ class TextPainter:
         for x, y in overlay.never:
             if contents[y][x].isspace():
                 contents[y][x] = self.never * cells.width
+        self._cross(overlay, contents)
         fills = {cell: rgba(color)[:3] for cell, color in heat.tiles.items()}
         below = [*_legend(heat.scale, form, colors)] if fills else []
         if overlay.values is not None:
@@ -278,6 +283,15 @@ class TextPainter:
         below += _texts_below(overlay, self.never)
         lines = unicode_lines(self._drawing, contents)
         return _Drawn(lines, cells, fills, below)
+
+    def _cross(self, overlay: Overlay, contents: list[list[str]]) -> None:
+        """Mark lost cells beside their symbols, or before numbers that leave no room there."""
+        for x, y in overlay.lost:
+            content = contents[y][x]
+            if content.endswith(" "):
+                contents[y][x] = content[:-1] + self.lost
+            elif content.startswith(" "):
+                contents[y][x] = self.lost + content[1:]
 
     @cached_property
     def _rules(self) -> tuple[Rule, ...]:
@@ -297,6 +311,11 @@ class TextPainter:
     def never(self) -> str:
         """The character of a cell in which no robot can be."""
         return _PLAIN_NEVER if self._plain else _NEVER
+
+    @property
+    def lost(self) -> str:
+        """The character of a cell from which a box can reach no target."""
+        return _PLAIN_LOST if self._plain else _LOST
 
     def explained(
         self,
@@ -354,6 +373,8 @@ class TextPainter:
         if caption:
             mark, _, words = caption.replace("hatched:", self.never).partition(" ")
             yield Entry(((mark, None),), words)
+        if overlay.lost:
+            yield Entry(((self.lost, None),), LOST)
         taken = {*arrows, *overlay.never}
         free = (divmod(cell, width)[::-1] for cell, is_wall in enumerate(blocked) if not is_wall)
         if arrows and not taken.issuperset(free):

@@ -14,6 +14,7 @@ from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import guides, pictures
+from babyrobot_levels.render.scene.shapes import Path as ShapePath
 
 ENDLESS = brl.loads("version: 1\nsize: [3, 1]\nexit: none\n")
 CANCELLING = brl.loads(
@@ -36,6 +37,7 @@ SAME: list[tuple[str, str, str, dict[str, Any]]] = [
     ("maze", "--coordinates --scale 0.5", "svg", {"coordinates": True, "scale": 0.5}),
     ("first-key", "--values --held key", "svg", {"values": True, "held": ["key"]}),
     ("two-levers", "--held nothing", "svg", {"held": []}),
+    ("first-box", "--values --lost", "svg", {"values": True, "lost": True}),
     ("puddles", "--values --cell 32", "png", {"values": True, "scale": 0.5}),
     ("puddles", "--policy random --cell 16", "gif", {"policy": "random", "scale": 0.25}),
     (
@@ -94,6 +96,19 @@ def test_where_a_guard_has_caught_the_robot_there_is_no_value() -> None:
     assert given is not None
     shown = [[np.nan if each is None else each for each in row] for row in given.at().values or ()]
     np.testing.assert_array_equal(shown, blank)
+
+
+def test_cells_from_which_boxes_are_lost_are_crossed() -> None:
+    level = brl.load("first-box")
+    crosses = [
+        shape
+        for shape in pictures.still(level, lost=True).shapes
+        if isinstance(shape, ShapePath) and shape.width == 3 and shape.opacity < 1
+    ]
+    # Two lines in each cell at a wall along which there is no target.
+    assert sum(len(shape.commands) for shape in crosses) == 2 * 2 * len(guides.lost_of(level))
+    assert "crossed: from here, a box can reach no target" in svg_texts(level.to_svg(lost=True))
+    assert brl.load("final-maze").to_svg(lost=True) == brl.load("final-maze").to_svg()
 
 
 def test_coordinates_can_be_left_out() -> None:

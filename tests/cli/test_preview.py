@@ -528,6 +528,18 @@ def test_values_of_wide_levels_are_left_to_pictures() -> None:
     assert f"{MINUS}15" in texts(babyrobot("preview", name, "--values", "--format", "svg").out)
 
 
+def test_cells_from_which_boxes_are_lost_are_marked_in_text() -> None:
+    done = babyrobot("preview", "first-box", "--lost")
+    assert done.out.splitlines()[1:6:2] == [
+        "| Sx   x   x   x| . |",
+        "|  x  $             |",
+        "|  x   x   x   x   x|",
+    ]
+    assert "x        from here, a box can reach no target\n" in done.out
+    done = babyrobot("preview", "first-box", "--lost", "-o", "box.gif")
+    assert (done.status, "--lost is for text, SVG, PDF and PNG output" in done.err) == (2, True)
+
+
 def test_visits_without_end_are_refused_with_what_helps() -> None:
     done = babyrobot("preview", written(HEAD + "exit: none\n"), "--visits", "-o", "visits.svg")
     assert done.status == 2

@@ -12,7 +12,7 @@ from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
-from babyrobot_levels.render.scene.heat import Heat, never_shapes
+from babyrobot_levels.render.scene.heat import Heat, lost_shapes, never_shapes
 from babyrobot_levels.render.scene.layout import CELL, Layout, Overlay, each_cell, layout_of
 from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.panels import (
@@ -230,7 +230,11 @@ def overlay_shapes(
     return OverlayShapes(
         # Rims of walls lie on the hatching.
         (*never_shapes(level, overlay, layout), *heat.shapes),
-        tuple(arrow_shapes(arrow_lengths(overlay, slots, layout), slots, layout, colors.arrows)),
+        # Starts and boxes are crossed, too.
+        (
+            *lost_shapes(heat),
+            *arrow_shapes(arrow_lengths(overlay, slots, layout), slots, layout, colors.arrows),
+        ),
         tuple(number_labels(level, heat)),
         tuple(texts),
     )

@@ -213,6 +213,7 @@ BAR_STEPS = 24
 
 _BAR, _BAR_TOP = 9.0, 4.0
 _HATCHES, _HATCH_OPACITY = 8, 0.32
+_CROSS = 12.0
 """How many lines of hatching begin at a side of a cell, and how strong they are."""
 
 _LONGEST_BAR, _LEGEND_MARGIN = 260.0, 11.0
@@ -430,9 +431,22 @@ def never_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
     if cells:
         yield _hatched([(9 * times, top + times)], 10 * times, 3 * times, plate, 0.9)
     left = (CAPTION_LEFT if cells else 9) * times
-    for number, line in enumerate(caption_lines(overlay.caption, layout), 1):
+    for number, line in enumerate(caption_lines(overlay.words, layout), 1):
         y = top + times * (CAPTION_LINE * number - 2.5)
         yield Text(left, y, line, times * CAPTION_SIZE, colors.text_fg, "start")
+
+
+def lost_shapes(heat: Heat) -> Iterator[Shape]:
+    """Yield crosses on the cells from which a box can reach no target."""
+    lines: dict[str, list[Command]] = defaultdict(list)
+    near, far = _CROSS, CELL - _CROSS
+    for cell in sorted(heat.overlay.lost):
+        left, top = heat.layout.corner(*cell)
+        for first, last in ((near, far), (far, near)):
+            ends = [(left + first, top + near), (left + last, top + far)]
+            lines[rim_on(heat.colors_of(cell))] += polyline(ends)
+    for ink, commands in lines.items():
+        yield Path(tuple(commands), stroke=ink, width=3.0, opacity=_HATCH_OPACITY, cap="round")
 
 
 def _hatched(

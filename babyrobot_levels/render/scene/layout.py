@@ -37,6 +37,10 @@ class Note:
     color: str | None = None
 
 
+LOST = "from here, a box can reach no target"
+"""What crosses mean."""
+
+
 @dataclass(frozen=True, slots=True)
 class Overlay:
     """What is shown over the cells of a level and in its panels.
@@ -60,6 +64,7 @@ class Overlay:
             room, else in a box of their own below the picture. Without it, only panels show them
             that have nothing else to show.
         never: the cells in which no robot can be in the configuration that is shown: hatched.
+        lost: the cells from which a box can be pushed to no target: crossed.
         caption: which configuration that is, and what is hatched, in words; below the grid.
         parts: the overlay of a configuration and heading (each None if none is at hand), where
             they differ; it takes the place of this one.
@@ -78,6 +83,7 @@ class Overlay:
     extent: tuple[float, float] | None = None
     rules: bool = False
     never: frozenset[tuple[int, int]] = frozenset()
+    lost: frozenset[tuple[int, int]] = frozenset()
     caption: str = ""
     parts: Callable[[int | None, int | None], Overlay] | None = None
 
@@ -97,6 +103,11 @@ class Overlay:
         """Whether numbers are shown as colours, which need a legend."""
         shown = self.values, self.action_values, self.visits
         return any(rows is not None for rows in shown)
+
+    @property
+    def words(self) -> str:
+        """The caption, and what crosses mean."""
+        return "; ".join(filter(None, (self.caption, f"crossed: {LOST}" if self.lost else "")))
 
     def at(self, configuration: int | None = None, heading: int | None = None) -> Overlay:
         """Return what is shown in a configuration, with a heading; None for none at hand."""
@@ -301,7 +312,8 @@ def layout_of(
     strip = STRIP if items and held_in == "strip" else 0.0
     layout = Layout(columns, rows, margin, side, bottom, items, held_in, strip)
     legend = LEGEND * layout.times if overlay.has_colors else 0.0
-    lines = caption_lines(overlay.caption, layout) if overlay.fills_cells else []
+    is_told = overlay.fills_cells or overlay.lost
+    lines = caption_lines(overlay.words, layout) if is_told else []
     caption = layout.times * (CAPTION_LINE * len(lines) + CAPTION_FOOT) if lines else 0.0
     layout = replace(layout, legend=legend, caption=caption)
     return with_rules(level, overlay, layout) if overlay.rules else layout
