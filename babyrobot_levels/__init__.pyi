@@ -101,6 +101,9 @@ from .extensions.publish.packing import pack as pack
 from .extensions.publish.sheet import Sheet as Sheet
 from .extensions.publish.sheet import sheet as sheet
 from .extensions.robots.agents import parallel_env as parallel_env
+from .extensions.robots.plans import PlanCheck as PlanCheck
+from .extensions.robots.plans import PlanFault as PlanFault
+from .extensions.robots.plans import check_plan as check_plan
 from .extensions.robots.regrets import RobotRegret as RobotRegret
 from .extensions.robots.regrets import TeamScore as TeamScore
 from .extensions.robots.regrets import score_team as score_team

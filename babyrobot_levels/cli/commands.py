@@ -48,6 +48,7 @@ _OWN: Mapping[str, Command | str] = {
     "grade": "scoring",
     "compare": "compare",
     "diff": "compare",
+    "check-plan": "robots",
     "share": _core(
         "Share", "share:share", "Print a level as a share code or a link.", limited=True
     ),

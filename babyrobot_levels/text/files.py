@@ -52,24 +52,26 @@ class NotRegularError(OSError):
     """A device, a pipe or a socket where a file is needed."""
 
 
-def read_source(path: Path, name: str | None = None) -> SourceFile:
-    """Read a level's text. `name` is what messages call it, the path as given if left out.
+def read_source(path: Path, name: str | None = None, limit: int = MAX_BYTES) -> SourceFile:
+    """Read the text of a file that has at most `limit` bytes.
+
+    Messages call it by its `name`, the path as given if left out.
 
     Raises:
         LevelError: there is no such file, it is not a regular one, too large, or not UTF-8.
     """
     shown = name or str(path)
-    return source_of(read_data(path, shown), shown)
+    return source_of(read_data(path, shown, limit), shown, limit=limit)
 
 
-def read_data(path: Path, shown: str) -> bytes:
-    """Return what is in a file that messages call by a name, as `read_bytes` within `MAX_BYTES`.
+def read_data(path: Path, shown: str, limit: int = MAX_BYTES) -> bytes:
+    """Return what is in a file that messages call by a name, as `read_bytes` within a limit.
 
     Raises:
         LevelError: there is no such file, or it is not a regular one.
     """
     try:
-        return read_bytes(path, MAX_BYTES)
+        return read_bytes(path, limit)
     except IsADirectoryError:
         raise unreadable("BR101", shown, "this is a directory, not a file") from None
     except NotRegularError:
@@ -204,14 +206,16 @@ def schema_for(path: Path) -> str | None:
     return None
 
 
-def source_of(data: bytes, name: str, *, is_made: bool = False) -> SourceFile:
+def source_of(
+    data: bytes, name: str, *, is_made: bool = False, limit: int = MAX_BYTES
+) -> SourceFile:
     """Return bytes as a text, that of a file or one that is made of something else.
 
     Raises:
-        LevelError: they are too many, or not UTF-8.
+        LevelError: they are more than `limit`, or not UTF-8.
     """
-    if len(data) > MAX_BYTES:
-        raise unreadable("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
+    if len(data) > limit:
+        raise unreadable("BR103", name, f"the file is larger than {limit // (1 << 20)} MiB")
     try:
         return SourceFile(name, data.decode("utf-8"), is_made=is_made)
     except UnicodeDecodeError as error:

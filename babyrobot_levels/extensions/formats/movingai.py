@@ -45,14 +45,14 @@ def read_movingai(source: SourceFile, folder: Path | None = None) -> World:
         ConversionError: it is no such text, or the map of a scenario is not there.
     """
     if not source.text.lstrip().startswith("version"):
-        rows, lost = _rows_of_map(source)
+        rows, lost = rows_of_map(source)
         return _world_of_map(source, rows, _with_exit(rows, lost), lost)
-    first, *others = [_scenario(line) for line in source.text.splitlines()[1:]]
+    first, *others = scenarios_of(source)
     name = first.map
     if folder is None:
         raise ConversionError(f"the map {shown(name)} is a file of its own, and is not read")
     there = file_beside(folder, name)
-    rows, lost = _rows_of_map(there)
+    rows, lost = rows_of_map(there)
     for each in (first, *others):
         for x, y in (each.start, each.goal):
             if y >= len(rows) or x >= len(rows[0]) or rows[y][x] in "@OTW":
@@ -65,24 +65,36 @@ def read_movingai(source: SourceFile, folder: Path | None = None) -> World:
     return replace(world, lost=tuple(replace(each, at=Position(2, 1)) for each in world.lost))
 
 
-class _Scenario(NamedTuple):
+class Scenario(NamedTuple):
     """A line of a file of scenarios: an agent, its start and its goal, and the map."""
 
     map: str
     start: Cell
     goal: Cell
+    line: int
 
 
-def _scenario(line: str) -> _Scenario:
-    fields = line.split()
+def scenarios_of(source: SourceFile) -> list[Scenario]:
+    """Return the agents of a file of scenarios, in its order.
+
+    Raises:
+        ConversionError: the text is no such file.
+    """
+    lines = [number for number, line in enumerate(source.lines, 1) if line.strip()]
+    return [_scenario(source, number) for number in lines[1:]]
+
+
+def _scenario(source: SourceFile, number: int) -> Scenario:
+    fields = source.line(number).split()
     if len(fields) != 9 or not all(re.fullmatch(r"\d{1,6}", each) for each in fields[4:8]):
-        raise ConversionError(f"this is no line of a scenario: {shown(' '.join(fields))}")
+        raise ConversionError.at(source, Position(number, 1), "this is no line of a scenario")
     x, y, right, down = map(int, fields[4:8])
-    return _Scenario(fields[1].replace("\\", "/").rpartition("/")[2], (x, y), (right, down))
+    name = fields[1].replace("\\", "/").rpartition("/")[2]
+    return Scenario(name, (x, y), (right, down), number)
 
 
 def _world_of_team(
-    source: SourceFile, rows: list[str], agents: Sequence[_Scenario], lost: Sequence[Lost]
+    source: SourceFile, rows: list[str], agents: Sequence[Scenario], lost: Sequence[Lost]
 ) -> World:
     """Return the world of several agents, each with its own goal, where it stays."""
     starts = [agent.start for agent in agents]
@@ -105,29 +117,38 @@ def _world_of_team(
     return replace(world, fields={**world.fields, "team": {"arrived": "stay"}})
 
 
-def _rows_of_map(source: SourceFile) -> tuple[list[str], list[Lost]]:
+def rows_of_map(source: SourceFile) -> tuple[list[str], list[Lost]]:
+    """Return the rows of a map, all of one length, and what a level does not have of it.
+
+    Raises:
+        ConversionError: the text is no map, or has another size than it says.
+    """
     text = source.text.replace("\r\n", "\n")
     header = _HEADER.match(text)
     if header is None:
         help_text = "a map begins with lines for type, height, width, and `map`"
-        raise ConversionError(f"{source.name} is not {_MOVINGAI}", help_text)
+        message = f"{source.name} is not {_MOVINGAI}"
+        raise ConversionError.at(source, Position(1, 1), message, help_text)
     if header[1] not in ("tile", "octile", "octile_unicost"):
-        raise ConversionError(f"the map's type is {shown(header[1])}, not octile or tile")
+        message = f"the map's type is {shown(header[1])}, not octile or tile"
+        raise ConversionError.at(source, Position(1, 1), message)
     height, width = int(header[2]), int(header[3])
     rows = text[header.end() :].rstrip("\n").split("\n")
     if len(rows) != height or {*map(len, rows)} != {width}:
         sizes = f"{len(rows)} rows of {max(map(len, rows))}"
-        raise ConversionError(f"the map has {sizes} cells, not {height} of {width} as it says")
+        message = f"the map has {sizes} cells, not {height} of {width} as it says"
+        raise ConversionError.at(source, Position(2, 1), message)
     return rows, [_DIAGONAL] if header[1].startswith("octile") else []
 
 
-def _plain(text: str) -> str:
+def plain_cells(text: str) -> str:
+    """Return the cells of a map as plain (`language.drawing.PLAIN`) and blocked ones."""
     return "".join(_TERRAIN.get(letter, d.BLOCKED) for letter in text)
 
 
 def _with_exit(rows: Sequence[str], lost: list[Lost]) -> list[tuple[int, int]]:
     """Return the first free cell, and the last one that it is connected to."""
-    text, width = _plain("".join(rows)), len(rows[0])
+    text, width = plain_cells("".join(rows)), len(rows[0])
     if d.PLAIN not in text:
         raise ConversionError("the map has no free cell")
     reached = room(text, text.index(d.PLAIN), width)
