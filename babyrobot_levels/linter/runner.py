@@ -12,7 +12,7 @@ from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules.expectations import BROKEN_EXPECTATION, not_clean
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.suites.checking import check_document
-from babyrobot_levels.text.budget import READ, OverBudgetError, within
+from babyrobot_levels.text.budget import COMMAND, READ, Meter, OverBudgetError, metered, within
 from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix, Issue, Severity
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError, UnplayableError
@@ -216,12 +216,20 @@ def fix(
 
     A fix is refused if the level does not load after it, or if the fix claims to be safe and
     changes the MDP. Refused fixes are tried again after the others: some depend on them, such as
-    the removal of an anchored value after the removal of its last alias.
+    the removal of an anchored value after the removal of its last alias. The rest is left once the
+    work comes to that of a whole command.
     """
+    with metered() as done:
+        return _fixed(source, rules, path, unsafe, done)
+
+
+def _fixed(
+    source: SourceFile, rules: Sequence[Rule], path: Path | None, unsafe: bool, done: Meter
+) -> Fixed:
     report = lint_source(source, rules, path)
     count, rounds, since = 0, 0, 0
     refused: set[Diagnostic] = set()
-    while rounds < MAX_ROUNDS:
+    while rounds < MAX_ROUNDS and done.steps < COMMAND.steps:
         left = [each for each in report.diagnostics if each not in refused]
         batch = _disjoint([each for each in left if each.fix and (each.fix.safe or unsafe)])
         if not batch:
@@ -230,7 +238,7 @@ def fix(
             refused.clear()
             since = count
             continue
-        while True:
+        while done.steps < COMMAND.steps:
             text = apply((edit for each in batch for edit in _edits(each)), source)
             fixed = SourceFile(source.name, text)
             after = lint_source(fixed, rules, path)

@@ -105,6 +105,26 @@ def within(limits: Limits) -> Iterator[None]:
         _budget.reset(token)
 
 
+class Meter:
+    """How many steps of work have been taken, within whatever limits."""
+
+    def __init__(self) -> None:
+        self.steps = 0.0
+
+
+_meter: ContextVar[Meter | None] = ContextVar("meter", default=None)
+
+
+@contextmanager
+def metered() -> Iterator[Meter]:
+    """Count the steps of many parts of work, each of which has limits of its own."""
+    token = _meter.set(meter := Meter())
+    try:
+        yield meter
+    finally:
+        _meter.reset(token)
+
+
 def limited(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that works within the limits at hand, also in another process."""
     budget = _budget.get()
@@ -129,6 +149,8 @@ def spend(steps: float) -> None:
         OverBudgetError: they are more than are left.
     """
     _before_work()
+    if (meter := _meter.get()) is not None:
+        meter.steps += steps
     if (budget := _budget.get()) is not None:
         budget.left -= int(steps)
         if budget.left < 0:

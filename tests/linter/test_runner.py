@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace as replace_fields
 
 import pytest
 
+from babyrobot_levels.linter import runner
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.linter.fixes import append, remove, replace
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.linter.runner import apply, fix
+from babyrobot_levels.text.budget import Limits, spend
 from babyrobot_levels.text.diagnostics import Edit, Fix, Severity
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
@@ -106,6 +110,21 @@ def test_fixes_are_repeated_up_to_a_limit() -> None:
     source = SourceFile("x.yaml", "version: 1\ntitle: aaaa\n")
     assert fix(source, [rule("aa", "a")]).text == "version: 1\ntitle: a\n"
     assert fix(source, [rule("a", "b"), rule("b", "a")]).count > 1
+
+
+def test_fixes_end_with_the_work_of_a_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    def check(context: LintContext) -> Iterator[Finding]:
+        spend(60)
+        assert plain.check is not None
+        yield from plain.check(context)
+
+    plain = rule("aa", "a")
+    costly = replace_fields(plain, check=check)
+    source = SourceFile("x.yaml", "version: 1\ntitle: aaaaaaaa\n")
+    monkeypatch.setattr(runner, "COMMAND", Limits(100, math.inf))
+    assert fix(source, [costly]).count == 1
+    monkeypatch.undo()
+    assert fix(source, [costly]).count == 7
 
 
 ANCHORED = """\
