@@ -7,6 +7,7 @@ same. What it is told of a step, such as its reward, is a signal.
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Sequence
 from hashlib import blake2b
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Event, Ints, events_of, hits_of
 from babyrobot_levels.render.sights import SIGHTS
 from babyrobot_levels.render.words.happenings import happenings
+from babyrobot_levels.text import budget
 
 TEXTS = {f"text-{sight}": sight for sight in SIGHTS}
 """The sights of worlds of text by their names here: `view` is an observation as well."""
@@ -91,6 +93,8 @@ class ObservationSight(Sight):
         assert isinstance(space.level, Level)
         observer = make_observer(space.level, self.observation, self._extent)
         self._space = observer.space
+        sizes = [each.size for each in _arrays(self._space, self._space.sample())]
+        budget.spend(states.size * (1_000 + 4 * sum(sizes) + 150 * _parts(space.level)))
         masks = space.mdp.action_mask[states, space.first_action :]
         keys: list[Hashable] = []
         for begin in range(0, states.size, _PART):
@@ -112,6 +116,11 @@ def _digests(
     rows = _arrays(observer.space, observer.rows(states.astype(np.int64)))
     rows += [masks] if mask else []
     return [_digest([each[index] for each in rows]) for index in range(states.size)]
+
+
+def _parts(level: Level) -> int:
+    """Return how many parts of a level are looked at for each state."""
+    return len(level.things()) + len(level.doors)
 
 
 def _arrays(space: Any, observation: Any) -> list[NDArray[Any]]:
@@ -144,6 +153,8 @@ class TextSight(Sight):
     def shown(self, space: StateSpace, states: Ints) -> list[Hashable]:
         """Return texts, with the rules, which differ between levels."""
         assert isinstance(space.level, Level)
+        size = 25 * prod(space.level.size) + 2_000 * _parts(space.level)
+        budget.spend(states.size * (40_000 + size))
         limit = self._within or space.level.max_steps
         told = space.level.model_copy(update={"max_steps": limit})
         narrator = narrator_of(told, self._sight)
@@ -153,6 +164,7 @@ class TextSight(Sight):
     def signals(self, space: StateSpace, states: Ints) -> tuple[Ints, list[Hashable]]:
         """Return what is told of steps: what happened, and the reward as it is printed."""
         mdp, level = space.mdp, space.level
+        budget.spend(5_000 * int(np.count_nonzero(mdp.probability[states])))
         events, hits = events_of(mdp), hits_of(level, mdp)
         numbers: dict[Hashable, int] = {None: 0}
         table = np.zeros(mdp.probability[states].shape, np.intp)

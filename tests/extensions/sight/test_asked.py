@@ -84,6 +84,13 @@ def test_within_a_budget_the_search_ends_with_two_bounds() -> None:
         brl.solve("small-corridor", sight="view")
 
 
+@pytest.mark.parametrize("sight", ["planes", "text-words"])
+def test_what_is_observed_counts_as_work(sight: str) -> None:
+    level = brl.loads("version: 1\nsize: [30, 30]\nmax_steps: 9\n")
+    with within(replace(COMMAND, steps=50_000_000)), pytest.raises(OverBudgetError):
+        brl.solve(level, sight=sight, beliefs=1)
+
+
 @pytest.mark.parametrize("to", ["pomdp", "pomdp-prism", "pomdp-drn"])
 def test_an_export_is_the_process_that_is_solved(to: str) -> None:
     level = brl.load("shell-game")
