@@ -1,4 +1,4 @@
-"""Forty valid levels, or nearly, each of which asks for as much as it can of something."""
+"""Sixty valid levels, or nearly, each of which asks for as much as it can of something."""
 
 from __future__ import annotations
 
@@ -168,6 +168,116 @@ def _worst() -> Iterator[tuple[str, Callable[[], bytes]]]:
             "areas", "{at: [5, 5], label: xxxxxxxxxx, reward: -3}", 9_000, "size: [99, 99]\n"
         ),
     )
+    yield from _worst_of_several_robots()
+    yield from _worst_of_boxes()
+    yield from _worst_of_chances()
+    yield from _worst_of_texts()
+
+
+def robots(count: int, side: int, **fields: Any) -> Callable[[], bytes]:
+    """Return what makes a square with so many robots in the first row."""
+    team = [{"name": f"r{n}", "start": [n, 0]} for n in range(count)]
+    return grid(side, robots=team, **fields)
+
+
+def _worst_of_several_robots() -> Iterator[tuple[str, Callable[[], bytes]]]:
+    yield "two robots in 13x13", robots(2, 13)
+    yield "two robots in 8x8 with skids", robots(2, 8, skid={"probability": 0.3, "to": "sides"})
+    yield "two robots in 100x100", robots(2, 100)
+    yield "three robots in 4x4", robots(3, 4, team={"meet": "pass"})
+    yield (
+        "four robots in 4x2",
+        grid(4, 2, robots=[{"name": f"r{n}", "start": [n, 0], "exit": [n, 1]} for n in range(4)]),
+    )
+    yield (
+        "two robots, 4 items and a mover",
+        robots(2, 6, items=keys(6, 4, 20), movers=[wanderer(2, 1, (3, 4))]),
+    )
+
+
+def _worst_of_boxes() -> Iterator[tuple[str, Callable[[], bytes]]]:
+    def boxes(side: int, count: int, **fields: Any) -> Callable[[], bytes]:
+        places = [{"at": [1 + n % (side - 2), 1 + n // (side - 2)]} for n in range(count)]
+        goals = [{"at": [n, side - 1]} for n in range(count)]
+        return grid(side, boxes=places, targets=goals, **fields)
+
+    yield "a box in 38x38", boxes(38, 1)
+    yield "three boxes in 8x8", boxes(8, 3)
+    yield "two boxes in 9x9 with skids", boxes(9, 2, skid={"probability": 0.3, "to": "sides"})
+    yield "100 boxes in 128x128", boxes(128, 100)
+
+
+def _worst_of_chances() -> Iterator[tuple[str, Callable[[], bytes]]]:
+    yield (
+        "16,000 weighted starts",
+        grid(
+            1024,
+            start=[*scattered(1024, 1024, 16_000)],
+            start_weights=[1 + n % 100 for n in range(16_000)],
+        ),
+    )
+    yield (
+        "1,000 warps by chance in a chain",
+        grid(100, warps=chain(range(1, 1_001), probability=0.999)),
+    )
+    yield (
+        "a warp to 200 weighted cells",
+        grid(
+            70,
+            warps=[
+                {
+                    "at": [5, 5],
+                    "to": [cell(70, 17 * n) for n in range(25, 225)],
+                    "weights": [1 + n % 100 for n in range(200)],
+                }
+            ],
+        ),
+    )
+    yield (
+        "512x512 with varying wind",
+        grid(512, wind={"north": [3] * 512, "east": [2] * 512, "probability": 0.5, "varies": True}),
+    )
+    yield (
+        "300x300 with skids in varying wind",
+        grid(300, skid=0.3, wind={"north": [1023] * 300, "east": [9] * 300, "varies": True}),
+    )
+    yield (
+        "16,000 exits that pay their areas",
+        grid(
+            1024,
+            exit=[*scattered(1024, 1024, 16_000)],
+            rewards={"exit": "cell"},
+            areas=[{"at": [0, 0], "size": [1024, 1024], "reward": n} for n in range(15)],
+        ),
+    )
+
+
+def _worst_of_texts() -> Iterator[tuple[str, Callable[[], bytes]]]:
+    yield "a title of 1,000,000 characters", grid(5, title="<&" * 500_000)
+    yield "45,000 tags", grid(5, tags=[f"tag-{n}" for n in range(45_000)])
+    yield "a description of 250,000 lines", grid(5, description="x\n" * 250_000)
+    yield (
+        "90 characters in a drawing of 340x340",
+        lambda: (
+            drawing(340, 340, start_and_letters)
+            + (
+                "legend:\n"
+                + "".join(
+                    f"  {each}: {{label: x{each}, reward: -{n}}}\n"
+                    for n, each in enumerate(LETTERS)
+                )
+            ).encode()
+        ),
+    )
+    yield "a random maze of 1024x1024", grid(1024, maze={"seed": "random"})
+
+
+LETTERS = "abcdfghijklmnpqrstuvwxyzABCDFGHIJKLMNPQRTUVWXYZ123456789"
+
+
+def start_and_letters(x: int, y: int) -> str:
+    """Return marks of areas, no two alike side by side, with a start in the corner."""
+    return "S" if x == y == 0 else LETTERS[(x + 7 * y) % len(LETTERS)]
 
 
 WORST = dict(_worst())
