@@ -2,12 +2,18 @@
 
 Run python examples/robots/learners.py. Each of several Q-learners moves a robot and takes the
 others for a part of the world; a joint one chooses the actions of all. `brl.score_team` tells how
-far each team is from its optimum, exactly, and whose loss it is.
+far each team is from its optimum, exactly, and whose loss it is. Without names of levels, there are
+four: two of the gallery, two agents of a file of scenarios, and, with the package `overcooked-ai`,
+a kitchen of Overcooked-AI, in which the players change places.
 """
 
 from __future__ import annotations
 
 import argparse
+import warnings
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,16 +62,30 @@ def learn(
     return [table.argmax(axis=1) for table in values]
 
 
+def teams() -> Iterator[brl.Level]:
+    """Yield the levels that are played if none are named."""
+    # Diagonal moves and the cooking are no part of a level, which warnings tell.
+    warnings.simplefilter("ignore", brl.ConversionWarning)
+    yield from map(brl.load, ("passing-place", "two-pads"))
+    yield brl.import_(Path(__file__).with_name("crossing.scen"), robots=2)
+    package = find_spec("overcooked_ai_py")
+    if package is not None and package.origin is not None:
+        layouts = Path(package.origin).parent / "data" / "layouts"
+        kitchen = brl.import_(layouts / "coordination_ring.layout", name="coordination-ring")
+        ways = zip(kitchen.robots, reversed(kitchen.starts), strict=True)
+        robots = [{"name": robot.name, "exit": goal} for robot, goal in ways]
+        yield kitchen.replace(robots=robots, max_steps=100)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("levels", nargs="*", default=["passing-place", "two-pads"])
+    parser.add_argument("levels", nargs="*")
     parser.add_argument("--steps", type=int, default=60_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--discount", type=float, default=0.95)
     given = parser.parse_args()
-    print(f"{'level':15} {'who':12} {'return':>8} {'best':>8}  regret of each robot")
-    for name in given.levels:
-        level = brl.load(name)
+    print(f"{'level':17} {'who':12} {'return':>8} {'best':>8}  regret of each robot")
+    for level in map(brl.load, given.levels or teams()):
         alone = learn(level, given.steps, given.seed, joint=False)
         (together,) = learn(level, given.steps, given.seed, joint=True)
         together = together.reshape(level.compile().shape)
@@ -73,7 +93,7 @@ def main() -> None:
             team = brl.score_team(level, policies, discount=given.discount)
             regrets = ", ".join(f"{each.name} {each.regret:.3f}" for each in team.robots)
             row = f"{team.expected_return:8.3f} {team.best_return:8.3f}"
-            print(f"{level.name:15} {who:12} {row}  {regrets}")
+            print(f"{level.name:17} {who:12} {row}  {regrets}")
 
 
 if __name__ == "__main__":
