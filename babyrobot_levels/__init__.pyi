@@ -112,6 +112,7 @@ from .extensions.scoring.answers import grade_agent as grade_agent
 from .extensions.scoring.answers import grade_policy as grade_policy
 from .extensions.scoring.answers import grade_values as grade_values
 from .extensions.scoring.datasets import to_minari as to_minari
+from .extensions.scoring.graded import GradedMove as GradedMove
 from .extensions.scoring.grades import Grades as Grades
 from .extensions.scoring.grades import grade as grade
 from .extensions.scoring.novelty import NoveltyArchive as NoveltyArchive
@@ -128,7 +129,7 @@ from .extensions.scoring.submissions import Submission as Submission
 from .extensions.scoring.submissions import grade_functions as grade_functions
 from .extensions.scoring.summaries import Improvement as Improvement
 from .extensions.scoring.summaries import Summary as Summary
-from .extensions.scoring.text_world import GradedMove as GradedMove
+from .extensions.scoring.text_team import TextTeam as TextTeam
 from .extensions.scoring.text_world import TextWorld as TextWorld
 from .generation.search import UnsatisfiableError as UnsatisfiableError
 from .generation.starter import new_level as new_level

@@ -14,29 +14,29 @@ from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.sights import RADIUS, SIGHTS, Narrator, Seen
+from babyrobot_levels.render.sights import RADIUS, SIGHTS, Narrator, Seen, robot_cells
 
 _MOST_BESIDE = 10_000
 """The most characters of an observation beside its drawing."""
 
 
 @lru_cache(maxsize=64)
-def narrator_of(level: Level, sight: str) -> Narrator:
-    """Return what tells a level in a sight; levels that are told again share it.
+def narrator_of(level: Level, sight: str, robot: int = 0) -> Narrator:
+    """Return what tells a level in a sight to a robot; levels that are told again share it.
 
     Raises:
         ValueError: the level is too large for its drawing to be shown.
     """
-    return Narrator(level, sight, _seen(level))
+    return Narrator(level, sight, _seen(level, robot), robot)
 
 
-def _seen(level: Level) -> Seen:
-    """Return a function that returns which cells the robot sees in a state."""
+def _seen(level: Level, robot: int) -> Seen:
+    """Return a function that returns which cells a robot sees in a state."""
 
     @lru_cache(maxsize=64)
     def seen(state: int) -> frozenset[Cell]:
         mdp = level.compile()
-        x, y = mdp.cell(state)
+        x, y = robot_cells(level, state)[robot]
         passable = barriers(level.grid_at(mdp.configuration(state)), RADIUS)
         rows, columns = np.nonzero(visible(passable, x, y, RADIUS))
         cells = zip((columns + x - RADIUS).tolist(), (rows + y - RADIUS).tolist(), strict=True)

@@ -253,7 +253,8 @@ def check_one_robot(level: LevelSpec, what: str) -> None:
     if level.robots:
         raise LevelError(
             message=f"the level has {len(level.robots)} robots, and {what} are only for levels "
-            "with one; `brl.solve`, `brl.TeamEnv` and `brl.parallel_env` take several"
+            "with one; `brl.solve`, `brl.TeamEnv`, `brl.parallel_env` and `brl.TextTeam` take "
+            "several"
         )
 
 

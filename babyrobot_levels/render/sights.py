@@ -7,6 +7,7 @@ only sentences about the cells beside it (`words`).
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDE_NAMES
@@ -44,6 +45,12 @@ _SKIDS = {
 }
 
 
+def robot_cells(level: GridWorld, state: int) -> tuple[Cell, ...]:
+    """Return the cell of each robot in a state, as in `level.compile()`."""
+    mdp = level.compile()
+    return (mdp.cell(state), *level.configuration(mdp.configuration(state)).robots)
+
+
 class Narrator:
     """Tells the rules of a level, and the states of its episodes.
 
@@ -51,19 +58,20 @@ class Narrator:
         level: the level; a maze needs a seed.
         sight: one of `SIGHTS`.
         seen: for `view`, which cells the robot sees.
+        robot: the number of the one to which it is told, of several.
 
     Raises:
         ValueError: the level is too large for its drawing to be shown.
     """
 
-    def __init__(self, level: GridWorld, sight: str, seen: Seen) -> None:
+    def __init__(self, level: GridWorld, sight: str, seen: Seen, robot: int = 0) -> None:
         columns, rows = level.size
         if sight == "map" and columns * rows > MAX_MAP:
             raise ValueError(
                 f"a level of {columns} x {rows} cells is too large for sight='map', which has "
                 f"{MAX_MAP:,} cells at most; use sight='view'"
             )
-        self._level, self._sight, self._seen = level, sight, seen
+        self._level, self._sight, self._seen, self._robot = level, sight, seen, robot
         self._painter = TextPainter(level, plain=True)
         self._rules = rules_of(level, drawn=False)
         self._grounds = dict(self._named_cells())
@@ -74,18 +82,31 @@ class Narrator:
         """Return what there is to know of the level before an episode."""
         level = self._level
         columns, rows = level.size
+        acting = "all robots act at once: each" if level.robots else "the robot"
         lines = [
-            f"A robot on a grid of {phrases.counted(columns, 'column')} and "
+            f"{self._who()} on a grid of {phrases.counted(columns, 'column')} and "
             f"{phrases.counted(rows, 'row')}. Cells are [x, y]: x is the column, counted from 0 in "
             "the west, and y the row, counted from 0 in the north.",
             f"Goal: {goal_of(level)} What counts is the sum of all rewards{self._discounted()}.",
-            "In each step the robot moves north, east, south or west, or waits.",
+            f"In each step {acting} moves north, east, south or west, or waits.",
             "Rules:",
             *(f"- {each}" for each in self._told_rules()),
         ]
         if self._sight != "words":
             lines += ["Signs:", *(f"- {sign}  {what}" for sign, what in self._signs().items())]
         return "\n".join(lines)
+
+    def _who(self) -> str:
+        """Return which robots there are."""
+        if not self._level.robots:
+            return "A robot"
+        own = spoken([self._level.robots[self._robot].name])
+        return f"You are the robot {own}, with {listed(self._others())},"
+
+    def _others(self) -> list[str]:
+        """Return the names of the other robots."""
+        names = [spoken([robot.name]) for robot in self._level.robots]
+        return names[: self._robot] + names[self._robot + 1 :]
 
     def _discounted(self) -> str:
         rate = self._level.discount
@@ -153,6 +174,7 @@ class Narrator:
         symbols = self._painter.symbols
         used = {sign for row in symbols for sign in row}
         signs = {PLAIN_ROBOT: "the robot"}
+        signs |= {name[0].upper(): f"the robot {name}" for name in self._others()}
         if level.exits:
             signs[d.EXIT] = "the exit" if len(level.exits) == 1 else "an exit"
         if level.exit_keys:
@@ -174,7 +196,8 @@ class Narrator:
         if level.boxes:
             signs[BOX[1]] = "a box"
         if level.targets:
-            signs |= {TARGET[1]: "a target", ON_TARGET[1]: "a box on a target"}
+            what = "robot" if level.robots else "box"
+            signs |= {TARGET[1]: "a target", ON_TARGET[1]: f"a {what} on a target"}
         if level.movers:
             pictures = dict.fromkeys(_a(mover.picture) for mover in level.movers)
             signs[MOVER[1]] = listed([*pictures], "or")
@@ -225,13 +248,15 @@ class Narrator:
             state: the configuration and the cell of the robot, as in `level.compile()`.
         """
         level, mdp = self._level, self._level.compile()
-        now, cell = level.configuration(mdp.configuration(state)), mdp.cell(state)
+        now = level.configuration(mdp.configuration(state))
+        cell = robot_cells(level, state)[self._robot]
         if self._sight == "map":
             lines = [
                 *self._place(cell, now),
-                *self._painter.lines(state, held=False),
+                *self._drawn(state),
                 *_told("there", {at: self._contents(at, now) for at in self._covered(now)}),
                 *self._movers(now, lambda _: True),
+                *self._met(state, now, lambda _: True),
             ]
         elif self._sight == "view":
             seen = self._seen(state)
@@ -241,14 +266,21 @@ class Narrator:
                 *self._window(state, cell, seen),
                 *_told("seen", {at: self._contents(at, now) for at in in_order}),
                 *self._movers(now, seen.__contains__),
+                *self._met(state, now, seen.__contains__),
             ]
         else:
             x, y = cell
+
+            def is_near(at: Cell) -> bool:
+                return abs(at[0] - x) + abs(at[1] - y) <= RADIUS
+
             lines = [
                 *self._beside(cell, now),
-                *self._movers(now, lambda at: abs(at[0] - x) + abs(at[1] - y) <= RADIUS),
+                *self._movers(now, is_near),
+                *self._met(state, now, is_near),
             ]
-        lines.append(way_to_exit(level, cell, now))
+        own = level.robots[self._robot].exit if level.robots else None
+        lines.append(way_to_exit(level, cell, now if own is None else replace(now, exits=(own,))))
         told = level.things().told(now.values)
         lines += [f"{met}: {spoken(names) or 'nothing'}" for met, names in told.items()]
         return "\n".join(lines)
@@ -258,6 +290,31 @@ class Narrator:
         yield f"The robot is at {show_cell(cell)}, {around(self._level, cell, now)}."
         if here := self._contents(cell, now):
             yield f"here: {listed(here)}"
+
+    def _drawn(self, state: int) -> list[str]:
+        """Return the lines of the drawing, in which the robot has the mark of the only one."""
+        if not self._robot:
+            return self._painter.lines(state, held=False)
+        level, number = self._level, self._level.compile().configuration(state)
+        lines = self._painter.lines(None, configuration=number, held=False)
+        first, *_ = cells = robot_cells(level, state)
+        marks = {first: level.robots[0].name[0].upper(), cells[self._robot]: PLAIN_ROBOT}
+        if level.team.arrived == "leave" and level.configuration(number).arrived[0]:
+            del marks[first]
+        for (x, y), mark in marks.items():
+            row, at = lines[2 * y + 1], 4 * x + 2
+            lines[2 * y + 1] = f"{row[:at]}{mark}{row[at + 1 :]}"
+        return lines
+
+    def _met(self, state: int, now: Configuration, is_told: Callable[[Cell], bool]) -> list[str]:
+        """Return where the other robots are."""
+        cells = zip(self._level.robots, robot_cells(self._level, state), strict=False)
+        told = zip(cells, now.arrived, strict=True)
+        return [
+            f"{spoken([robot.name])} {'has arrived' if home else 'is'} at {show_cell(cell)}"
+            for number, ((robot, cell), home) in enumerate(told)
+            if number != self._robot and is_told(cell)
+        ]
 
     def _movers(self, now: Configuration, is_told: Callable[[Cell], bool]) -> Iterator[str]:
         """Yield where movers are, and where those on a path go next."""
@@ -326,7 +383,7 @@ class Narrator:
         ]
         columns, rows = ranges
         yield f"columns {columns[0]} to {columns[-1]}, rows {rows[0]} to {rows[-1]}:"
-        lines = self._painter.lines(state, held=False)
+        lines = self._drawn(state)
         for row in range(2 * rows.start, 2 * rows.stop + 1):
             shown = [*("  ? " if row % 2 else "    ") * columns.stop, " "]
             for x in {x for x, y in seen if y in ((row - 1) // 2, row // 2)}:

@@ -54,7 +54,9 @@ def happenings(
         yield f"The {hitter(level, mdp, before, action, after)} hits the robot!"
 
 
-def moves_of_team(level: GridWorld, before: int, action: int, after: int) -> Iterator[str]:
+def moves_of_team(
+    level: GridWorld, before: int, action: int, after: int, *, only: int | None = None
+) -> Iterator[str]:
     """Yield what each of several robots did in a step, a sentence each.
 
     Args:
@@ -62,13 +64,14 @@ def moves_of_team(level: GridWorld, before: int, action: int, after: int) -> Ite
         before: the state before the step, as in `level.compile()`.
         action: the joint action.
         after: the state after it.
+        only: the number of the robot that it is told of; None for all.
     """
     mdp = level.compile()
     then, now = (level.configuration(mdp.configuration(state)) for state in (before, after))
     starts, ends = (mdp.cell(before), *then.robots), (mdp.cell(after), *now.robots)
     actions = mdp.robot_actions(action).tolist()
     for number, robot in enumerate(level.robots):
-        if then.arrived[number]:
+        if then.arrived[number] or only not in (None, number):
             continue
         way, (x, y), end = Action(actions[number]), starts[number], ends[number]
         side = way.name.lower()
