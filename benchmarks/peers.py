@@ -22,6 +22,7 @@ INSTALLS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("numpy", "tqdm", "imageio", "gymnasium", "ipycanvas"),
     ),
     "envpool": (("envpool", "gymnasium"),),
+    "gym-sokoban": (("gym-sokoban==0.0.6",),),
     "mazelib": (("mazelib==0.9.16",),),
     "mdpsolver": (("mdpsolver==0.10.2", "numpy"),),
     "minigrid": (("minigrid==3.2.0",),),
