@@ -65,7 +65,11 @@ def policy_table(
     own = ACTION_SETS[actions]
     robots = max(len(level.robots), 1)
     taken = read_agent(
-        agent, own.num_actions, deterministic=deterministic, batched=batched, robots=robots
+        agent,
+        own.num_actions_in(level),
+        deterministic=deterministic,
+        batched=batched,
+        robots=robots,
     )
     if isinstance(taken, Player):
         raise TypeError("an agent with memory does not always do the same in a state")

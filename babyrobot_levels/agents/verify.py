@@ -247,7 +247,7 @@ def _step_text(play: Play, space: StateSpace, step: int) -> str:
     """Describe a step that is not possible."""
     before, after = (space.text(state) for state in play.states[step - 1 : step + 1])
     action, reward = play.actions[step - 1], play.rewards[step - 1]
-    names = action_names(play.action_set, space.mdp.num_robots)[space.first_action :]
+    names = action_names(play.action_set, space.mdp)[space.first_action :]
     name = names[action] if action < len(names) else f"action {action}"
     ends = ", at the end of the episode" if step == play.steps and play.end == "terminated" else ""
     return f"{name} from {before} to {after} with the reward {reward:g}{ends}"

@@ -12,7 +12,7 @@ from babyrobot_levels.analysis.solver.horizon import worth_within
 from babyrobot_levels.analysis.solver.occupancy import occupancy
 from babyrobot_levels.analysis.solver.policies import StateSpace, read_policy, space_of
 from babyrobot_levels.analysis.solver.results import TURNS, EpisodeTooLongError, Solution
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats
 from babyrobot_levels.render.page_agent import Difference, PageAgent
@@ -28,7 +28,7 @@ _EQUAL, _ROUND = 1e-9, 1e-6
 
 
 def weights_of_moves(level: GridWorld, policy: Any) -> Floats:
-    """Return the probabilities of a policy of moves, in the order of `Action`, `[states, 5]`.
+    """Return the probabilities of a policy of moves, in the order of `Action`, `[states, actions]`.
 
     Args:
         level: the level.
@@ -48,7 +48,7 @@ def weights_of_moves(level: GridWorld, policy: Any) -> Floats:
     if isinstance(table, np.ndarray) and table.dtype.kind == "f" and np.isnan(table).any():
         raise ValueError("this policy has no action in some states, and cannot be followed there")
     mdp, shape = level.compile(), np.shape(table)
-    is_of_moves = len(shape) > 1 and shape[-1] == NUM_MOVES and shape != mdp.shape
+    is_of_moves = len(shape) > 1 and shape[-1] == level.moves and shape != mdp.shape
     weights = read_policy(policy, space_of(level, "moves" if is_of_moves else "all"))
     return np.pad(weights, ((0, 0), (mdp.num_actions - weights.shape[1], 0)))
 
@@ -74,7 +74,7 @@ def page_agent(
         weights[~known] = 0.0
         overlay = _overlay(level, space, policy=weights)
         return PageAgent(weights.tolist(), overlay)
-    weights[~known] = np.eye(NUM_ACTIONS)[solution.policy.ravel()[~known]]
+    weights[~known] = np.eye(weights.shape[1])[solution.policy.ravel()[~known]]
     return _beside(space, weights, solution, best)
 
 
@@ -187,7 +187,7 @@ def _figure(value: float) -> str:
 
 
 def _name(action: int) -> str:
-    return Action(action).name.lower()
+    return str(Action(action))
 
 
 def _actions(weights: Floats) -> str:

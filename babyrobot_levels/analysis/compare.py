@@ -24,7 +24,7 @@ from babyrobot_levels.analysis.environments import (
     made_minigrid,
 )
 from babyrobot_levels.analysis.solver.results import action_names
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Turn
+from babyrobot_levels.mdp.actions import Turn
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.states import told, transitions
 from babyrobot_levels.mdp.tables import Flags, Floats, Mdp, Outcome
@@ -189,7 +189,7 @@ def _tables_of(other: Any, kwargs: Mapping[str, Any] | None = None) -> _Tables:
         raise LevelNotFoundError(
             error.name, [GYMNASIUM + error.name.removeprefix("gym:")]
         ) from None
-    names = tuple(action_names("all", mdp.num_robots))
+    names = tuple(action_names("all", mdp))
     next_state = mdp.next_state.astype(np.float64)
     return _Tables(mdp.probability, next_state, mdp.reward, mdp.terminal, mdp.start, names)
 
@@ -330,7 +330,7 @@ class _Named:
     def action(self, action: int) -> str:
         """Return the name of an action."""
         names = "turns" if self.mdp.headings > 1 else "all"
-        return action_names(names, self.mdp.num_robots)[action]
+        return action_names(names, self.mdp)[action]
 
 
 def _difference_of_shape(mdp: Mdp, other: _Tables) -> str | None:
@@ -346,10 +346,9 @@ def _difference_of_shape(mdp: Mdp, other: _Tables) -> str | None:
             f"this level has {mdp.num_actions} actions of {mdp.num_robots} robots together, the "
             f"other has {len(other.names)} actions"
         )
-    if mdp.num_robots == 1 and len(other.names) not in (len(Turn), NUM_MOVES, NUM_ACTIONS):
-        return (
-            f"this level has {NUM_MOVES} moves and stay, the other has {len(other.names)} actions"
-        )
+    moves = mdp.num_actions - 1
+    if mdp.num_robots == 1 and len(other.names) not in (len(Turn), moves, mdp.num_actions):
+        return f"this level has {moves} moves and stay, the other has {len(other.names)} actions"
     return None
 
 

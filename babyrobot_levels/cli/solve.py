@@ -443,7 +443,7 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
     from babyrobot_levels.analysis.endings import ending_of
     from babyrobot_levels.analysis.solver.results import action_names
 
-    names = action_names(solution.actions, level.compile().num_robots)
+    names = action_names(solution.actions, level.compile())
     data = {
         "name": level.name,
         "digest": level.digest,

@@ -348,7 +348,8 @@ class RenderedEnv(Telling, gymnasium.Env[Any, Any]):
             numbers = {action: int(turn) for action, turn in _TURNS.items()}
         else:
             first = self._actions.first
-            numbers = {action: action - first for action in _KEYS if action >= first}
+            most = self._mdp.num_actions
+            numbers = {action: action - first for action in _KEYS if first <= action < most}
         return {
             (key,): number
             for action, number in numbers.items()
@@ -404,6 +405,10 @@ _KEYS = {
     Action.EAST: ("d", 0x4000004F),
     Action.SOUTH: ("s", 0x40000051),
     Action.WEST: ("a", 0x40000050),
+    Action.NORTH_EAST: ("9", None),
+    Action.SOUTH_EAST: ("3", None),
+    Action.SOUTH_WEST: ("1", None),
+    Action.NORTH_WEST: ("7", None),
 }
 """The keys of actions: a character, and pygame's number of the arrow key (it is SDL's)."""
 

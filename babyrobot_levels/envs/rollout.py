@@ -127,7 +127,7 @@ def rollout(
             raise ValueError("an agent with memory is followed in one level, not in several")
         (limit,) = limits_of(levels, max_episode_steps)
         record = Record.empty(steps, size)
-        masks = np.empty((steps, size, ACTION_SETS[actions].num_actions), np.int8)
+        masks = np.empty((steps, size, mdps[0].num_actions - first), np.int8)
         options["actions"] = actions
         follow(policy, levels[0], record, masks, check_seed(seed), limit, **options)
         return _result(record, masks)

@@ -154,7 +154,7 @@ class LevelEnv(RenderedEnv):
         return ACTION_SETS[actions]
 
     def _make_action_space(self) -> Space[Any]:
-        return make_action_space(self._actions)
+        return make_action_space(self._actions, self._actions.num_actions_in(self._given))
 
     def _enter(self, level: Level) -> None:
         """Go over to a level."""

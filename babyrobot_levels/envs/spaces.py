@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.tables import Words, masks_at
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, Turn
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.tables import Mdp
 
@@ -39,8 +39,12 @@ class ActionSet(NamedTuple):
 
     @property
     def num_actions(self) -> int:
-        """The number of actions."""
+        """The number of actions of a robot that has four moves."""
         return len(Turn) if self.turns else NUM_ACTIONS - self.first
+
+    def num_actions_in(self, level: Level) -> int:
+        """Return the number of actions in a level."""
+        return self.num_actions + (0 if self.turns else level.moves - NUM_MOVES)
 
     def tables(self, level: Level) -> Mdp:
         """Return the tables of a level for a robot with these actions, which begin at `first`.
@@ -87,10 +91,10 @@ class ValidActions(spaces.Discrete):
         return allowed[self.np_random.integers(allowed.size)]
 
 
-def make_action_space(actions: ActionSet) -> spaces.Discrete[Any]:
-    """Return the space of an action set."""
+def make_action_space(actions: ActionSet, num_actions: int) -> spaces.Discrete[Any]:
+    """Return the space of an action set, which has so many actions."""
     make = ValidActions if actions.samples_valid else spaces.Discrete
-    return make(actions.num_actions)
+    return make(num_actions)
 
 
 class BatchActions(spaces.MultiDiscrete):

@@ -20,6 +20,7 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Suite, load_suite
+from babyrobot_levels.text.errors import LevelError
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
@@ -93,6 +94,7 @@ class SuiteEnv(LevelEnv):
         Raises:
             ValueError: there is no such level or option, or the robot cannot start in that cell.
             UnsatisfiableError: no level meets the suite's conditions.
+            LevelError: the level has another number of moves than the first one.
         """
         options = checked_options(options, *self._options)
         index = checked_index(options.get("index"), len(self.suite))
@@ -101,6 +103,11 @@ class SuiteEnv(LevelEnv):
             draw = np.array([self.np_random.random()])
             index = int(sampled(self._sampler, draw, len(self.suite))[0])
         level = self.suite[index]
+        if level.moves != self._given.moves:
+            raise LevelError(
+                message=f"level {index} of the suite has `moves: {level.moves}`, and the first one "
+                f"{self._given.moves}: an environment has one action space"
+            )
         # A refused reset leaves the current episode as it is.
         if options.get("start") is not None:
             start_states(options["start"], level, self._actions.tables(level))

@@ -143,7 +143,7 @@ def issues_of(level: LevelFields) -> list[Issue]:
     if too_much:
         return too_much
     issues: list[Issue] = []
-    for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
+    for check in (_check_rectangles, _check_maze, _check_sides, _check_wind, _check_moves):
         _collect(issues, check(level))
     blocked = blocked_cells(level)
     for check_cells in (check_ends, _check_puddles, _check_warps, _check_weights):
@@ -236,6 +236,23 @@ def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> I
             "so `pass` has no effect",
             "remove `pass`",
         )
+
+
+_FOUR_MOVES = {
+    "boxes": "boxes are pushed by four moves",
+    "robots": "several robots have four moves each",
+    "heading": "a robot that turns has four moves",
+}
+"""The fields that are for robots that do not move diagonally, and why."""
+
+
+def _check_moves(level: LevelFields) -> Iterator[Issue]:
+    """Yield the fields that levels with diagonal moves do not have."""
+    for field, why in _FOUR_MOVES.items():
+        is_given = field in level.model_fields_set if field == "heading" else getattr(level, field)
+        if level.moves > 4 and is_given:
+            message = f"`moves: {level.moves}` does not go with `{field}`: {why}"
+            yield Issue("BR330", ("moves",), message, f"remove `moves`, or `{field}`")
 
 
 def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:

@@ -101,6 +101,13 @@ class Role(Enum):
     """What its author says of it, to be held to that."""
 
 
+def _whole_moves(value: Any) -> Any:
+    """Take `8.0` for 8, and not `true`."""
+    return 8 if value == 8 else 4 if value == 4 and not isinstance(value, bool) else value
+
+
+Moves = Annotated[Literal[4, 8], BeforeValidator(_whole_moves), WithJsonSchema({"enum": [4, 8]})]
+
 MAX_ROBOTS = 4
 """The most robots of a level: with each, tables grow by five times the cells."""
 
@@ -180,6 +187,8 @@ class LevelFields(Model):
     """What moves by itself: guards on a path, wanderers in a rectangle."""
     hit: Annotated[Hit, Role.DYNAMICS] = Field(default_factory=cache(Hit.model_construct))
     """What it means to meet a mover."""
+    moves: Annotated[Moves, Role.DYNAMICS] = 4
+    """How many ways the robot moves: 4, or 8 with the diagonals, as the king in chess."""
     puddles: Annotated[tuple[Puddle, ...], Role.DYNAMICS, DRAWN] = ()
     """Cells that are costly to enter and slippery to leave."""
     puddle_types: Annotated[PuddleTypes, Role.DYNAMICS] = Field(

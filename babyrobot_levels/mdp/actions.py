@@ -10,7 +10,7 @@ class _Named(IntEnum, metaclass=TellingEnum):
     """Numbers that are words, too: `str(Action(3))` is `south`, which `Action("south")` takes."""
 
     def __str__(self) -> str:
-        return self.name.lower()
+        return self.name.lower().replace("_", "-")
 
     def __format__(self, spec: str) -> str:
         return format(int(self) if spec[-1:].isalpha() else str(self), spec)
@@ -20,7 +20,9 @@ class _Named(IntEnum, metaclass=TellingEnum):
         words = {str(each): each for each in cls}
         if found := words.get(str(value).lower()):
             return found
-        told = meant(str(value), [each.name for each in cls], "attributes").lower()
+        told = (
+            meant(str(value), [each.name for each in cls], "attributes").lower().replace("_", "-")
+        )
         raise ValueError(f"there is no {cls.__name__.lower()} {value!r}{told}")
 
 
@@ -34,16 +36,28 @@ class Action(_Named):
     EAST = 2
     SOUTH = 3
     WEST = 4
+    NORTH_EAST = 5
+    SOUTH_EAST = 6
+    SOUTH_WEST = 7
+    NORTH_WEST = 8
 
 
-NUM_ACTIONS = len(Action)
-NUM_MOVES = NUM_ACTIONS - 1
+NUM_MOVES = 4
+NUM_ACTIONS = NUM_MOVES + 1
+"""How many moves and actions a robot has, unless a level says `moves: 8`."""
+
+MOVES = tuple(Action)[1:NUM_ACTIONS]
+"""The moves to the sides of a cell."""
 
 DELTAS: dict[Action, tuple[int, int]] = {
     Action.NORTH: (0, -1),
     Action.EAST: (1, 0),
     Action.SOUTH: (0, 1),
     Action.WEST: (-1, 0),
+    Action.NORTH_EAST: (1, -1),
+    Action.SOUTH_EAST: (1, 1),
+    Action.SOUTH_WEST: (-1, 1),
+    Action.NORTH_WEST: (-1, -1),
 }
 """How each move changes the cell, `(dx, dy)`: x grows to the east, y to the south."""
 

@@ -429,9 +429,6 @@ MAX_WIDE_STATES = 5_000_000
 WAYS = 5
 """The most cells to which a mover in a rectangle may go in a step."""
 
-BRANCHES = 4
-"""The most ends of a move by chance, before warps and movers."""
-
 
 def surely_fits(level: LevelFields) -> bool:
     """Return whether the fields alone show that the tables of a level are within the bounds.
@@ -471,7 +468,7 @@ def most_outcomes(level: LevelFields) -> int:
         or any(wall.pass_ for wall in level.walls)
     )
     wanderers = sum(mover.within is not None for mover in level.movers)
-    shares = (BRANCHES if by_chance else 1) * len(gusts(level.wind)) * _most_leads(level)
+    shares = (level.moves if by_chance else 1) * len(gusts(level.wind)) * _most_leads(level)
     return shares * prod([WAYS] * wanderers)
 
 
@@ -485,7 +482,7 @@ def _most_leads(level: LevelFields) -> int:
     ends |= {warp.at for warp in drawn if warp.probability < 1}
     if not drawn or all(isinstance(warp.to, str) and warp.probability == 1 for warp in drawn):
         return max(1, len(ends))
-    leave = BRANCHES if any(warp.when == "leave" for warp in drawn) else 1
+    leave = level.moves if any(warp.when == "leave" for warp in drawn) else 1
     ends |= {cell for warp in level.warps for cell in level.targets_of(warp)}
     return leave + len(ends) * (1 + len({warp.reward for warp in level.warps}))
 
@@ -506,7 +503,7 @@ def check_room(level: LevelFields, states: int, width: int) -> None:
     if level.has_things and width > MAX_OUTCOMES:
         raise too_many_outcomes(level)
     if states * width <= MAX_WIDE_STATES:
-        budget.check_tables(states, width)
+        budget.check_tables(states, width, 1 + level.moves)
         return
     message = (
         f"the tables are too large: {states:,} states, and {width} outcomes of an action; "

@@ -14,6 +14,7 @@ from babyrobot_levels.language.cells import Maze
 from babyrobot_levels.language.documents import check_document, error_in_mapping, level_from_mapping
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.validation import Checked
+from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.mdp.grid import (
     Grid,
     build_grid,
@@ -255,6 +256,23 @@ def check_one_robot(level: LevelSpec, what: str) -> None:
             message=f"the level has {len(level.robots)} robots, and {what} are only for levels "
             "with one; `brl.solve`, `brl.TeamEnv`, `brl.parallel_env` and `brl.TextTeam` take "
             "several"
+        )
+
+
+def check_four_moves(level: LevelSpec, what: str) -> None:
+    """Check that the robot of a level has four moves, where diagonal ones are not known.
+
+    Args:
+        level: the level.
+        what: what is only for levels with four moves, in the plural.
+
+    Raises:
+        LevelError: it has eight.
+    """
+    if level.moves > NUM_MOVES:
+        raise LevelError(
+            message=f"the level has `moves: {level.moves}`, and {what} are only for levels with "
+            "four moves; `brl.solve`, `level.make` and pages take eight"
         )
 
 

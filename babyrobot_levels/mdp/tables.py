@@ -19,6 +19,7 @@ from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
 from babyrobot_levels.text import budget
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import Telling
 
 Outcome = tuple[float, int, float, bool]
@@ -139,7 +140,10 @@ class Mdp(Telling, public=True):
 
     @property
     def num_actions(self) -> int:
-        """The number of actions: 5, or 3 with turning; of several robots, 5 to their number."""
+        """The number of actions: 5, or 9 with `moves: 8`, or 3 with turning.
+
+        Of several robots, it is 5 to their number.
+        """
         return int(self.probability.shape[1])
 
     @property
@@ -153,6 +157,8 @@ class Mdp(Telling, public=True):
         Args:
             joint: the numbers of joint actions, integers of any shape `[…]`.
         """
+        if self.num_robots == 1:
+            return np.asarray(joint)[..., np.newaxis]
         powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
         actions: Ints = np.asarray(joint)[..., np.newaxis] // powers % NUM_ACTIONS
         return actions
@@ -208,6 +214,7 @@ class Mdp(Telling, public=True):
 
         Raises:
             ValueError: the heading is none of these; or the robot of these tables turns already.
+            LevelError: it moves diagonally.
         """
         return _turning(self, heading)
 
@@ -263,6 +270,8 @@ def _turning(mdp: Mdp, heading: str) -> Mdp:
         raise ValueError("the robot of these tables turns already")
     if mdp.num_robots > 1:
         raise ValueError("only the robot of a level with one can turn")
+    if mdp.num_actions != NUM_ACTIONS:
+        raise LevelError(message="the level has `moves: 8`, and robots that turn have four moves")
     count, cells = mdp.num_configurations, mdp.cells
     first = np.arange(HEADINGS)
     # The action of the level that each action comes to, and the heading after it.

@@ -13,6 +13,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.grid import BIT, door_sides
 from babyrobot_levels.mdp.gridworld import GridWorld
@@ -83,12 +84,13 @@ class Narrator:
         level = self._level
         columns, rows = level.size
         acting = "all robots act at once: each" if level.robots else "the robot"
+        directions = [str(action) for action in [*Action][1 : 1 + level.moves]]
         lines = [
             f"{self._who()} on a grid of {phrases.counted(columns, 'column')} and "
             f"{phrases.counted(rows, 'row')}. Cells are [x, y]: x is the column, counted from 0 in "
             "the west, and y the row, counted from 0 in the north.",
             f"Goal: {goal_of(level)} What counts is the sum of all rewards{self._discounted()}.",
-            f"In each step {acting} moves north, east, south or west, or waits.",
+            f"In each step {acting} moves {listed(directions, 'or')}, or waits.",
             "Rules:",
             *(f"- {each}" for each in self._told_rules()),
         ]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from babyrobot_levels.language.cells import shifts
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.things import Mover
-from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.mdp.actions import DELTAS, MOVES, Action
 from babyrobot_levels.mdp.ground import build_ground
 
 if TYPE_CHECKING:
@@ -388,7 +388,7 @@ class Pose:
         return replace(self, facing=facing, heading=heading)
 
 
-_FACINGS = {move: action for action, move in DELTAS.items()}
+_FACINGS = {DELTAS[action]: action for action in MOVES}
 
 STANDING = Pose()
 """The pose before the first step."""
@@ -406,7 +406,8 @@ def pose_of(
     """Return the pose after a step.
 
     The robot looks in the direction of its move. If it stayed, or came from farther away, it looks
-    in the direction of its action. At a good end it cheers, facing the viewer.
+    in the direction of its action; of a diagonal one, to the east or west. At a good end it
+    cheers, facing the viewer.
 
     Args:
         previous_cell: the number of the cell before the step, `y * width + x`.
@@ -420,5 +421,12 @@ def pose_of(
         return Pose(mood=Mood.CHEER)
     before_y, before_x = divmod(previous_cell, width)
     y, x = divmod(cell, width)
-    facing = _FACINGS.get((x - before_x, y - before_y), Action(action))
+    facing = _FACINGS.get((x - before_x, y - before_y), _side_of(Action(action)))
     return Pose(facing, Mood.SLIP if skidded else Mood.CALM)
+
+
+def _side_of(action: Action) -> Action:
+    """Return where a robot looks that takes an action: there are no pictures from the corners."""
+    if action <= Action.WEST:
+        return action
+    return Action.EAST if DELTAS[action][0] > 0 else Action.WEST

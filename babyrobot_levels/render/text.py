@@ -45,7 +45,7 @@ ROBOTS, PLAIN_ROBOTS = f"▲►▼◄{ROBOT}", f"^>v<{PLAIN_ROBOT}"
 WIDEST = 16
 """The widest level whose table of numbers fits on a screen."""
 
-_ARROWS, _PLAIN_ARROWS = "·↑→↓←", ".^>v<"
+_ARROWS, _PLAIN_ARROWS = "·↑→↓←↗↘↙↖", ".^>v<9317"
 """The characters of the actions, from `stay` on."""
 
 _NEVER, _PLAIN_NEVER = "╱", "-"
@@ -363,7 +363,7 @@ class TextPainter:
         """Yield what the marks of a policy mean, as far as there are any."""
         overlay, blocked = self._overlay, self._level.grid().blocked_cells
         arrows, width = self._arrows_of(overlay), self._level.size[0]
-        stay, moves = self._arrows[0], self._arrows[1:]
+        stay, moves = self._arrows[0], self._arrows[1 : 1 + self._level.moves]
         if arrows:
             yield Entry(
                 ((" ".join(moves), None),), "an optimal action, also where there are several"

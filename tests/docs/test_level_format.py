@@ -41,7 +41,7 @@ DOCUMENT = DOCS / "level-format.md"
 TEXT = DOCUMENT.read_text(encoding="utf-8")
 LINES = TEXT.splitlines()
 
-OUTCOMES = re.compile(r"outcomes of (\w+) at \[(\d+), (\d+)\](?: in \[([\d, ]+)\])?")
+OUTCOMES = re.compile(r"outcomes of ([\w-]+) at \[(\d+), (\d+)\](?: in \[([\d, ]+)\])?")
 ERROR = re.compile(r"error (BR\d{3})")
 KINDS = re.compile(
     "configurations|draws|file: .*|fragment|no picture|report|same digest|skid rules|theme|"
@@ -192,7 +192,9 @@ def test_the_outcomes_are_those_of_the_level_before(block: Block) -> None:
     assert not mdp.is_terminal[state]
     found = [
         [values_text(mdp.cell(there)), configurations[mdp.configuration(there)], chance, reward]
-        for chance, there, reward, _ in mdp.outcomes(state, Action[match[1].upper()])
+        for chance, there, reward, _ in mdp.outcomes(
+            state, Action[match[1].upper().replace("-", "_")]
+        )
     ]
     names = ["next cell", "configuration", "probability", "reward"]
     assert level.has_things == bool(match[4])

@@ -19,7 +19,7 @@ UNPLACED = {
     # About the text, or values of the whole level.
     *("BR104", "BR105", "BR106", "BR107", "BR108", "BR110", "BR111"),
     *("BR201", "BR203", "BR205", "BR206", "BR207", "BR208", "BR209"),
-    *("BR317", "BR321", "BR326", "BR328", "BR401", "BR403", "BR404", "BR405"),
+    *("BR317", "BR321", "BR326", "BR328", "BR330", "BR401", "BR403", "BR404", "BR405"),
     *(
         "BR512",
         "BR519",

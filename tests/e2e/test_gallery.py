@@ -77,7 +77,7 @@ def steps_from(mdp: Mdp, start: int) -> dict[int, int]:
         here = queue.popleft()
         if mdp.is_terminal[here]:
             continue
-        for action in Action:
+        for action in range(mdp.num_actions):
             for _, there, _, ends in mdp.outcomes(here, action):
                 if there not in steps and ends == mdp.is_terminal[there]:
                     steps[there] = steps[here] + 1

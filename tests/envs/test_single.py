@@ -19,7 +19,7 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 
-STAY, NORTH, EAST, SOUTH, WEST = Action
+STAY, NORTH, EAST, SOUTH, WEST, *_ = Action
 DRAWS = 4000
 RETURNED = ("rgb_array", "ansi", "svg")
 """The render modes that return pictures."""

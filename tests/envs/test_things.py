@@ -18,7 +18,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.mdp.actions import Action, Turn
 
-STAY, NORTH, EAST, SOUTH, WEST = Action
+STAY, NORTH, EAST, SOUTH, WEST, *_ = Action
 LEFT, RIGHT, FORWARD = Turn
 
 

@@ -33,7 +33,7 @@ def test_each_kind_is_given_by_fields_of_a_level() -> None:
     others = {*fields_with(Role.GEOMETRY, Role.DYNAMICS)} - {*fields}
     assert others == {
         *("size", "map", "legend", "heading", "exit_needs", "maze", "hit", "puddle_types", "skid"),
-        *("team", "start_weights", "exit_weights"),
+        *("team", "start_weights", "exit_weights", "moves"),
     }
 
 

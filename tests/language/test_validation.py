@@ -24,7 +24,7 @@ IN_TEXTS = {
     *(f"BR1{number:02}" for number in (2, 4, 5, 6, 7, 8, 9, 10, 11)),
     *(f"BR2{number:02}" for number in range(1, 10)),
     *(f"BR3{number:02}" for number in range(1, 28)),
-    *("BR329", "BR401", "BR403", "BR404", "BR405"),
+    *("BR329", "BR330", "BR401", "BR403", "BR404", "BR405"),
 }
 """The codes that what a file holds can have."""
 

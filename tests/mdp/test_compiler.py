@@ -16,7 +16,7 @@ Cell = tuple[int, int]
 Outcomes = dict[tuple[Cell, float, bool], float]
 """Probability by (next cell, reward, terminal)."""
 
-STAY, NORTH, EAST, SOUTH, WEST = Action
+STAY, NORTH, EAST, SOUTH, WEST, *_ = Action
 
 
 def outcomes(world: World, cell: Cell, action: int) -> Outcomes:
@@ -263,7 +263,7 @@ def test_where_the_episode_is_over_a_warp_does_nothing(when: str) -> None:
     world = corridor(
         4, areas=[{"at": [1, 0], "ends": True}], warps=[{"at": [1, 0], "to": [2, 0], "when": when}]
     )
-    for action in Action:
+    for action in (STAY, NORTH, EAST, SOUTH, WEST):
         assert only(world, (1, 0), action) == ((1, 0), 0.0, True)
 
 

@@ -488,6 +488,28 @@ def add_gusts(random: Random, fields: Fields) -> None:
         fields["wind"]["probability"] = random.choice((0.25, 0.5, 0.9))
 
 
+def add_diagonals(_random: Random, fields: Fields) -> None:
+    """Let the robot move diagonally, and leave out what does not go with that."""
+    targets = {target.get("name") for target in fields.pop("targets", [])}
+    fields.pop("boxes", None)
+    fields.pop("heading", None)
+    fields["moves"] = 8
+    for entry in [fields, *fields.get("doors", [])]:
+        for name in ("exit_needs", "needs", "unless"):
+            _without(entry, name, targets)
+
+
+def _without(entry: Fields, name: str, left_out: set[Any]) -> None:
+    names = entry.get(name, [])
+    names = [
+        each for each in ([names] if isinstance(names, str) else names) if each not in left_out
+    ]
+    if names:
+        entry[name] = names
+    else:
+        entry.pop(name, None)
+
+
 def _targets(fields: Fields) -> list[list[int]]:
     """Return cells to which a warp may lead: neither blocked, nor where a box stands."""
     width, height = fields.get("size", (3, 3))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from oracles.random_things import Fields, add_gusts, add_weights, random_level
+from oracles.random_things import Fields, add_diagonals, add_gusts, add_weights, random_level
 from oracles.things_reference import (
     EAST,
     FORWARD,
@@ -461,16 +461,16 @@ def compare_chances(add: Callable[[Random, Fields], None], seed: int) -> None:
     fields = random_level(random, things=random.random() < 0.7)
     add(random, fields)
     level, expected = brl.Level.from_fields(fields), Reference(fields)
-    states, actions = range(expected.num_states), range(5)
+    states, actions = range(expected.num_states), range(1 + len(expected.moves))
     rows = (expected.outcomes(state, action) for state in states for action in actions)
     if expected.radices and max(map(len, rows)) > 64:
         with pytest.raises(brl.LevelError, match="outcomes"):
             level.compile()
     else:
-        assert_same_tables(level.compile(), expected, actions=5)
+        assert_same_tables(level.compile(), expected, actions=len(actions))
 
 
-CHANCES = [add_weights, add_gusts]
+CHANCES = [add_weights, add_gusts, add_diagonals]
 
 
 @pytest.mark.parametrize("add", CHANCES)

@@ -25,10 +25,18 @@ Side = frozenset[Cell]
 Outcome = tuple[float, int, float, bool]
 """Probability, next state, reward, and whether the episode is over: as in the tables."""
 
-STAY, NORTH, EAST, SOUTH, WEST = range(5)
+STAY, NORTH, EAST, SOUTH, WEST, NORTH_EAST, SOUTH_EAST, SOUTH_WEST, NORTH_WEST = range(9)
 LEFT, RIGHT, FORWARD = range(3)
 MOVES = (NORTH, EAST, SOUTH, WEST)
 STEPS: dict[int, Cell] = {NORTH: (0, -1), EAST: (1, 0), SOUTH: (0, 1), WEST: (-1, 0)}
+AROUND = {
+    NORTH_EAST: (NORTH, EAST),
+    SOUTH_EAST: (SOUTH, EAST),
+    SOUTH_WEST: (SOUTH, WEST),
+    NORTH_WEST: (NORTH, WEST),
+}
+"""The two directions of a diagonal move."""
+STEPS |= {NORTH_EAST: (1, -1), SOUTH_EAST: (1, 1), SOUTH_WEST: (-1, 1), NORTH_WEST: (-1, -1)}
 OPPOSITE = {NORTH: SOUTH, SOUTH: NORTH, EAST: WEST, WEST: EAST}
 SIDES = {"N": NORTH, "E": EAST, "S": SOUTH, "W": WEST}
 
@@ -179,6 +187,7 @@ class Reference:
         self.height: int
         self.width, self.height = fields.get("size", (3, 3))
         self.num_cells = self.width * self.height
+        self.moves = (*MOVES, *AROUND) if fields.get("moves") == 8 else MOVES
         self.cells = rectangle({"at": (0, 0), "size": (self.width, self.height)})
         self.starts = cells_of(fields.get("start", (0, 0)))
         self.start_shares = shares_of(self.starts, fields.get("start_weights"))
@@ -391,7 +400,16 @@ class Reference:
         )
 
     def closed(self, configuration: Configuration, cell: Cell, direction: int) -> bool:
-        """Return whether a side is closed to the robot: also by a box that cannot be pushed."""
+        """Return whether a side is closed to the robot: also by a box that cannot be pushed.
+
+        A diagonal move is closed if one of the two ways around the corner is.
+        """
+        if direction in AROUND:
+            return any(
+                self.shut(configuration, cell, one)
+                or self.shut(configuration, neighbour(cell, one), other)
+                for one, other in (AROUND[direction], AROUND[direction][::-1])
+            )
         other = neighbour(cell, direction)
         return self.shut(configuration, cell, direction) or (
             other in self.boxes_in(configuration)
@@ -424,7 +442,7 @@ class Reference:
         There is none where a box behind it cannot be pushed.
         """
         other = neighbour(cell, direction)
-        if other not in self.cells or other in self.blocked:
+        if direction in AROUND or other not in self.cells or other in self.blocked:
             return 0
         boxes = self.boxes_in(configuration)
         if other in boxes and not self.slides(configuration, other, direction):
@@ -490,7 +508,7 @@ class Reference:
         """Return whether a move pushes: the wind along its axis does not cancel or outweigh it."""
         dx, dy = STEPS[direction]
         east, south = self.wind[cell]
-        return 1 + dx * east + dy * south > 0
+        return direction in AROUND or 1 + dx * east + dy * south > 0
 
     def refused(self, configuration: Configuration, cell: Cell, direction: int) -> bool:
         """Return whether a move pushes against the closed side towards which it goes."""
@@ -514,15 +532,16 @@ class Reference:
                 return [(1.0, action)]
             others = [
                 each
-                for each in MOVES
+                for each in self.moves
                 if each != action and not self.closed(configuration, cell, each)
             ]
             if not others:
                 return [(1 - chance, action), (chance, STAY)]
         elif rule == "sides":
-            others = [each for each in MOVES if each not in (action, OPPOSITE[action])]
+            dx, dy = STEPS[action]
+            others = [each for each in self.moves if dx * STEPS[each][0] + dy * STEPS[each][1] == 0]
         else:
-            others = [each for each in MOVES if each != action]
+            others = [each for each in self.moves if each != action]
         return [(1 - chance, action), *((chance / len(others), each) for each in others)]
 
     def blown(
@@ -530,14 +549,18 @@ class Reference:
     ) -> tuple[Cell, tuple[Cell, ...]]:
         """Travel the sum of a move and the wind: along the axis of the move, then along the other.
 
+        A diagonal step comes first, then the wind: along the columns, then along the rows.
         A move that gets through glass is not stopped by the glass of its first step. This step, if
         it is the robot's own, pushes a box; all others end at one. Return where boxes are, too.
         """
-        dx, dy = self.pushed(cell, direction)
+        here, (dx, dy) = cell, self.pushed(cell, direction)
+        if direction in AROUND:
+            shut = self.closed(configuration, cell, direction)
+            here, (dx, dy) = cell if shut else neighbour(cell, direction), self.wind[cell]
         level = [EAST if dx > 0 else WEST] * abs(dx)
         upright = [SOUTH if dy > 0 else NORTH] * abs(dy)
         legs = [level, upright] if direction in (EAST, WEST) else [upright, level]
-        here, boxes = cell, self.boxes_in(configuration)
+        boxes = self.boxes_in(configuration)
         for number, leg in enumerate(legs):
             for step, each in enumerate(leg):
                 own = number == 0 and step == 0 and each == direction
@@ -735,7 +758,7 @@ class Reference:
             pair = waiting.popleft()
             if pair in self.results or self.over(*pair):
                 continue
-            self.results[pair] = [self.step(pair, action) for action in range(5)]
+            self.results[pair] = [self.step(pair, action) for action in (STAY, *self.moves)]
             for result in itertools.chain.from_iterable(self.results[pair]):
                 reached.add(result.pair)
                 if not result.over:
@@ -776,10 +799,10 @@ class Reference:
             return {STAY}
         configuration, cell = self.pair(state)
         if cell in self.warps and self.warps[cell].when == "leave":
-            return {STAY, *MOVES}
+            return {STAY, *self.moves}
         return {STAY} | {
             move
-            for move in MOVES
+            for move in self.moves
             if self.glass(configuration, cell, move) > 0
             or not self.never_goes(configuration, cell, move)
         }

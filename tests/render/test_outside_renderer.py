@@ -25,7 +25,7 @@ from support.places import GALLERY_FOLDER
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import MOVES, Action
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
@@ -145,7 +145,7 @@ def test_themes_and_overlays(theme: str, info: dict[str, Any], font: Font) -> No
 # What a theme changes of the robot is seen above.
 @pytest.mark.parametrize("theme", ["default", "high_contrast"])
 @for_each("mood", Mood)
-@for_each("facing", Action)
+@for_each("facing", (Action.STAY, *MOVES))
 def test_poses(theme: str, mood: Mood, facing: Action, font: Font) -> None:
     ends = {"start_text": False, "exit_text": False}
     level = Level.from_fields({"version": 1, "size": [2, 1], "theme": theme, "display": ends})

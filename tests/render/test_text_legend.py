@@ -114,6 +114,7 @@ DIFFERENT: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "wind.probability": (BREEZE, {**SIZE, "wind": {"north": [0, 1, 0, 0], "probability": 0.5}}),
     # -- further fields
     "size": (SIZE, {**SIZE, "size": [5, 3]}),
+    "moves": (SIZE, {**SIZE, "moves": 8}),
     "map": ({"map": MAP.replace("k", " ")}, {"map": MAP.replace("k", "o")}),
     "legend": ({"map": MAP, "legend": {"k": {"reward": -3}}},
                {"map": MAP, "legend": {"k": {"reward": -4}}}),

@@ -8,7 +8,7 @@ from functools import cache
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.catalogue import levels, load
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import MOVES, Action
 from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import (
@@ -76,7 +76,7 @@ def icons() -> Scene:
 
 def poses() -> Scene:
     """Return a sheet of poses: facings from left to right, moods and themes from top to bottom."""
-    rows = [[Pose(facing, mood) for facing in Action] for mood in Mood] + [
+    rows = [[Pose(facing, mood) for facing in (Action.STAY, *MOVES)] for mood in Mood] + [
         [Pose(Action.EAST, phase=phase / 5) for phase in range(5)]
     ]
     shapes: list[Shape] = []

@@ -29,9 +29,6 @@ from babyrobot_levels.text.errors import how_to_install
 MAX_STATES = 3_000
 """Elimination over the rationals takes the third power of the number of states."""
 
-SHARES = 6
-"""Into as many equal parts a skid can be divided: among 1, 2 or 3 directions."""
-
 DIGITS, MAX_DENOMINATOR, ROUNDED = 16, 1_000, Fraction(1, 10**15)
 """A number with so many characters that is as near to such a fraction is that fraction."""
 
@@ -147,7 +144,8 @@ def denominators(level: GridWorld) -> tuple[int, int]:
     ways *= prod(_of_chances(level))
     # A move may meet glass and skid; a warp may lead to one of the starts.
     robots = len(level.robots)
-    moves = (unit * unit * SHARES) ** max(1, robots)
+    # A skid is shared by as many directions as are left.
+    moves = (unit * unit * lcm(*range(1, level.moves))) ** max(1, robots)
     return moves * (1 if robots else sum(level.weights_of_starts)) * ways, unit
 
 

@@ -20,7 +20,7 @@ from babyrobot_levels.analysis.solver.results import (
     action_names,
     check_actions,
 )
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, HasPolicy, unwrapped_policy
+from babyrobot_levels.mdp.actions import NUM_MOVES, HasPolicy, unwrapped_policy
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import exit_states, state_text
@@ -93,7 +93,7 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
         policy = room.public("policy_table")(space.level, policy, actions=actions)
     table, shape = np.asarray(policy), mdp.shape
     if table.dtype.kind == "U" and table.size == mdp.num_states:
-        table = _numbered(table, action_names(actions, mdp.num_robots)[first:])
+        table = _numbered(table, action_names(actions, mdp)[first:])
     if table.shape in (shape, (mdp.num_states,)):
         return _chosen(table.ravel(), space, first, things)
     if table.shape in ((*shape, count), (mdp.num_states, count)):
@@ -103,7 +103,7 @@ def read_policy(policy: Any, space: StateSpace) -> Floats:
         f"a policy for this level and actions={actions!r} is an array {list(shape)} of actions, or "
         f"an array {[*shape, count]} or {[mdp.num_states, count]} of probabilities, not {given}"
     )
-    other, others = ("moves", NUM_MOVES) if actions == "all" else ("all", NUM_ACTIONS)
+    other, others = ("moves", count - 1) if actions == "all" else ("all", count + 1)
     if actions != TURNS and table.shape in ((*shape, others), (mdp.num_states, others)):
         message += f"; {others} probabilities for each cell need actions={other!r}"
     if shape[-1] != shape[-2] and table.shape == (*shape[:-2], shape[-1], shape[-2]):
@@ -156,7 +156,7 @@ def _chosen(table: np.ndarray[Any, Any], space: StateSpace, first: int, things: 
             f"a policy [{shape}] is an array of actions, integers or names, not of values such as "
             f"{repr(table.tolist()[0])[:MAX_NAME]}"
         )
-    count, names = space.num_actions, action_names(actions, mdp.num_robots)
+    count, names = space.num_actions, action_names(actions, mdp)
     states = np.flatnonzero(~mdp.is_terminal)
     chosen = table[states].astype(np.int64) + first - check_actions(actions)
     wrong = (chosen < 0) | (chosen >= count)
@@ -171,7 +171,7 @@ def _chosen(table: np.ndarray[Any, Any], space: StateSpace, first: int, things: 
         if mdp.num_robots > 1:
             known = f"0 {names[0]} to {count - 1} {names[-1]}"
         message = f"the policy's action at {cell} is {number}; actions={actions!r} has {known}"
-        if actions == "moves" and 0 <= number < NUM_ACTIONS:
+        if actions == "moves" and 0 <= number <= count:
             message += "; if its action 0 is stay, give actions='all'"
         raise ValueError(message)
     weights = np.zeros((mdp.num_states, count))

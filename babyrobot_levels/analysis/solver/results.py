@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.analysis.shown import Shown, image, number, share, state_picture
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.mdp.actions import Action, Turn
+from babyrobot_levels.mdp.actions import MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.words import Telling, no_item
 
@@ -474,14 +474,18 @@ def check_actions(actions: str) -> int:
     return int(ACTION_SETS[actions])
 
 
-def action_names(actions: str, robots: int = 1) -> list[str]:
+def action_names(actions: str, mdp: Mdp) -> list[str]:
     """Return the names of the actions of the tables, of which a set leaves out the first ones.
 
     Those of several robots are joint actions: `north_stay` is north of the first, stay of the
     second.
     """
-    names = [action.name.lower() for action in (Turn if actions == TURNS else Action)]
-    return ["_".join(each) for each in product(names, repeat=robots)]
+    if actions == TURNS:
+        return [str(turn) for turn in Turn]
+    if mdp.num_robots == 1:
+        return [str(action) for action in list(Action)[: mdp.num_actions]]
+    names = map(str, (Action.STAY, *MOVES))
+    return ["_".join(each) for each in product(names, repeat=mdp.num_robots)]
 
 
 def check_discount(discount: float | None, default: float) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import check_four_moves
 from babyrobot_levels.mdp.tables import Event, Mdp, events_of, hits_of
 
 Ints = NDArray[np.intp]
@@ -188,7 +189,11 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
         level: the level.
         mdp: its exact tables, with or without turning.
         first_action: the action that becomes number 0; 1 leaves `stay` out.
+
+    Raises:
+        LevelError: the robot moves diagonally: info words have no room for so many actions.
     """
+    check_four_moves(level, "vector environments, rollouts and environments in JAX")
     rows = (slice(None), slice(first_action, None))
     width = mdp.probability.shape[2]
     probability = mdp.probability[rows].reshape(-1, width)

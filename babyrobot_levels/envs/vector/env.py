@@ -127,8 +127,8 @@ class LevelVectorEnv(ChangingVectorEnv):
             "render_fps": RENDER_FPS,
             "autoreset_mode": self.autoreset_mode,
         }
-        self.single_action_space = make_action_space(action_set)
         num_actions = action_set.num_actions
+        self.single_action_space = make_action_space(action_set, num_actions)
         self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
         self.action_space = BatchActions(num_actions, self._envs)
         self._engine_name = engine

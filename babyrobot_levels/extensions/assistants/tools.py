@@ -214,7 +214,20 @@ class Tools:
         return _answered(name, play, text)
 
     def play_move(
-        self, play: str, move: Literal["north", "east", "south", "west", "wait", "look"]
+        self,
+        play: str,
+        move: Literal[
+            "north",
+            "east",
+            "south",
+            "west",
+            "north-east",
+            "south-east",
+            "south-west",
+            "north-west",
+            "wait",
+            "look",
+        ],
     ) -> Answered:
         """Make a move in a play, or look around, which takes no step."""
         world = self._plays.get(play)

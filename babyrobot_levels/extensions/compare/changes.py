@@ -116,7 +116,7 @@ def transition_changes(
         found[:, 0] += first * count
         differ.append(found)
     width = min(before.size[0], after.size[0])
-    actions = action_names("all", mdps[0].num_robots)
+    actions = action_names("all", mdps[0])
 
     def describe(place: list[int]) -> Change:
         pair, cell = divmod(place[0], count)

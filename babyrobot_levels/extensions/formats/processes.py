@@ -58,7 +58,8 @@ class Process:
     @property
     def actions(self) -> list[str]:
         """The names of the actions, in the order of their numbers."""
-        return action_names("all", self.mdp.num_robots)
+        # PRISM has no names with a hyphen.
+        return [name.replace("-", "_") for name in action_names("all", self.mdp)]
 
 
 def process_of(level: Level) -> Process:

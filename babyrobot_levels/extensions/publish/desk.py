@@ -28,7 +28,13 @@ from babyrobot_levels.extensions.editor.runtime import (
     runtime_folder,
 )
 from babyrobot_levels.extensions.packs.build import Course
-from babyrobot_levels.extensions.publish.hashed import AnswerError, digest, graded, shifts_of
+from babyrobot_levels.extensions.publish.hashed import (
+    ACTIONS,
+    AnswerError,
+    digest,
+    graded,
+    shifts_of,
+)
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
@@ -97,10 +103,13 @@ def _told(course: Course, title: str) -> dict[str, Any]:
 
 
 def level_data(level: Level) -> dict[str, Any] | None:
-    """Return a level as the page has it; None if it is too large, or its episodes too long."""
+    """Return a level as the page has it; None if it is too large.
+
+    Or if its episodes are too long, or it has other actions than five.
+    """
     space = space_of(level, "all")
     mdp = space.mdp
-    if mdp.num_states > MAX_STATES or mdp.num_robots > 1:
+    if mdp.num_states > MAX_STATES or mdp.num_actions != len(ACTIONS):
         return None
     counted = np.flatnonzero(~space.without_value)
     try:

@@ -555,7 +555,7 @@ class _Policies(_Task):
             for told, reading in readings.items():
                 read = reading[table.clip(0, reading.size - 1)]
                 if ((going_on >= 0) & (going_on < reading.size)).all() and self._passes(read):
-                    known = enumerate(action_names("all")[first:])
+                    known = enumerate(action_names("all", space.mdp)[first:])
                     here = ", ".join(f"{number} {name}" for number, name in known)
                     return f"its actions would be right if {told}; here they are {here}"
         turned = self.transposed(table)
@@ -579,6 +579,7 @@ class _Policies(_Task):
         action = int(wrong[at].argmax())
         table = self.optimum_at(self.problem.discount).action_values
         ahead = table.reshape(-1, wrong.shape[1])[self.problem.model.states][at]
-        name = action_names(self.problem.space.actions)[action + self.problem.space.first_action]
+        space = self.problem.space
+        name = action_names(space.actions, space.mdp)[action + space.first_action]
         loss = _magnitude(float(ahead.max() - ahead[action]))
         return f"at {self.place(states)}, {name} is not optimal; it loses {loss}"

@@ -12,10 +12,10 @@ from babyrobot_levels.agents.plays import append_play, check_appendable
 from babyrobot_levels.extensions.scoring.results import Played
 from babyrobot_levels.extensions.scoring.text_world import MOVES, TextWorld
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.words import listed
 
 INSTRUCTION = (
-    "Answer with north, east, south, west or wait. Only the last line of your answer is read, and "
-    "it must have nothing else."
+    "Answer with {}. Only the last line of your answer is read, and it must have nothing else."
 )
 
 MOST_INVALID = 3
@@ -53,6 +53,7 @@ class Conversation:
     ) -> None:
         self._agent, self._world, self._chat = agent, world, chat
         self._rules = rules.removesuffix(world.look())
+        self._asked = INSTRUCTION.format(listed([*world.directions, "wait"], "or"))
         self._messages: list[dict[str, str]] = []
 
     def play(self) -> None:
@@ -72,8 +73,8 @@ class Conversation:
     def _reply(self, shown: str) -> Any:
         """Return what the agent answers."""
         if not self._chat:
-            return self._agent(f"{self._rules}{shown}\n{INSTRUCTION}")
-        begins = f"{self._rules}{INSTRUCTION}\n\n" if not self._messages else ""
+            return self._agent(f"{self._rules}{shown}\n{self._asked}")
+        begins = f"{self._rules}{self._asked}\n\n" if not self._messages else ""
         self._messages.append({"role": "user", "content": begins + shown})
         reply = self._agent([dict(message) for message in self._messages])
         self._messages.append({"role": "assistant", "content": str(reply)})

@@ -29,7 +29,8 @@ class GradedMove(Telling, public=True):
 
     Attributes:
         state: the state before it, as in `level.compile()`.
-        action: `"north"`, `"east"`, `"south"`, `"west"` or `"stay"`; those of several robots are
+        action: `"north"`, `"east"`, `"south"`, `"west"`, with `moves: 8` also `"north-east"` and so
+            on, or `"stay"`; those of several robots are
             one text, `"east, stay"`.
         reward: the reward.
         advantage: the value of the action, less that of the best one: 0, or negative.

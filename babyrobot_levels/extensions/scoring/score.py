@@ -225,7 +225,22 @@ def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level]
 
 def _read(agent: Any, levels: Sequence[Level], actions: str, **how: bool) -> Any:
     """Return an agent as it is scored; `how` are whether it is deterministic, and batched."""
-    return read_agent(agent, ACTION_SETS[actions].num_actions, robots=_robots(levels), **how)
+    return read_agent(agent, _num_actions(levels, actions), robots=_robots(levels), **how)
+
+
+def _num_actions(levels: Sequence[Level], actions: str) -> int:
+    """Return how many actions a robot has.
+
+    Raises:
+        ValueError: not the same number in all levels.
+    """
+    counts = sorted({ACTION_SETS[actions].num_actions_in(level) for level in levels})
+    if len(counts) > 1:
+        raise ValueError(
+            f"an agent has as many actions in all levels, and these have {counts[0]} and "
+            f"{counts[-1]}"
+        )
+    return counts[0]
 
 
 def _robots(levels: Sequence[Level]) -> int:

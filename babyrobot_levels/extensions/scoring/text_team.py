@@ -5,15 +5,14 @@ from collections.abc import Mapping
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.team import TeamEnv
 from babyrobot_levels.extensions.scoring.graded import GradedEpisode
-from babyrobot_levels.extensions.scoring.text_world import MOVES
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import MOVES, Action
 from babyrobot_levels.render.words.happenings import changes, moves_of_team
 from babyrobot_levels.render.words.phrases import counted
 from babyrobot_levels.text.words import listed
 
-ACTIONS = {**MOVES, "wait": Action.STAY}
+ACTIONS = {str(move): move for move in MOVES} | {"wait": Action.STAY}
 """What a robot can do, in words."""
 
 

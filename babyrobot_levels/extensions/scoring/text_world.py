@@ -11,9 +11,10 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.registry.own import own
 from babyrobot_levels.render.words.happenings import happenings
 from babyrobot_levels.render.words.phrases import counted
+from babyrobot_levels.text.words import listed
 
-MOVES = {action.name.lower(): action for action in Action if action is not Action.STAY}
-"""The moves by their directions."""
+MOVES = {str(action): action for action in Action if action is not Action.STAY}
+"""The moves by their directions; a level may have only the first four."""
 
 
 class TextWorld(GradedEpisode, public=True):
@@ -95,15 +96,16 @@ class TextWorld(GradedEpisode, public=True):
         """Move the robot to the next cell.
 
         Args:
-            direction: north, east, south or west.
+            direction: north, east, south or west; in levels with `moves: 8` also north-east,
+                south-east, south-west or north-west.
 
         Returns:
             What happened, and what the robot sees now.
         """
         word = direction.strip().lower() if isinstance(direction, str) else None
-        if word not in MOVES:
+        if word not in self.directions:
             self.invalid += 1
-            return "That is no direction: move north, east, south or west. Nothing happened."
+            return f"That is no direction: move {listed(self.directions, 'or')}. Nothing happened."
         return self._step(MOVES[word])
 
     def wait(self) -> str:
@@ -126,6 +128,11 @@ class TextWorld(GradedEpisode, public=True):
         return scene if self._tracker is None else f"{scene}\n{_told_sure(self._tracker.sure)}"
 
     @property
+    def directions(self) -> tuple[str, ...]:
+        """The directions that `move` takes: four, or eight with `moves: 8`."""
+        return (*MOVES,)[: self.level.moves]
+
+    @property
     def sure(self) -> float | None:
         """How probable the likeliest state is for one who knows the level, by all that was told.
 
@@ -144,7 +151,7 @@ class TextWorld(GradedEpisode, public=True):
             self.invalid += 1
             return self._over()
         before = self.state
-        info = self._take(int(action), action.name.lower())
+        info = self._take(int(action), str(action))
         after = self.state
         told = [
             *happenings(

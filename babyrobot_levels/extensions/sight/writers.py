@@ -126,7 +126,9 @@ def _actions(model: PartialModel) -> list[str]:
     from babyrobot_levels.analysis.solver.results import action_names
 
     space = model.spaces[0]
-    return [name.lower() for name in action_names(space.actions)[space.first_action :]]
+    names = action_names(space.actions, space.mdp)[space.first_action :]
+    # PRISM has no names with a hyphen.
+    return [name.replace("-", "_") for name in names]
 
 
 def write_pomdp(model: PartialModel) -> str:

@@ -84,7 +84,7 @@ class _Cells:
         self.air = build_air(level, grid)
         self.warps = build_warps(level, grid)
         here = self.air.given.here
-        self.arrivals = Arrivals(level.rewards, self.terrain, self.warps, here)
+        self.arrivals = Arrivals(level.rewards, self.terrain, self.warps, here, 1 + level.moves)
 
     def branches(self) -> Iterator[tuple[Branches, Ints, Branches, Ints]]:
         """Yield, in parts, branches without chance and by chance, each with where they end.
@@ -120,7 +120,7 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
     cells = _Cells(level, grid)
     terrain, rewards_of = cells.terrain, cells.arrivals.rewards_of
     count = terrain.over.size
-    room = Room(count, most_columns(level, count))
+    room = Room(count, 1 + level.moves, most_columns(level, count))
     for plain, next_state, chances, ends in cells.branches():
         first = np.zeros(plain.row.size, np.int8)
         reward, over = rewards_of(plain, next_state), terrain.over[next_state]

@@ -253,7 +253,7 @@ class Boxes:
         boxes = self.values[layer, self._boxes].astype(np.int32)
         air = yard.air(cell, boxes)
         terrain, warps = yard.left_from(cell)
-        arrivals = Arrivals(self.level.rewards, terrain, warps, cell)
+        arrivals = Arrivals(self.level.rewards, terrain, warps, cell, NUM_ACTIONS)
         every = slice(0, cell.size)
         rows, chances = chance_branches(air, terrain, warps, every)
         branches = plain_branches(air.given, terrain, warps, every)
@@ -380,7 +380,7 @@ class Boxes:
         over = np.ones(count, bool)
         intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], NUM_ACTIONS, axis=1)
         obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
-        room = Room(count, most_columns(self.level, count))
+        room = Room(count, NUM_ACTIONS, most_columns(self.level, count))
         for part in self.parts:
             states = state(part.pairs)
             over[states] = False

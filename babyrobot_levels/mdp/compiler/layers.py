@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.outcomes import (
     BOUNCED,
@@ -485,7 +484,7 @@ def build_layer_ground(
         exits: the exits, to which robots come closer.
     """
     grid = grid_with_doors(level, open_grid, closed)
-    count = grid.width * grid.height
+    count, actions = grid.width * grid.height, 1 + level.moves
     painted = build_terrain(level, grid, exits)
     nowhere = np.zeros(count, bool)
     terrain = Terrain(
@@ -498,7 +497,7 @@ def build_layer_ground(
         painted.distance,
     )
     air, warps = build_air(level, grid), build_warps(level, grid)
-    arrivals = Arrivals(level.rewards, terrain, warps, air.given.here)
+    arrivals = Arrivals(level.rewards, terrain, warps, air.given.here, actions)
     kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, bool)
     columns = [bytearray() for _ in kinds]
     for part in parts_of(count):
@@ -507,7 +506,7 @@ def build_layer_ground(
         branches, next_cell = ended(plain.joined(chances), arrivals)
         order = np.argsort(branches.row, kind="stable")
         branches, next_cell = branches.select(order), next_cell[order]
-        cell = branches.row // NUM_ACTIONS
+        cell = branches.row // actions
         arrives = arrivals.is_sent(branches) | (next_cell != cell)
         ways = arrives & ~terrain.over[cell]
         leads, where = np.divmod(distinct(cell[ways] * count + next_cell[ways]), count)
@@ -516,8 +515,7 @@ def build_layer_ground(
             where,
             np.bincount(leads - part.start, minlength=part.stop - part.start),
             np.bincount(
-                branches.row - part.start * NUM_ACTIONS,
-                minlength=(part.stop - part.start) * NUM_ACTIONS,
+                branches.row - part.start * actions, minlength=(part.stop - part.start) * actions
             ),
             branches.probability,
             next_cell,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.cells import PRECEDENCE, Rewards
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.actions import NUM_MOVES, Action
 from babyrobot_levels.mdp.compiler.terrain import Air, Moves, Terrain, Warps
 from babyrobot_levels.mdp.graph import differs, expanded
 from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE
@@ -63,10 +63,11 @@ class Arrivals:
     terrain: Terrain
     warps: Warps
     here: Ints
+    actions: int
 
     def next_states(self, branches: Branches) -> Ints:
         """Return the next cells; below 0, a lot decides."""
-        state, action = np.divmod(branches.row, NUM_ACTIONS)
+        state, action = np.divmod(branches.row, self.actions)
         stays = (action == Action.STAY) | self.terrain.over[state]
         return np.where(stays, branches.landing, self.warps.arrive[branches.landing])
 
@@ -80,7 +81,7 @@ class Arrivals:
 
         Where the episode is over, that is nothing.
         """
-        state, action = np.divmod(branches.row, NUM_ACTIONS)
+        state, action = np.divmod(branches.row, self.actions)
         rank = np.full(state.size, RANKS["step"])
         pay = Pay(self.terrain.reward[next_state], rank)
         conditions: dict[str, Callable[[], Flags]] = {
@@ -115,7 +116,7 @@ class Arrivals:
 
     def is_sent(self, branches: Branches) -> Flags:
         """Return whether a warp sends the robot."""
-        moves = branches.row % NUM_ACTIONS != Action.STAY
+        moves = branches.row % self.actions != Action.STAY
         sent: Flags = self.warps.sends[branches.landing] & moves
         return sent
 
@@ -151,15 +152,15 @@ class Branches:
 
 def plain_branches(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -> Branches:
     """Return one branch for each state of a part and each action, in order: without chance."""
-    here, over = moves.here[part], terrain.over[part]
-    landing = np.empty((here.size, NUM_ACTIONS), np.int64)
+    here, over, actions = moves.here[part], terrain.over[part], moves.num_actions
+    landing = np.empty((here.size, actions), np.int64)
     landing[:, Action.STAY] = here
     landing[:, 1:] = np.where(warps.leaves[part], warps.leave[part], moves.landing[:, part]).T
     landing[over] = here[over, None]
-    happened = np.zeros((here.size, NUM_ACTIONS), np.int8)
+    happened = np.zeros(landing.shape, np.int8)
     happens = BUMPED * moves.refused[:, part].T | moves.pushed[:, part].T
     happened[:, 1:] = happens * ~warps.leaves[part, None]
-    rows = np.arange(part.start * NUM_ACTIONS, part.stop * NUM_ACTIONS)
+    rows = np.arange(part.start * actions, part.stop * actions)
     return Branches(rows, np.ones(rows.size), landing.ravel(), happened.ravel())
 
 
@@ -169,7 +170,7 @@ def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -
     slips = (terrain.skid[part] > 0) & can_move
     glass = moves.glass[:, part] > 0
     sheltered = moves.refused[:, part] & ~glass & (terrain.rule[part] == OPEN_RULE)
-    stochastic = np.zeros((can_move.size, NUM_ACTIONS), bool)
+    stochastic = np.zeros((can_move.size, moves.num_actions), bool)
     stochastic[:, 1:] = ((slips & ~sheltered) | (can_move & (glass | (warps.chance[part] > 0)))).T
     return stochastic
 
@@ -178,7 +179,8 @@ def chance_branches(
     air: Air, terrain: Terrain, warps: Warps, part: slice
 ) -> tuple[Flags, Branches]:
     """Return the rows of a part that chance decides, `[states, actions]`, and their branches."""
-    varies = np.zeros((part.stop - part.start, NUM_ACTIONS), bool)
+    actions = air.given.num_actions
+    varies = np.zeros((part.stop - part.start, actions), bool)
     if len(air.moves) > 1:
         goes = ~terrain.over[part] & ~warps.leaves[part] & air.windy[part]
         varies[:, Action.NORTH :] = goes[:, None]
@@ -192,7 +194,7 @@ def chance_branches(
             plain = plain_branches(moves, terrain, warps, part)
             parts.append(plain.select((varies & ~stochastic).ravel()))
             for each in parts:
-                share = np.where(varies.ravel()[each.row - part.start * NUM_ACTIONS], chance, 1.0)
+                share = np.where(varies.ravel()[each.row - part.start * actions], chance, 1.0)
                 each.probability = each.probability * share
         rows |= stochastic
         found += parts
@@ -219,28 +221,35 @@ def stochastic_branches(
         parts += _skid_branches(moves, terrain, states[skids], ways[skids])
     if warps.chance[states].any():
         for each in parts:
-            each.probability = each.probability * (1.0 - warps.chance[each.row // NUM_ACTIONS])
-        parts.append(_branches(states, ways, warps.chance[states], warps.leave[states], NOTHING))
+            each.probability = each.probability * (
+                1.0 - warps.chance[each.row // moves.num_actions]
+            )
+        row = rows_of(moves, states, ways)
+        parts.append(_branches(row, warps.chance[states], warps.leave[states], NOTHING))
     return parts
 
 
+def rows_of(moves: Moves, states: Ints, ways: Ints) -> Ints:
+    """Return the numbers of the rows of moves from states."""
+    return states * moves.num_actions + ways + 1
+
+
 def _branches(
-    states: Ints, ways: Ints, chance: Floats, landing: Ints, happened: NDArray[np.int8] | np.int8
+    row: Ints, chance: Floats, landing: Ints, happened: NDArray[np.int8] | np.int8
 ) -> Branches:
-    row = states * NUM_ACTIONS + ways + 1
     return Branches(row, chance, landing, np.zeros(row.size, np.int8) | happened)
 
 
 def _glass_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
     """Return the branches of moves against glass: through it, or bounced off."""
-    chance = moves.glass[ways, states] * (1.0 - terrain.skid[states])
+    row, chance = (
+        rows_of(moves, states, ways),
+        moves.glass[ways, states] * (1.0 - terrain.skid[states]),
+    )
     return [
+        _branches(row, chance, moves.through[ways, states], moves.through_pushed[ways, states]),
         _branches(
-            states, ways, chance, moves.through[ways, states], moves.through_pushed[ways, states]
-        ),
-        _branches(
-            states,
-            ways,
+            row,
             1.0 - chance,
             moves.bounce[ways, states],
             BOUNCED | moves.bounce_pushed[ways, states],
@@ -250,7 +259,7 @@ def _glass_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) ->
 
 def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
     """Return the branches of moves that may go astray: where they go, and every other way."""
-    rule = terrain.rule[states]
+    rule, row, count = terrain.rule[states], rows_of(moves, states, ways), len(moves.open)
     sheltered = moves.refused[ways, states] & (rule == OPEN_RULE)
     skid = np.where(sheltered, 0.0, terrain.skid[states])
     others = moves.open[:, states].sum(axis=0) - moves.open[ways, states]
@@ -258,21 +267,23 @@ def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> 
     def branches(ways_taken: Ints, chance: Floats) -> Branches:
         which = ways_taken, states
         happened = BUMPED * moves.refused[which] | moves.pushed[which]
-        return _branches(states, ways, chance, moves.landing[which], happened)
+        return _branches(row, chance, moves.landing[which], happened)
 
     stuck = (rule == OPEN_RULE) & (others == 0)
     parts = [
         branches(ways, 1.0 - skid),
-        _branches(states[stuck], ways[stuck], skid[stuck], moves.here[states[stuck]], NOTHING),
+        _branches(row[stuck], skid[stuck], moves.here[states[stuck]], NOTHING),
     ]
-    for turn in (1, 2, 3):
-        other = (ways + turn) % NUM_MOVES
+    for turn in range(1, count):
+        other = (ways + turn) % count
         share = np.zeros(states.size)
         is_open = (rule == OPEN_RULE) & moves.open[other, states]
         share[is_open] = skid[is_open] / others[is_open]
-        if turn != 2:
-            share[rule == SIDES_RULE] = skid[rule == SIDES_RULE] / 2
-        share[rule == OTHERS_RULE] = skid[rule == OTHERS_RULE] / 3
+        if turn % 2:
+            # Directions at right angles are both diagonal, or both not.
+            aside = (rule == SIDES_RULE) & (ways // NUM_MOVES == other // NUM_MOVES)
+            share[aside] = skid[aside] / 2
+        share[rule == OTHERS_RULE] = skid[rule == OTHERS_RULE] / (count - 1)
         parts.append(branches(other, share))
     return parts
 
@@ -320,9 +331,9 @@ class Outcomes:
 class Room:
     """The tables of some states, with room for a number of outcomes in each row."""
 
-    def __init__(self, states: int, width: int):
-        self._shape = states, NUM_ACTIONS, width
-        rows = states * NUM_ACTIONS, width
+    def __init__(self, states: int, actions: int, width: int):
+        self._shape = states, actions, width
+        rows = states * actions, width
         self._used = 1
         self._tables: dict[str, NDArray[Any]] = {
             "probability": np.zeros(rows),

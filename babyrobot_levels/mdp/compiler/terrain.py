@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.cells import Warp, gusts, shifts
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.actions import DELTAS, NUM_MOVES, Action
 from babyrobot_levels.mdp.configurations import check_room
 from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.ground import build_ground
@@ -131,13 +131,14 @@ SIGN = (-1, 1, 1, -1)
 
 @dataclass(frozen=True, eq=False)
 class Moves:
-    """Arrays `[4, states]`, one row a direction: north, east, south, west.
+    """Arrays `[moves, states]`, one row a move: north, east, south, west, and the diagonal ones.
 
     Where there are boxes, a state is a pair of configuration and cell.
 
     Attributes:
         here: `[states]`: the cell of each state.
-        open: whether nothing closes that side of the cell. Walls of glass do.
+        open: whether nothing closes that side of the cell, and of a diagonal move, either way
+            around the corner. Walls of glass do.
         landing: where a robot comes to stand that tries the direction; glass is a wall to it.
         refused: whether a wall refused the move: it pushed against the side and did not go.
         glass: the probability of getting through the wall of glass that the move tries, else 0.
@@ -158,6 +159,11 @@ class Moves:
     pushed: NDArray[np.int8]
     through_pushed: NDArray[np.int8]
     bounce_pushed: NDArray[np.int8]
+
+    @property
+    def num_actions(self) -> int:
+        """The number of actions: the moves, and to stay."""
+        return len(self.open) + 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,13 +205,17 @@ def build_moves(level: LevelFields, grid: Grid, stronger: int | None = 0) -> Mov
     count = grid.width * grid.height
     states = np.arange(count, dtype=np.int32)
     open_ = np.ascontiguousarray(grid.open.reshape(count, NUM_MOVES).T)
-    delta = np.array([-grid.width, 1, grid.width, -1], np.int32)[:, None]
-    step = np.where(open_, states + delta, states)
+    shift = [dx + grid.width * dy for dx, dy in list(DELTAS.values())[: level.moves]]
+    delta = np.array(shift, np.int32)[:, None]
+    step = np.where(open_, states + delta[:NUM_MOVES], states)
+    if level.moves > NUM_MOVES:
+        open_ = np.concatenate([open_, _open_corners(open_, step)])
+        step = np.where(open_, states + delta, states)
     # Where there is none, it takes no room.
-    glass = np.zeros((NUM_MOVES, count)) if grid.glass else np.broadcast_to(0.0, step.shape)
+    glass = np.zeros(step.shape) if grid.glass else np.broadcast_to(0.0, step.shape)
     for (cell, side), probability in grid.glass.items():
         glass[SIDES.index(side), cell] = probability
-    bounce = step[list(BACK)] if grid.glass else step
+    bounce = step[[*BACK, *range(NUM_MOVES, level.moves)]] if grid.glass else step
     unpushed = np.broadcast_to(np.int8(0), step.shape)
     if level.wind is None:
         through = np.where(glass > 0, states + delta, states) if grid.glass else step
@@ -221,7 +231,7 @@ def build_moves(level: LevelFields, grid: Grid, stronger: int | None = 0) -> Mov
     through = np.empty_like(step) if grid.glass else landing
     refused = np.empty_like(open_)
 
-    free = _free_runs(open_, grid)
+    free = _free_runs(open_[:NUM_MOVES], grid)
 
     def walk(start: States, amount: States, vertical: bool) -> States:
         """Walk `amount` cells along an axis, each state until a wall stops it."""
@@ -244,7 +254,24 @@ def build_moves(level: LevelFields, grid: Grid, stronger: int | None = 0) -> Mov
         rest = np.where(glass[way] > 0, along - sign, 0)
         drift = np.where(glass[way] > 0, across, 0)
         through[way] = walk(walk(behind, rest, vertical), drift, not vertical)
+    if level.moves > NUM_MOVES:
+        diagonal = slice(NUM_MOVES, None)
+        for ends in (landing, through):
+            blown = walk(step[diagonal], pushes[True], vertical=True)
+            ends[diagonal] = walk(blown, pushes[False], vertical=False)
+        refused[diagonal] = ~open_[diagonal]
     return Moves(states, open_, landing, refused, glass, through, bounce, *[unpushed] * 3)
+
+
+def _open_corners(open_: Flags, step: States) -> Flags:
+    """Return, `[4, states]`, whether both ways around the corner of each diagonal move are open."""
+    pairs = ((NORTH, EAST), (SOUTH, EAST), (SOUTH, WEST), (NORTH, WEST))
+    return np.array(
+        [
+            open_[one] & open_[other] & open_[other, step[one]] & open_[one, step[other]]
+            for one, other in pairs
+        ]
+    )
 
 
 def _free_runs(open_: Flags, grid: Grid) -> States:
@@ -443,12 +470,12 @@ def obstructions(
     Below 0, `-1 - target` is the number of the set of cells to one of which it leads.
     """
     count, moves = terrain.over.size, air.given
-    obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
-    target = np.empty((count, NUM_ACTIONS), np.int32)
+    obstruction = np.full((count, moves.num_actions), FREE, np.int8)
+    target = np.empty(obstruction.shape, np.int32)
     target[:, Action.STAY] = moves.here
     moves_on = (warps.chance == 0) & ~terrain.over
     # One way after the other: copies of all of them would need much room.
-    for way in range(NUM_MOVES):
+    for way in range(len(moves.open)):
         action, glass = way + 1, moves.glass[way] > 0
         # What one of the winds lets pass is worth a try.
         refused = np.logical_and.reduce([each.refused[way] for each in air.moves])

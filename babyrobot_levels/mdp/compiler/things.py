@@ -124,7 +124,7 @@ def _up_to(factor: int) -> str:
 class _Compiler:
     def __init__(self, level: LevelFields, layers: Layers):
         self.level, self.layers = level, layers
-        self.size = layers.size
+        self.size, self.actions = layers.size, 1 + level.moves
         crowd = layers.crowd
         static = np.array([layer.values for layer in layers.layers], np.int64)
         static = static.reshape(len(layers.layers), layers.things.static)
@@ -148,9 +148,9 @@ class _Compiler:
         count = len(self.configurations) * self.size
         check_room(self.level, count, 1)
         over = np.ones(count, bool)
-        intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], NUM_ACTIONS, axis=1)
-        obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
-        room = Room(count, most_columns(self.level, count))
+        intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], self.actions, axis=1)
+        obstruction = np.full((count, self.actions), FREE, np.int8)
+        room = Room(count, self.actions, most_columns(self.level, count))
         for ground, members in self._groups():
             hindered, targets = obstructions(ground.air, ground.terrain, ground.warps)
             for layer in members:
@@ -215,7 +215,7 @@ class _Compiler:
         pairs.clear()
         if not cell.size:
             return
-        sizes = np.diff(ground.first[::NUM_ACTIONS])[cell]
+        sizes = np.diff(ground.first[:: self.actions])[cell]
         ways = self.layers.ways(members[0]) if self.level.movers else None
         if ways is not None:
             sizes = sizes * np.diff(ways[0])[joint]
@@ -236,7 +236,7 @@ class _Compiler:
             configuration = self.number[own, joint[part][ends.pair]]
             state = configuration * self.size + cell[part][ends.pair]
             yield merged(
-                state * NUM_ACTIONS + ends.action,
+                state * self.actions + ends.action,
                 ends.probability,
                 self.number[layer_after, ends.joint] * self.size + ends.next_cell,
                 self._rewards(ground, ends, item, leaves),
@@ -246,9 +246,9 @@ class _Compiler:
     def _ends(self, ground: Ground, ways: Ways | None, joint: Ints, cell: Ints) -> _Ends:
         """Return the ends of steps from some pairs of joint state and cell."""
         first = ground.first
-        rows = (cell[:, None] * NUM_ACTIONS + np.arange(NUM_ACTIONS)).ravel()
+        rows = (cell[:, None] * self.actions + np.arange(self.actions)).ravel()
         row, branch = expanded(first[rows], first[rows + 1])
-        pair, action = np.divmod(row, NUM_ACTIONS)
+        pair, action = np.divmod(row, self.actions)
         probability = ground.probability[branch]
         next_cell = ground.next_cell[branch]
         if ways is None:

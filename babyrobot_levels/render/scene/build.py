@@ -395,12 +395,12 @@ def arrow_shapes(
 
 def _arrow(start: Point, towards: tuple[int, int], gap: float, reach: float) -> Arrow:
     """Return shaft and head of an arrow that begins and ends `gap` and `reach` from `start`."""
-    length = 0.5 * reach
+    length, unit = 0.5 * reach, math.hypot(*towards)
 
     def at(along: float, across: float) -> Point:
         return (
-            start[0] + along * towards[0] - across * towards[1],
-            start[1] + along * towards[1] + across * towards[0],
+            start[0] + (along * towards[0] - across * towards[1]) / unit,
+            start[1] + (along * towards[1] + across * towards[0]) / unit,
         )
 
     neck = reach - length

@@ -17,7 +17,7 @@ from operator import itemgetter
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.mdp.actions import DELTAS, MOVES
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import (
     BLACK,
@@ -203,7 +203,7 @@ def _ramp(stops: Sequence[str]) -> tuple[str, ...]:
 _FRAME = 5.5
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
 
-_MOVES = {action.name[0]: action for action in list(Action)[1:]}
+_MOVES = {action.name[0]: action for action in MOVES}
 
 _OVERLAP = 0.5
 """How far tiles reach under their neighbours: nothing shines through between them."""
@@ -344,7 +344,7 @@ class Heat:
                 for dx, dy in ((0, 0), (1, 0), (1, 1), (0, 1))
             ]
             middle = self.layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-            for index, action in enumerate(list(Action)[1:]):
+            for index, action in enumerate(MOVES):
                 value = values[action]
                 if value is not None:
                     outer = corners[index], corners[(index + 1) % 4]

@@ -10,7 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.looks import is_color
-from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, Turn, drawn_policy
+from babyrobot_levels.mdp.actions import (
+    HEADINGS,
+    MOVES,
+    NUM_ACTIONS,
+    NUM_MOVES,
+    Action,
+    Turn,
+    drawn_policy,
+)
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.states import configuration_words, initial_configuration, occurring
 from babyrobot_levels.render.scene.layout import Note, Overlay
@@ -32,8 +40,8 @@ KEYS = (
 
 MAX_PRECISION = 6
 
-_NAMES = {name: action for action in Action for name in (action.name, action.name[0])}
-_NAMES["S"] = Action.SOUTH
+_NAMES = {str(action).upper(): action for action in Action}
+_NAMES |= {action.name[0]: action for action in MOVES}
 _TIE = 1e-9
 """The relative difference up to which two probabilities count as equal."""
 
@@ -150,6 +158,11 @@ def _visits(given: Any, level: GridWorld) -> list[list[float | None]]:
 
 
 def _action_values(given: Any, level: GridWorld) -> list[list[list[float | None]]]:
+    if level.moves > NUM_MOVES:
+        raise ValueError(
+            f"`action_values` are drawn for {NUM_MOVES} moves, and the level has "
+            f"`moves: {level.moves}`; draw `values` or `policy`"
+        )
     rows = cells_of(given, "action_values", level, deep=True)
     numbers = [
         [[number_of(value, "action_values") for value in cell] for cell in row] for row in rows
@@ -215,9 +228,9 @@ def policy_actions(policy: Any, level: GridWorld) -> list[list[tuple[Action, ...
     table, first = drawn_policy(policy)
     if len(shape_of(table, 3)) == 3 and hasattr(table, "shape"):
         rows = cells_of(table, "policy", level, deep=True)
-        return [[_most_likely(cell) for cell in row] for row in rows]
+        return [[_most_likely(cell, level) for cell in row] for row in rows]
     rows = cells_of(table, "policy", level)
-    return [[tuple(sorted(_actions(cell, first or 0))) for cell in row] for row in rows]
+    return [[tuple(sorted(_actions(cell, level, first or 0))) for cell in row] for row in rows]
 
 
 def _probabilities(policy: Any, level: GridWorld) -> list[list[dict[int, float]]] | None:
@@ -228,7 +241,7 @@ def _probabilities(policy: Any, level: GridWorld) -> list[list[dict[int, float]]
     rows = [
         [
             {
-                NUM_ACTIONS - len(cell) + index: number
+                1 + level.moves - len(cell) + index: number
                 for index, weight in enumerate(cell)
                 if (number := number_of(weight, "policy"))
             }
@@ -241,12 +254,12 @@ def _probabilities(policy: Any, level: GridWorld) -> list[list[dict[int, float]]
     return rows if is_told else None
 
 
-def _most_likely(weights: Sequence[Any]) -> tuple[Action, ...]:
+def _most_likely(weights: Sequence[Any], level: GridWorld) -> tuple[Action, ...]:
     numbers = [number_of(weight, "policy") or 0.0 for weight in weights]
     if min(numbers) < 0:
         raise ValueError(f"probabilities in `policy` must not be negative: {min(numbers):g}")
     most = max(numbers)
-    first = NUM_ACTIONS - len(numbers)
+    first = 1 + level.moves - len(numbers)
     return tuple(
         Action(first + index)
         for index, number in enumerate(numbers)
@@ -254,7 +267,7 @@ def _most_likely(weights: Sequence[Any]) -> tuple[Action, ...]:
     )
 
 
-def _actions(entry: Any, first: int) -> set[Action]:
+def _actions(entry: Any, level: GridWorld, first: int) -> set[Action]:
     """Return the actions of a cell's entry."""
     if entry is None:
         return set()
@@ -264,12 +277,12 @@ def _actions(entry: Any, first: int) -> set[Action]:
             raise ValueError(f"invalid action in `policy`: {entry!r}")
         return {action}
     if isinstance(entry, Iterable):
-        return {action for part in entry for action in _actions(part, first)}
+        return {action for part in entry for action in _actions(part, level, first)}
     number = number_of(entry, "policy")
     if number is None or number < 0:
         return set()
-    if not number.is_integer() or number + first >= NUM_ACTIONS or math.isinf(number):
-        raise ValueError(f"invalid action in `policy`: {entry!r}; actions are 0 to 4")
+    if not number.is_integer() or number + first > level.moves or math.isinf(number):
+        raise ValueError(f"invalid action in `policy`: {entry!r}; actions are 0 to {level.moves}")
     return {Action(first + int(number))}
 
 
@@ -300,7 +313,8 @@ def cells_of(given: Any, key: str, level: GridWorld, *, deep: bool = False) -> l
     """
     given = getattr(given, key, given)
     width, height = level.size
-    expected = [(height, width, count) for count in (5, 4)] if deep else [(height, width)]
+    counts = (1 + level.moves, level.moves)
+    expected = [(height, width, count) for count in counts] if deep else [(height, width)]
     shape = shape_of(given, len(expected[0]))
     if shape not in expected:
         raise ValueError(_shape_message(key, shape, expected) + _of_things(level))

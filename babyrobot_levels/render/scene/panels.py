@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from babyrobot_levels.language.cells import Puddle, Rectangle, Wall, Wind
 from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.language.looks import Colors, Display, Panel
-from babyrobot_levels.mdp.actions import DELTAS
+from babyrobot_levels.mdp.actions import DELTAS, MOVES
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import ink_on, mixed, plate_for
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
@@ -92,8 +92,8 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     for down, fill in ((-1, _NEEDLE), (1, colors.text_fg)):
         half = polygon([(x - 5, y), (x, y + 16 * down), (x + 5, y)])
         yield Path(half, fill=fill, stroke=colors.text_fg, width=1.2)
-    for action, (dx, dy) in DELTAS.items():
-        letter = action.name[0]
+    for action in MOVES:
+        letter, (dx, dy) = action.name[0], DELTAS[action]
         yield Text(x + 23.5 * dx, y + 23.5 * dy + 3.8, letter, 11, colors.text_fg, bold=True)
 
 

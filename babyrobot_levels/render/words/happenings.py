@@ -47,7 +47,7 @@ def happenings(
     elif not target_reached:
         yield "The glass throws the robot back."
     else:
-        way = Action(action).name.lower()
+        way = str(Action(action))
         yield "The robot waits." if action == Action.STAY else f"The robot moves {way}."
     yield from changes(level, then, now)
     if hit:
@@ -74,7 +74,7 @@ def moves_of_team(
         if then.arrived[number] or only not in (None, number):
             continue
         way, (x, y), end = Action(actions[number]), starts[number], ends[number]
-        side = way.name.lower()
+        side = str(way)
         dx, dy = DELTAS.get(way, (0, 0))
         if end == (x, y):
             told = "waits" if way is Action.STAY else f"cannot move {side}"
@@ -134,10 +134,12 @@ def bump(level: GridWorld, mdp: Mdp, state: int, move: int, then: Configuration)
         move: the move, an `Action`.
         then: what is where before the move.
     """
+    where = str(Action(move))
+    if move > Action.WEST:
+        return f"Bump! The corner in the {where} is closed."
     cell, side = state % mdp.cells, SIDES[move - Action.NORTH]
     doors = door_sides(level, level.grid())
     is_door = any((cell, side) == (at, of) and then.doors[number] for at, of, number in doors)
-    where = Action(move).name.lower()
     if is_door:
         return f"Bump! The door in the {where} is closed."
     return f"Bump! A wall in the {where}."

@@ -15,6 +15,7 @@ from babyrobot_levels.language.cells import Area, Skid, Told, Warp, Wind, as_ski
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Door, Item, Mover
+from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.mdp.grid import door_name
 from babyrobot_levels.mdp.ground import exit_rewards, rows_of
 from babyrobot_levels.render.situation import End, effects_of
@@ -186,6 +187,8 @@ def _told(level: GridWorld, drawn: bool) -> Rules:
     yield from _targets(level)
     yield from _grounds(level, ends, drawn)
     yield Rule("ground", f"each step: {phrases.reward(level.rewards.step)}")
+    if level.moves > NUM_MOVES:
+        yield Rule("", "moves: also diagonal, where both ways around the corner are open")
     yield from (Rule(sample, text) for sample, text in thing_rules(level, drawn))
     if level.skid is not None:
         yield Rule("ground", f"each move: {phrases.skidding(as_skid(level.skid))}")

@@ -90,6 +90,7 @@ CHANGES: dict[str, tuple[World, World]] = {
     "warps": ({}, {"warps": [{"at": [1, 1], "to": [2, 2]}]}),
     "wind": ({}, {"wind": {"north": [0, 1, 0, 0]}}),
     "skid": ({}, {"skid": {"probability": 0.2, "to": "sides"}}),
+    "moves": ({}, {"moves": 8}),
     "rewards": ({}, {"rewards": {"step": -2, "bump": -4}}),
 }
 """For each field that changes the MDP, a level's other fields, and the field."""

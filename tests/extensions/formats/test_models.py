@@ -39,7 +39,7 @@ def expected(level: brl.Level) -> Table:
         if mdp.is_terminal[state]:
             table[state, ""] = {state: Fraction(1)}, Fraction(0)
             continue
-        for action in brl.Action:
+        for action in [*brl.Action][: mdp.num_actions]:
             chances: dict[int, Fraction] = defaultdict(Fraction)
             paid = Fraction(0)
             for chance, target, reward, over in mdp.outcomes(state, action):

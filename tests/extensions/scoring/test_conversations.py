@@ -16,7 +16,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.extensions.scoring.conversations import move_of
 
-NAMES = action_names("all")
+NAMES = action_names("all", brl.load("maze").compile())
 
 
 def place_in(text: str) -> tuple[int, int]:

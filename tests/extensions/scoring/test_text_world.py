@@ -24,7 +24,7 @@ WET = {
     "puddles": [{"at": [1, 0]}, {"at": [1, 1], "size": "large"}],
     "max_steps": 20,
 }
-NAMES = action_names("all")
+NAMES = action_names("all", brl.load("maze").compile())
 
 
 def act(world: brl.TextWorld, action: str) -> str:

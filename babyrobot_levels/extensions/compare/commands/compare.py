@@ -118,7 +118,7 @@ def _text(
     is_turning = len(actions) == len(brl.Turn)
     mdp = loaded.compile()
     states = mdp.num_states * (len(SIDES) if is_turning else 1)
-    every = action_names("turns" if is_turning else "all", mdp.num_robots)
+    every = action_names("turns" if is_turning else "all", mdp)
     names = [every[action] for action in actions]
     facts = {
         "states": f"{certificate.states} of {states} are reachable, all equal",

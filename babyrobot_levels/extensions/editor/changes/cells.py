@@ -36,7 +36,7 @@ from babyrobot_levels.language.geometry import Cell, blocked_cells, is_inside, s
 from babyrobot_levels.language.kinds import KIND, NEEDED
 from babyrobot_levels.language.things import SHAPES, hit_reward
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import DELTAS
+from babyrobot_levels.mdp.actions import DELTAS, MOVES
 from babyrobot_levels.mdp.grid import BIT, grid_with_doors
 from babyrobot_levels.text.words import listed
 
@@ -290,7 +290,7 @@ def _alike(level: Level, first: Cell) -> list[Cell]:
     while waiting:
         x, y = waiting.popleft()
         walls = grid.wall_bits[y * grid.width + x]
-        for side, (dx, dy) in zip(SIDES, DELTAS.values(), strict=True):
+        for side, (dx, dy) in zip(SIDES, (DELTAS[move] for move in MOVES), strict=True):
             cell = (x + dx, y + dy)
             if not walls & BIT[side] and cell not in found and ground(cell) == ground(first):
                 found[cell] = None

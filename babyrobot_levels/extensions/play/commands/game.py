@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.console import fail, speaks_unicode, styled
-from babyrobot_levels.mdp.actions import Action, Turn
+from babyrobot_levels.mdp.actions import NUM_MOVES, Action, Turn
 from babyrobot_levels.render.terminal import colors_of
 from babyrobot_levels.render.words.happenings import bump, changes, hitter
 from babyrobot_levels.render.words.phrases import counted, with_limit
@@ -26,6 +26,14 @@ MOVES = {
     **dict.fromkeys(("left", "a"), Action.WEST),
     **dict.fromkeys((" ", "."), Action.STAY),
 }
+_DIAGONALS = {
+    "9": Action.NORTH_EAST,
+    "3": Action.SOUTH_EAST,
+    "1": Action.SOUTH_WEST,
+    "7": Action.NORTH_WEST,
+}
+"""The keys of the numeric keypad."""
+
 _TURNS = {
     **dict.fromkeys(("left", "a"), Turn.LEFT),
     **dict.fromkeys(("right", "d"), Turn.RIGHT),
@@ -60,7 +68,7 @@ class Game:
         turns: bool,
     ) -> None:
         self._turns = turns
-        self.keys = self._make_keys()
+        self.keys = self._make_keys(level)
         self._inner = self._make(level)
         self._recorder = None if record is None else _recorded(self._inner, record)
         self._env = self._recorder or self._inner
@@ -73,8 +81,10 @@ class Game:
         self._use(self._env.get_wrapper_attr("level"))
         self.begin(seed)
 
-    def _make_keys(self) -> dict[str, Any]:
-        return {**(_TURNS if self._turns else MOVES)}
+    def _make_keys(self, level: brl.Level) -> dict[str, Any]:
+        if self._turns:
+            return {**_TURNS}
+        return MOVES | _DIAGONALS if level.moves > NUM_MOVES else {**MOVES}
 
     def _make(self, level: brl.Level) -> Any:
         return level.make(observation="index", actions="turns" if self._turns else "valid")
@@ -194,7 +204,7 @@ class Game:
         """Return an action of the tables in words."""
         from babyrobot_levels.analysis.solver.results import action_names
 
-        name = action_names("turns" if self._turns else "all")[action]
+        name = action_names("turns" if self._turns else "all", self._mdp)[action]
         told = name if name == "stay" else f"turn {name}" if self._turns else f"move {name}"
         return told.replace("turn forward", "move forward")
 

@@ -20,7 +20,7 @@ class TeamGame(Game):
     are two robots; the one that is asked has the others.
     """
 
-    def _make_keys(self) -> dict[str, Any]:
+    def _make_keys(self, _level: brl.Level) -> dict[str, Any]:
         return {
             key: (int(action), None if action is Action.STAY else int(key in _ARROWS))
             for key, action in MOVES.items()
