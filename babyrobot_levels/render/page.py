@@ -31,7 +31,7 @@ from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
 from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action
-from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.mdp.gridworld import GridWorld, check_four_moves
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.page_agent import PageAgent, agent_data
@@ -479,6 +479,8 @@ def _picture_data(level: GridWorld, options: PageOptions) -> dict[str, Any]:
     """
     guide, agent, turns = options.get("guide"), options.get("agent"), options.get("turns", False)
     # One who turns sees something else.
+    if turns:
+        check_four_moves(level, "pages of robots that turn")
     may_turn = turns or ("heading" in level.model_fields_set and options.get("sight") is None)
     is_still = not (level.has_things or may_turn)
     overlay = _answer_overlay(options).at()

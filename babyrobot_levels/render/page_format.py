@@ -24,7 +24,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import MOVES, Action
 from babyrobot_levels.render.colors import gray, rgba
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.shapes import (
@@ -256,14 +256,13 @@ CHEER = 1
 POSES = (
     STANDING,
     Pose(mood=Mood.CHEER),
-    *(Pose(action) for action in Action if action is not Action.STAY),
-    *(Pose(action, Mood.SLIP) for action in Action),
+    *(Pose(action) for action in MOVES),
+    *(Pose(action, Mood.SLIP) for action in (Action.STAY, *MOVES)),
 )
 """All poses after a step; outcomes give their indices. The first one is that of the start."""
 
 HEADING_POSES = [
-    [POSES.index(Pose(action, mood)) for action in Action if action is not Action.STAY]
-    for mood in (Mood.CALM, Mood.SLIP)
+    [POSES.index(Pose(action, mood)) for action in MOVES] for mood in (Mood.CALM, Mood.SLIP)
 ]
 """The indices of the poses of a robot that turns, by heading: calm, and slipping."""
 

@@ -50,6 +50,8 @@ def tables_of(level: GridWorld) -> dict[str, Any]:
 
 def _possible(mdp: Mdp) -> Ints:
     """Return which actions are possible in each state, as bits."""
+    if mdp.num_robots == 1:
+        return mdp.action_mask.astype(np.int64) @ (1 << np.arange(mdp.num_actions))
     masks = mdp.action_mask.reshape(mdp.num_states, *[NUM_ACTIONS] * mdp.num_robots)
     bits = np.zeros(mdp.num_states, np.int64)
     for robot in range(mdp.num_robots):
@@ -102,7 +104,7 @@ def _columns(level: GridWorld, mdp: Mdp, state: Ints) -> Iterator[NDArray[Any]]:
     yield mdp.terminal[state]
     kind, shift = events_of(mdp)[state], _displacements(mdp, state, next_state)
     # The pose is that of the first robot.
-    action = np.arange(mdp.num_actions)[:, None] // (mdp.num_actions // NUM_ACTIONS)
+    action = mdp.robot_actions(np.arange(mdp.num_actions))[:, :1]
     event = np.where(shift == action, EVENTS.index("move"), EVENTS.index("carried"))
     event[shift == Action.STAY] = EVENTS.index("stay")
     for code, name in ((Event.BUMPED, "bump"), (Event.SKIDDED, "skid"), (Event.BOUNCED, "bounce")):

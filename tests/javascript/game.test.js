@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { checked } from "../../babyrobot_levels/render/static/checks.js";
 import { formatted, Game, swiped } from "../../babyrobot_levels/render/static/game.js";
 import { checksum, playOf, signed } from "../../babyrobot_levels/render/static/play.js";
 import { decisionsOf } from "../../babyrobot_levels/render/static/regret.js";
@@ -210,4 +211,30 @@ test("a way leads towards a cell, and nowhere through walls", () => {
   assert.equal(game.towards(0), -1);
   const shut = new Game(corridor({ possible: [1, 1, 1] }));
   assert.equal(shut.towards(2), -1);
+});
+
+test("a robot that moves diagonally has nine actions", () => {
+  const southEast = 6;
+  const [stay, bump, toExit] = [
+    [1, 0, -1, 0, 0, 0],
+    [1, 0, -1, 0, 3, 0],
+    [1, 3, 10, 1, 1, 0],
+  ];
+  const shut = [0, ...Array(8).fill(1)];
+  const data = corridor({
+    width: 2,
+    height: 2,
+    exits: [3],
+    rows: [stay, bump, toExit],
+    table: [shut.with(southEast, 2), shut, shut, Array(9).fill(-1)].flat(),
+    possible: [0b1000001, 1, 1, 0],
+    policy: [southEast, 0, 0, -1],
+  });
+  const game = new Game(checked(data));
+  assert.deepEqual([game.actions, game.best, game.towards(3)], [9, southEast, southEast]);
+  assert.equal(game.describeHint(southEast), "Hint: move south-east.");
+  assert.deepEqual(game.pointers(southEast), [{ place: [0, 0], side: 1.5 }]);
+  assert.equal(game.describeStep(game.step(5)), "Blocked by a wall to the north-east: \u22121");
+  assert.equal(game.describeStep(game.step(southEast)), "Moved south-east to [1, 1]: +10");
+  assert.equal(game.end, "exit");
 });

@@ -83,7 +83,8 @@ export function checked(data) {
   const configurations = checkThings(data, cells);
   const states = cells * configurations;
   const robots = checkRobots(data, configurations);
-  const actions = 5 ** robots;
+  // A robot that moves diagonally has nine actions.
+  const actions = robots === 1 && data.table?.length === 9 * states ? 9 : 5 ** robots;
   need(states * actions <= 5 * COMMON.max_states);
   for (const state of list(data.starts, 100 * states, 1)) whole(state, 0, states - 1);
   for (const cell of list(data.exits, cells)) whole(cell, 0, cells - 1);
@@ -96,7 +97,7 @@ export function checked(data) {
   need(Number.isFinite(discount) && discount > 0 && discount <= 1);
   for (const cell of list(good, cells)) whole(cell, 0, cells - 1);
   checkRows(data.rows, actions * states, COMMON.events.length * (1 + movers));
-  checkTable(data, states, actions, 2 ** (5 * robots) - 1);
+  checkTable(data, states, actions, 2 ** (robots === 1 ? actions : 5 * robots) - 1);
   checkAdvice(data, states, actions);
   return data;
 }

@@ -6,7 +6,8 @@ import { Generator } from "./random.js";
 import { optimalAction } from "./regret.js";
 import { Things } from "./things.js";
 
-export const SIDES = ["", "north", "east", "south", "west"];
+/** The directions of moves, by their numbers; most levels have the first four. */
+export const SIDES = ["", "north", "east", "south", "west", "north-east", "south-east", "south-west", "north-west"];
 export const GOAL = "Move the robot to an exit."; // Of levels that do not say it.
 const SWIPE = 28; // Pixels that tell a swipe from a tap.
 export const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
@@ -146,9 +147,14 @@ export class Game {
     return ((this.data.possible[this.state] >> move) & 1) === 1;
   }
 
+  /** How many actions a robot that does not turn has: five, or nine where it moves diagonally. */
+  get actions() {
+    return this.data.table.length / this.data.possible.length;
+  }
+
   /** What may come of an action of the level in a state. */
   outcomesOf(state, action) {
-    return this.data.rows[this.data.table[5 * state + this.moveOf(action)]];
+    return this.data.rows[this.data.table[this.actions * state + this.moveOf(action)]];
   }
 
   /** The colours of the robots, and where they are in a state. */
@@ -194,7 +200,9 @@ export class Game {
     if (action < 0) return [];
     const { isTurning, heading } = this;
     const turned = action === FORWARD ? heading : (heading + 3 + 2 * action) % 4;
-    return [{ place: this.place(this.state), side: isTurning ? turned : action - 1 }];
+    // North-east is halfway between the sides 0 and 1.
+    const side = isTurning ? turned : action > 4 ? action - 4.5 : action - 1;
+    return [{ place: this.place(this.state), side }];
   }
 
   /** Tell where the robot is, in sentences. */
@@ -218,7 +226,7 @@ export class Game {
     if (this.walker === "agent") return this.chosen;
     if (this.walker === "sight") return this.sight.advice(this.policyRandom);
     if (this.isTurning) return this.policyRandom.integer(3);
-    const possible = [0, 1, 2, 3, 4].filter((action) => this.isPossible(action));
+    const possible = [...Array(this.actions).keys()].filter((action) => this.isPossible(action));
     return possible[this.policyRandom.integer(possible.length)];
   }
 
@@ -402,11 +410,12 @@ export class Game {
    */
   towards(goal) {
     const here = this.state % this.cells;
-    const steps = [0, -this.data.width, 1, this.data.width, -1];
+    const { width } = this.data;
+    const steps = [0, -width, 1, width, -1, 1 - width, width + 1, width - 1, -width - 1].slice(0, this.actions);
     /** @type {Map<number, number>} The first action of the way to each cell. */
     const first = new Map([[here, -1]]);
     for (const cell of first.keys()) {
-      for (const action of [1, 2, 3, 4]) {
+      for (let action = 1; action < steps.length; action++) {
         const next = cell + steps[action];
         if (!first.has(next) && this.leads(cell, action, next, next === goal))
           first.set(next, cell === here ? action : first.get(cell));
@@ -425,7 +434,7 @@ export class Game {
     return all.some((number) => {
       const state = number * cells + cell;
       const isPossible = ((data.possible[state] >> action) & 1) === 1;
-      const outcomes = isPossible ? data.rows[data.table[5 * state + action]] : [];
+      const outcomes = isPossible ? data.rows[data.table[this.actions * state + action]] : [];
       for (let at = 0; at < outcomes.length; at += OUTCOME_LENGTH) {
         const [, shift, , isOver, code] = outcomes.slice(at, at + OUTCOME_LENGTH);
         const isFree = !isOver && (isMoving || this.configurationOf(state + shift) === configuration);

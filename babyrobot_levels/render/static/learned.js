@@ -151,7 +151,8 @@ function textOf(value) {
 /** Return the path of an action in a cell, so far from the left: an arrow to a side, or one that turns from it, or a ring. */
 function arrowTo(left, side, turn) {
   if (side === 0) return `M${left + 28} 30.5a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z`;
-  const [dx, dy] = [Number(side === 2) - Number(side === 4), Number(side === 3) - Number(side === 1)];
+  const angle = ((side > 4 ? side - 4.5 : side - 1) * Math.PI) / 2;
+  const [dx, dy] = [Math.sin(angle), -Math.cos(angle)].map((part) => Math.round(100 * part) / 100);
   const at = (along, across) => `${left + 32 + along * dx - across * dy} ${30.5 + along * dy + across * dx}`;
   if (turn !== 0) {
     const [end, tip] = [7 * turn, 13.5 * turn];

@@ -75,7 +75,8 @@ class Problem {
     this.cells = data.width * data.height;
     this.discount = discount;
     this.first = { all: 0, moves: 1, turns: 2 }[actions];
-    this.names = this.headings > 1 ? ["left", "right", "forward"] : ["stay", ...SIDES.slice(1)].slice(this.first);
+    const stride = data.table.length / data.possible.length;
+    this.names = this.headings > 1 ? ["left", "right", "forward"] : ["stay", ...SIDES.slice(1)].slice(this.first, stride);
     const rows = data.rows.map((row) =>
       Array.from({ length: row.length / OUTCOME_LENGTH }, (_, at) => {
         const [chance, shift, reward, over, code, pose] = row.slice(OUTCOME_LENGTH * at);
@@ -85,7 +86,7 @@ class Problem {
     this.size = data.possible.length;
     this.rows = []; // The outcomes of each action, of states in which an episode goes on.
     for (let state = 0; state < this.size; state++) {
-      const numbers = data.table.slice(5 * state + this.first, 5 * state + 5);
+      const numbers = data.table.slice(stride * state + this.first, stride * (state + 1));
       if (numbers[0] !== -1) this.rows[state] = numbers.map((number) => rows[number]);
     }
     this.states = Object.keys(this.rows).map(Number);
@@ -282,7 +283,7 @@ function commonStates(before, after) {
 }
 
 /** Return the number of a state and an action. */
-const slotOf = ({ state, action }) => 5 * state + action;
+const slotOf = ({ state, action }) => SIDES.length * state + action;
 
 /** One run of an algorithm on a level. */
 export class Learner {

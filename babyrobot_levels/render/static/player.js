@@ -94,6 +94,7 @@ function showActions() {
   for (const place of document.querySelectorAll("[data-mode]")) {
     place.hidden = (place.dataset.mode === "turns") !== isTurning;
   }
+  for (const place of document.querySelectorAll(".diagonal")) place.hidden = game.actions === 5;
   views.stand();
   byId("watch").hidden = game.walker === null;
   byId("watched").textContent = WATCHED[game.walker];
@@ -411,6 +412,10 @@ const KEYS = {
   d: "east",
   s: "south",
   a: "west",
+  9: "north-east",
+  3: "south-east",
+  1: "south-west",
+  7: "north-west",
   " ": "stay",
   z: "undo",
   h: "hint",
@@ -435,6 +440,7 @@ const KEYS = {
 const TURN_KEYS = { north: "forward", east: "right", west: "left" };
 
 function move(name, keys) {
+  if (MOVES.indexOf(name) >= game.actions) return;
   CONTROLS[game.isTurning ? TURN_KEYS[name] : name]?.(keys);
 }
 
@@ -463,6 +469,12 @@ listenToGestures(
   (side) => isPlayed() && move(SIDES[side]),
   (event) => isPlayed() && walkTo(event),
 );
+SIDES.slice(5).forEach((name, at) => {
+  const data = { "data-control": name, "data-action": at + 5, "aria-label": capital(name) };
+  const button = html("button", { class: "diagonal", ...data }, "↗↘↙↖"[at]);
+  button.style.gridArea = ["1/3", "3/3", "3/1", "1/1"][at];
+  document.querySelector(".pad").append(button);
+});
 for (const button of document.querySelectorAll("[data-control]")) {
   button.addEventListener("click", () => CONTROLS[button.dataset.control]());
 }

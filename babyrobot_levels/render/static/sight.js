@@ -66,9 +66,10 @@ export class Sight {
 
   /** Yield the states after an action in those that may be, and the chance of each. */
   *after(action) {
-    const { rows, table } = this.data;
+    const { rows, table, possible } = this.data;
+    const actions = table.length / possible.length;
     for (const [state, chance] of this.now.belief) {
-      const row = rows[table[5 * state + action]];
+      const row = rows[table[actions * state + action]];
       for (let at = 0; at < row.length; at += OUTCOME_LENGTH) {
         if (row[at + 3] === 0) yield [state + row[at + 1], chance * row[at]];
       }

@@ -11,7 +11,7 @@ const MOST_EXITS = 3;
  * @param {Game} game
  */
 export function closedSides(game) {
-  const sides = [1, 2, 3, 4].filter((move) => !game.isOpen(move));
+  const sides = [...Array(game.actions).keys()].filter((move) => !game.isOpen(move));
   if (sides.length === 0) return "No side is closed.";
   return `Closed: ${listed(sides.map((side) => SIDES[side]))}.`;
 }

@@ -95,6 +95,10 @@ export class TeamGame extends Game {
     return this.partsOf(action)[0];
   }
 
+  get actions() {
+    return 5;
+  }
+
   outcomesOf(state, action) {
     return this.data.rows[this.data.table[5 ** this.robots.length * state + action]];
   }
