@@ -51,6 +51,8 @@ SOURCES = {
     "gridworld-4-1": f"{SUTTON_BARTO}, Example 4.1",
     "russell-norvig-4x3": f"{RUSSELL_NORVIG}, Figure 17.1",
     "windy-gridworld": f"{SUTTON_BARTO}, Example 6.5",
+    "windy-gridworld-king": f"{SUTTON_BARTO}, Exercise 6.9",
+    "windy-gridworld-stochastic": f"{SUTTON_BARTO}, Exercise 6.10",
 }
 BOOKS = {
     "sutton-barto": "Sutton and Barto",
@@ -270,6 +272,16 @@ def test_windy_gridworld_takes_fifteen_steps() -> None:
         solution = solve(level, actions=actions)
         assert solution.expected_return == pytest.approx(-15, abs=1e-10)
         assert solution.expected_steps == pytest.approx(15, abs=1e-10)
+
+
+def test_king_s_moves_take_seven_steps_and_keep_the_wind() -> None:
+    windy, king, gusty = (load(f"windy-gridworld{name}") for name in ("", "-king", "-stochastic"))
+    assert king.replace(moves=4).digest == windy.digest
+    assert king.wind is not None
+    varying = king.wind.model_copy(update={"varies": True})
+    assert king.replace(wind=varying).digest == gusty.digest
+    assert fewest_steps(king.compile(), (0, 3), (7, 3)) == 7
+    assert solve(king).expected_return == pytest.approx(-7, abs=1e-10)
 
 
 def test_cliff_walking_costs_thirteen_along_the_edge() -> None:

@@ -14,8 +14,10 @@ import babyrobot_levels as brl
 from babyrobot_levels.envs.engine.tables import Tables
 
 _ALL = [brl.load(info.name) for info in brl.levels()]
-GALLERY = [level for level in _ALL if not level.has_random_maze and not level.robots]
-"""All levels of the gallery that have one maze and one robot."""
+GALLERY = [
+    level for level in _ALL if not level.has_random_maze and not level.robots and level.moves == 4
+]
+"""All levels of the gallery that have one maze, and one robot with four moves."""
 
 SEVERAL_STARTS = brl.Level.from_fields(
     {

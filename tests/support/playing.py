@@ -26,6 +26,9 @@ GALLERY = {
     if path.parent.name not in ("themes", "suites")
 }
 
+EIGHT_MOVES = ("windy-gridworld-king", "windy-gridworld-stochastic")
+"""The levels of the gallery that vector environments do not have."""
+
 CORNERS: dict[str, dict[str, Any]] = {
     "one cell, no exit": {"version": 1, "size": [1, 1], "exit": "none"},
     "a start that is shut in": {
@@ -113,13 +116,15 @@ def each_level_and(*parameters: tuple[str, Sequence[Any]]) -> pytest.MarkDecorat
     """Parametrise a test by `name` and parameters, so that no cross product of all is needed.
 
     The levels of `FEATURES` come with every value of each parameter; further combinations of
-    values are a sweep, and so are the gallery's other levels with one robot, once each.
+    values are a sweep, and so are the gallery's other levels with one robot that has four moves,
+    once each.
     """
     combinations = list(product(*(values for _, values in parameters)))
     few = zip(FEATURES, *(cycle(values) for _, values in parameters), strict=False)
     cases = [pytest.param(*case) for case in few]
     others = (name for name in GALLERY if name not in FEATURES)
     rest = [name for name in others if GALLERY[name].parent.name != "robots"]
+    rest = [name for name in rest if name not in EIGHT_MOVES]
     names = chain(islice(cycle(FEATURES), len(combinations)), rest)
     cases += [
         pytest.param(name, *values, marks=pytest.mark.sweep)
