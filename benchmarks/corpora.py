@@ -11,9 +11,10 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from io import BytesIO
+from math import isfinite
 from pathlib import Path
 from runpy import run_path
-from statistics import median
+from statistics import median, quantiles
 from types import ModuleType
 from typing import NamedTuple
 
@@ -23,8 +24,10 @@ import babyrobot_levels as brl
 from babyrobot_levels.extensions.formats.formats import FORMATS
 from babyrobot_levels.extensions.formats.many import Outcome, worker
 from babyrobot_levels.extensions.formats.sources import Found, opened, single
+from babyrobot_levels.linter.rules import all_rules
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.parallel.executor import results
+from babyrobot_levels.text.budget import COMMAND, OverBudgetError, within
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import listed
 
@@ -164,12 +167,16 @@ class Facts(NamedTuple):
         ends: whether it has exits, or targets.
         steps: the expected number of steps to the exit; None if it is not surely reached.
         is_solved: whether it was solved: it is not too large.
+        difficulty: its difficulty, None if that is not finite, or takes longer than a command may.
+        findings: the codes of what `lint` finds.
     """
 
     digest: str
     ends: bool
     steps: float | None
     is_solved: bool
+    difficulty: float | None = None
+    findings: frozenset[str] = frozenset()
 
 
 def facts_of(text: str) -> Facts | None:
@@ -182,7 +189,18 @@ def facts_of(text: str) -> Facts | None:
     except LevelError:
         return None
     steps = solution.expected_steps if solution.exit_probability > 1 - 1e-9 else None
-    return Facts(level.digest, level.has_goal, steps, is_solved=True)
+    findings = frozenset(found.code for found in brl.lint(level))
+    return Facts(level.digest, level.has_goal, steps, True, _difficulty(level), findings)
+
+
+def _difficulty(level: brl.Level) -> float | None:
+    """Return how difficult a level is, if that is known and finite."""
+    try:
+        with within(COMMAND):
+            found = brl.metrics(level).difficulty
+    except OverBudgetError:
+        return None
+    return found if found is not None and isfinite(found) else None
 
 
 class Read(NamedTuple):
@@ -258,6 +276,26 @@ def _row(found: Read) -> str:
     return f"| {' | '.join(cells)} |"
 
 
+def _difficulties(found: Read) -> str:
+    values = [each.difficulty for each in found.levels if each and each.difficulty is not None]
+    cells = [f"{cut:.2f}" for cut in quantiles(values, n=4, method="inclusive")]
+    return f"| {found.corpus.name} | {len(values):,} | {' | '.join(cells)} | {max(values):.2f} |"
+
+
+def _has_difficulties(found: Read) -> bool:
+    return sum(each is not None and each.difficulty is not None for each in found.levels) > 3
+
+
+def _findings(found: Read) -> Iterator[str]:
+    names = {rule.code: rule.name for rule in all_rules()}
+    levels = [facts for facts in found.levels if facts and facts.is_solved]
+    counts = Counter(code for facts in levels for code in facts.findings)
+    for code, count in counts.most_common():
+        name = names[code]
+        link = f"[{name}](rules/{name}.md)"
+        yield f"| {found.corpus.name} | {count:,} of {len(levels):,} | {link} |"
+
+
 def _refusals(found: Read) -> Iterator[str]:
     reasons: Counter[str] = Counter()
     for outcome in found.outcomes:
@@ -292,6 +330,23 @@ policy surely reaches, with a discount of 0.999; levels with more than {most:,} 
 exits out of reach | copies |
 |---|---|---|---|---|---|---|---|---|
 {rows}
+
+## How difficult they are
+
+The quartiles of [difficulty](mazes.md#difficulty), of the levels in which it is finite.
+
+| collection | levels | first quartile | median | third quartile | most |
+|---|---|---|---|---|---|
+{difficulties}
+
+## What lint finds
+
+In how many of the levels that are tried the [linter](linting.md) has a finding of each rule. The
+goal of most micromouse mazes is four cells, of which the robot ends on the first that it enters.
+
+| collection | levels | rule |
+|---|---|---|
+{findings}
 
 ## Pictures
 
@@ -382,6 +437,8 @@ def page(all_read: Sequence[Read], moves: int) -> str:
         moves=moves,
         rows="\n".join(map(_row, all_read)),
         pictures="\n\n".join(map(_pictured, filter(_has_picture, all_read))),
+        difficulties="\n".join(map(_difficulties, filter(_has_difficulties, all_read))),
+        findings="\n".join(line for found in all_read for line in _findings(found)),
         refused="\n".join(line for found in all_read for line in _refusals(found)),
         licenses=listed([f"{each.name} {each.license}" for each in CORPORA]),
     )
