@@ -22,6 +22,7 @@ from babyrobot_levels.analysis.picture_options import (
 )
 from babyrobot_levels.registry.entries import Entries
 from babyrobot_levels.registry.own import own
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.errors import warn
 from babyrobot_levels.text.words import BEST, RANDOM
 
@@ -124,6 +125,10 @@ def to_png(
     return _saved(paint(scene, size or None, progress=progress), path, "png")
 
 
+_DOOR = 60_000
+"""The steps of work of one side of a door, whose shapes take more memory than those of a cell."""
+
+
 def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     """Return a picture of a level, of whatever size; args and errors are those of `to_svg`.
 
@@ -135,6 +140,7 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     policy, held = shown.get("policy"), shown.get("held")
     if isinstance(policy, str) and policy == RANDOM:
         raise ValueError("a still picture cannot show a random policy")
+    budget.spend(_DOOR * sum(door.length for door in level.doors))
     level = dressed(level, theme=shown.get("theme"), coordinates=shown.get("coordinates"))
     configuration = None if held is None else configuration_of(level, held)
     kinds = ("values", "policy", "action_values", "visits")

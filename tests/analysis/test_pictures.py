@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from support.sessions import environment, run_here
 import babyrobot_levels as brl
 from babyrobot_levels.analysis import guides, pictures
 from babyrobot_levels.render.scene.shapes import Path as ShapePath
+from babyrobot_levels.text.budget import COMMAND, OverBudgetError, within
 
 ENDLESS = brl.loads("version: 1\nsize: [3, 1]\nexit: none\n")
 CANCELLING = brl.loads(
@@ -27,6 +29,13 @@ CANCELLING = brl.loads(
 def svg_texts(svg: str) -> list[str]:
     root = ET.fromstring(svg)
     return [element.text or "" for element in root.iter("{http://www.w3.org/2000/svg}text")]
+
+
+def test_doors_count_as_work() -> None:
+    level = brl.loads("version: 1\nsize: [3, 100]\ndoors: [{at: [0, 0], side: E, length: 100}]\n")
+    assert level.to_svg()
+    with within(replace(COMMAND, steps=5_000_000)), pytest.raises(OverBudgetError):
+        level.to_svg()
 
 
 # -- the same as the command line --------------------------------------------------------------
