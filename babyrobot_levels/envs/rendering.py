@@ -343,7 +343,10 @@ class RenderedEnv(Telling, gymnasium.Env[Any, Any]):
             self._pictures.close()
 
     def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
-        """Return the action of each key for `gymnasium.utils.play.play`: arrows, W, A, S, D."""
+        """Return the action of each key for `gymnasium.utils.play.play`: arrows, W, A, S, D.
+
+        Those of diagonal moves are 9, 3, 1 and 7, as on a keypad.
+        """
         if self._actions.turns:
             numbers = {action: int(turn) for action, turn in _TURNS.items()}
         else:
