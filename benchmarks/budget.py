@@ -50,7 +50,7 @@ COMMANDS = {
     "expect": "expect --diff level.yaml",
     "preview": "preview level.yaml",
     "preview --values": "preview level.yaml --values --policy",
-    "preview --visits": "preview level.yaml --visits",
+    "preview --visits": "preview level.yaml --visits -o x.svg",
     "preview --rules": "preview level.yaml --rules",
     "preview -o .svg": "preview level.yaml -o x.svg",
     "preview -o .png": "preview level.yaml -o x.png",
