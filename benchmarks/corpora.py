@@ -367,6 +367,7 @@ Six levels of each collection whose licence allows it.
 | FrozenLake | Gymnasium's tables: each state and action | in tests |
 | MiniGrid | each action in each state, of grids without objects | in tests |
 | PyPI babyrobot | the levels recorded for setups of the package | in tests |
+| maze-dataset | moves and shortest paths, where the package is installed | in tests |
 | Overcooked-AI | the steps of two players, by its rule for meetings | in tests |
 | gym-maze | the moves out of each cell, by its own class | here: {moves:,}, all equal |
 | gym-sokoban | its actions, in 7 levels of Boxoban | `benchmarks/sokoban.py`: 26,233, all equal |
