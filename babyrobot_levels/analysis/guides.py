@@ -10,6 +10,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels import mdp
+from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.text.words import BEST, RANDOM, is_agent
 
 if TYPE_CHECKING:
@@ -97,7 +98,8 @@ def guide_of(level: GridWorld, solution: Solution | None = None, *, turns: bool 
     from babyrobot_levels.analysis.solver.optimum import solve
 
     solution = solve(level) if solution is None else solution
-    turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
+    is_headed = "heading" in level.model_fields_set and level.moves == NUM_MOVES
+    turning = _turning_guide(level) if turns or is_headed else None
     return replace(solution_guide(level, solution), turning=turning, **_graded(level, solution))
 
 

@@ -249,8 +249,9 @@ _FOUR_MOVES = {
 def _check_moves(level: LevelFields) -> Iterator[Issue]:
     """Yield the fields that levels with diagonal moves do not have."""
     for field, why in _FOUR_MOVES.items():
-        is_given = field in level.model_fields_set if field == "heading" else getattr(level, field)
-        if level.moves > 4 and is_given:
+        # Data of a whole level have its defaults, too.
+        is_usual = getattr(level, field) == LevelFields.model_fields[field].get_default()
+        if level.moves > 4 and not is_usual:
             message = f"`moves: {level.moves}` does not go with `{field}`: {why}"
             yield Issue("BR330", ("moves",), message, f"remove `moves`, or `{field}`")
 

@@ -30,7 +30,7 @@ from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
-from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action
+from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.gridworld import GridWorld, check_four_moves
 from babyrobot_levels.mdp.numeric import is_numeric
 from babyrobot_levels.render.colors import gray, is_gray
@@ -481,7 +481,8 @@ def _picture_data(level: GridWorld, options: PageOptions) -> dict[str, Any]:
     # One who turns sees something else.
     if turns:
         check_four_moves(level, "pages of robots that turn")
-    may_turn = turns or ("heading" in level.model_fields_set and options.get("sight") is None)
+    is_headed = "heading" in level.model_fields_set and level.moves == NUM_MOVES
+    may_turn = turns or (is_headed and options.get("sight") is None)
     is_still = not (level.has_things or may_turn)
     overlay = _answer_overlay(options).at()
     # What the caption tells, the page has outside of the picture, as it has what is held.

@@ -22,6 +22,14 @@ def test_four_moves_are_no_part_of_a_digest() -> None:
     assert brl.load(fields).digest != brl.load(OPEN).digest
 
 
+def test_data_of_a_whole_level_are_that_level() -> None:
+    level = brl.load(OPEN)
+    data = level.model_dump(by_alias=True, exclude_none=True, exclude={"legend"})
+    again = brl.Level.from_fields(data)
+    assert again.digest == level.digest
+    assert brl.load({**OPEN, "heading": "E"}).to_html()
+
+
 def test_environments_have_nine_actions_or_eight_moves() -> None:
     for actions, count in (("all", 9), ("valid", 9), ("moves", 8), ("valid_moves", 8)):
         env = brl.load(OPEN).make(actions=actions)
