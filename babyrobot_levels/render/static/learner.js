@@ -76,7 +76,8 @@ class Problem {
     this.discount = discount;
     this.first = { all: 0, moves: 1, turns: 2 }[actions];
     const stride = data.table.length / data.possible.length;
-    this.names = this.headings > 1 ? ["left", "right", "forward"] : ["stay", ...SIDES.slice(1)].slice(this.first, stride);
+    this.names =
+      this.headings > 1 ? ["left", "right", "forward"] : ["stay", ...SIDES.slice(1)].slice(this.first, stride);
     const rows = data.rows.map((row) =>
       Array.from({ length: row.length / OUTCOME_LENGTH }, (_, at) => {
         const [chance, shift, reward, over, code, pose] = row.slice(OUTCOME_LENGTH * at);
