@@ -55,11 +55,21 @@ _ACTIONS = 5
 """How many actions one robot has."""
 
 
+class Meter:
+    """How many steps of work have been taken, within whatever limits."""
+
+    def __init__(self) -> None:
+        self.steps = 0.0
+
+
+_meter: ContextVar[Meter | None] = ContextVar("meter", default=None)
+
+
 class _Budget:
     """What is left for the level at hand, and its largest tables."""
 
     def __init__(self, limits: Limits) -> None:
-        self.limits = limits
+        self.limits, self.meter = limits, _meter.get()
         self.begin()
 
     def begin(self) -> None:
@@ -105,16 +115,6 @@ def within(limits: Limits) -> Iterator[None]:
         _budget.reset(token)
 
 
-class Meter:
-    """How many steps of work have been taken, within whatever limits."""
-
-    def __init__(self) -> None:
-        self.steps = 0.0
-
-
-_meter: ContextVar[Meter | None] = ContextVar("meter", default=None)
-
-
 @contextmanager
 def metered() -> Iterator[Meter]:
     """Count the steps of many parts of work, each of which has limits of its own."""
@@ -149,10 +149,10 @@ def spend(steps: float) -> None:
         OverBudgetError: they are more than are left.
     """
     _before_work()
-    if (meter := _meter.get()) is not None:
-        meter.steps += steps
     if (budget := _budget.get()) is not None:
         budget.left -= int(steps)
+        if budget.meter is not None:
+            budget.meter.steps += steps
         if budget.left < 0:
             size = budget.states and f": it has {budget.size}"
             refuse(f"takes more than {budget.limits.steps:,} steps of work{size or ''}")
