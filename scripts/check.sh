@@ -43,7 +43,8 @@ beside_pages() {
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
         tests/extensions/assistants/test_server.py tests/envs tests/agents tests/extensions/scoring tests/language_agents/test_trl.py \
-        tests/extensions/publish/test_dataset.py tests/e2e/test_examples.py tests/docs/test_benchmark.py
+        tests/extensions/formats/test_maze_dataset_package.py tests/extensions/publish/test_dataset.py \
+        tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 # Runs the tests with JAX, those of the sweep or the others.
 with_jax() {
@@ -74,6 +75,8 @@ all)
     ;;
 sweep)
     make_libraries
+    # It lacks the bound of muutils that it needs.
+    .venv-libraries/bin/pip install "${options[@]}" maze-dataset==1.4.2 "muutils<0.9"
     with_libraries sweep
     make_jax
     with_jax sweep

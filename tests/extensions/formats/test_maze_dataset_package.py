@@ -1,7 +1,4 @@
-"""Mazes and maze-dataset itself, where the package is installed: the same moves, the same paths.
-
-`pip install maze-dataset==1.4.2 "muutils<0.9"` installs it.
-"""
+"""Mazes and maze-dataset itself: the same moves, the same paths."""
 
 from __future__ import annotations
 
