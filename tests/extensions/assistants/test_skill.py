@@ -64,8 +64,8 @@ def test_it_is_a_skill() -> None:
 
 
 def test_it_is_short() -> None:
-    assert len(TEXT.splitlines()) < 250
-    assert len(TEXT.encode()) < 20_000
+    assert len(TEXT.splitlines()) < 260
+    assert len(TEXT.encode()) < 21_000
 
 
 def test_it_names_all_fields_metrics_marks_and_rules_of_play() -> None:
