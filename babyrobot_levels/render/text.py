@@ -365,14 +365,14 @@ class TextPainter:
         arrows, width = self._arrows_of(overlay), self._level.size[0]
         stay, moves = self._arrows[0], self._arrows[1 : 1 + self._level.moves]
         if arrows:
-            yield Entry(
-                ((" ".join(moves), None),), "an optimal action, also where there are several"
-            )
+            keypad = "; digits as on a keypad" if moves[-1].isdigit() else ""
+            words = f"an optimal action, also where there are several{keypad}"
+            yield Entry(((" ".join(moves), None),), words)
         if stay in arrows.values():
             yield Entry(((stay, None),), "stay")
         if caption:
-            mark, _, words = caption.replace("hatched:", self.never).partition(" ")
-            yield Entry(((mark, None),), words)
+            mark, _, meaning = caption.replace("hatched:", self.never).partition(" ")
+            yield Entry(((mark, None),), meaning)
         if overlay.lost:
             yield Entry(((self.lost, None),), LOST)
         taken = {*arrows, *overlay.never}

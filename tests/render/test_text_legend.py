@@ -246,6 +246,15 @@ def test_each_wind_has_the_arrows_that_go_its_way_and_policies_hide_them() -> No
     assert last.endswith("in columns 1 and 2; wind: pushes 1 cell east in row 1")
 
 
+def test_diagonal_moves_are_the_digits_of_a_keypad_where_there_are_no_arrows() -> None:
+    overlay = Overlay(actions=[[[6]] * 4] * 3)
+    told = [
+        TextPainter(level(**SIZE, moves=8), plain=plain, overlay=overlay).explained()[0].split("  ")
+        for plain in (True, False)
+    ]
+    assert told[0] == ["^ > v < 9 3 1 7", told[1][1] + "; digits as on a keypad"]
+
+
 # -- every mark is explained -------------------------------------------------------------------
 
 WALLS = set("+-|:/ ┌┐└┘├┤┬┴┼─│╵╷╴╶·█╌╎┃━#")
