@@ -378,6 +378,7 @@ Six levels of each collection whose licence allows it.
   in the bottom-left cell, and their goals are the cells in the middle.
 - Levels of Boxoban have up to millions of states of robot and boxes: those with more than fit are
   refused. Of 150 of three difficulties, 144 fit: [the figures](../benchmarks/README.md#boxes).
+  Of the thousand of `unfiltered/test/000.txt`, `babyrobot import` writes 902.
 - Of maps of MovingAI, the start is the first free cell, and the exit the last one that can be
   reached from there.
 - Tiles of Tiled that have none of the classes of [Tiled maps](converting.md#tiled) are plain cells.
