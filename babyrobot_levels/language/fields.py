@@ -102,8 +102,8 @@ class Role(Enum):
 
 
 def _whole_moves(value: Any) -> Any:
-    """Take `8.0` for 8, and not `true`."""
-    return 8 if value == 8 else 4 if value == 4 and not isinstance(value, bool) else value
+    """Take `8.0` for 8."""
+    return int(value) if value in (4, 8) else value
 
 
 Moves = Annotated[Literal[4, 8], BeforeValidator(_whole_moves), WithJsonSchema({"enum": [4, 8]})]

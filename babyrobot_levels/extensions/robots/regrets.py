@@ -216,10 +216,11 @@ def _returns(space: StateSpace, weights: Floats, discount: float) -> list[float]
 def _counts(space: StateSpace, weights: Sequence[float] | None) -> Floats:
     """Return how much what each robot gets counts for the team, `[robots]`."""
     robots = space.mdp.num_robots
-    counts = np.ones(robots) if weights is None else np.asarray(weights, float)
-    if counts.shape != (robots,) or not np.isfinite(counts).all() or counts.min() < 0:
+    counts = np.ones(robots) if weights is None else np.asarray(weights)
+    is_numbers = counts.shape == (robots,) and counts.dtype.kind in "iuf"
+    if not is_numbers or not np.isfinite(counts).all() or counts.min() < 0:
         raise ValueError(f"weights are {robots} numbers, one for each robot and none below 0")
-    return counts
+    return counts.astype(float)
 
 
 def _weighted(mdp: Mdp, counts: Floats) -> Mdp:

@@ -124,7 +124,8 @@ def test_weights_say_what_counts_for_the_team() -> None:
         assert [robot.expected_return for robot in each.robots] == [10, 0]
         assert [robot.regret for robot in each.robots] == [0, 0]
     assert brl.score_team(level, "best", weights=(0, 2)).expected_return == 20
-    for wrong in ((1,), (1, -1), (1, float("nan"))):
+    wrongs: list[Any] = [(1,), (1, -1), (1, float("nan")), "ab", ("1", "2")]
+    for wrong in wrongs:
         with pytest.raises(ValueError, match="2 numbers, one for each robot"):
             brl.score_team(level, "best", weights=wrong)
 
