@@ -31,6 +31,19 @@ def test_the_workflows_and_the_citation_are_valid() -> None:
     assert schema_check("citation-file-format", ROOT / "CITATION.cff") == ""
 
 
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
+def test_workflows_pin_what_they_use_and_grant_each_job_what_it_needs(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    used = re.findall(r"\buses:(.*)", text)
+    assert used
+    assert [
+        each for each in used if not re.fullmatch(r" [\w./-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", each)
+    ] == []
+    workflow = yaml.safe_load(text)
+    assert workflow["permissions"] == {}
+    assert all("permissions" in job for job in workflow["jobs"].values())
+
+
 def test_the_citation_is_of_this_version() -> None:
     path = ROOT / "CITATION.cff"
     assert yaml.safe_load(path.read_text(encoding="utf-8"))["version"] == brl.__version__
