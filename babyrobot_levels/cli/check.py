@@ -311,6 +311,9 @@ def _lint(
     outcomes = dict(
         zip(files, map_all(partial(lint_path, options), files, workers, "linting"), strict=True)
     )
+    for path, each in outcomes.items():
+        if each.is_cut:
+            note(each.told_cut(one_line(shown_name(path))))
     if diff:
         changed = {path: each for path, each in outcomes.items() if each.text is not None}
         show_changes((path, each.before or "", each.text or "") for path, each in changed.items())

@@ -26,7 +26,7 @@ from babyrobot_levels.linter.runner import diagnostic_of, is_suppressed, lint_so
 from babyrobot_levels.linter.runner import fix as fixed_text
 from babyrobot_levels.suites.checking import texts_of
 from babyrobot_levels.text.diagnostics import Diagnostic, Findings
-from babyrobot_levels.text.errors import BabyRobotError, LevelError
+from babyrobot_levels.text.errors import BabyRobotError, LevelError, warn
 from babyrobot_levels.text.files import is_file, read_source, write_text
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
@@ -196,6 +196,7 @@ class Outcome:
         count: the number of fixes that were applied.
         mark: the byte order mark of the file, empty if it has none.
         fingerprint: a number that equivalent levels share, if equivalent levels are reported.
+        is_cut: whether more might be fixed, by another run.
     """
 
     diagnostics: list[Diagnostic]
@@ -204,6 +205,11 @@ class Outcome:
     count: int = 0
     mark: str = ""
     fingerprint: int | None = None
+    is_cut: bool = False
+
+    def told_cut(self, name: str) -> str:
+        """Return a sentence that tells that fixing was cut, of a file with this name."""
+        return f"{name}: {self.count} fixed, and there was too much work for more: fix it again"
 
 
 def lint(
@@ -243,6 +249,8 @@ def lint(
         outcomes[each] = outcome = lint_path(options, each)
         if outcome.text is not None:
             write_text(each, outcome.mark + outcome.text)
+        if outcome.is_cut:
+            warn(outcome.told_cut(str(each)))
     same = _equivalent(outcomes, options)
     for path, outcome in outcomes.items():
         found += [*([same[path]] if path in same else []), *outcome.diagnostics]
@@ -262,16 +270,16 @@ def outcome_of(
     options: Options, source: SourceFile, rules: Sequence[Rule], path: Path | None = None
 ) -> Outcome:
     """Lint a text, and fix it if that is asked for; see `lint_source`."""
-    text, count = None, 0
+    text, count, is_cut = None, 0, False
     if options.fix:
         fixed = fixed_text(source, rules, path, unsafe=options.unsafe)
-        report, count = fixed.report, fixed.count
+        report, count, is_cut = fixed.report, fixed.count, fixed.is_cut
         text = fixed.text if count else None
     else:
         report = lint_source(source, rules, path)
     compares = any(rule.code == EQUIVALENT_MDP for rule in rules)
     fingerprint = report.fingerprint if compares else None
-    return Outcome(report.diagnostics, source.text, text, count, source.mark, fingerprint)
+    return Outcome(report.diagnostics, source.text, text, count, source.mark, fingerprint, is_cut)
 
 
 def _equivalent(outcomes: Mapping[Path, Outcome], options: Options) -> dict[Path, Diagnostic]:

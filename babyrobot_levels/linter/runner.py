@@ -202,11 +202,13 @@ class Fixed:
         text: the text.
         count: the number of fixes that were applied.
         report: the findings that are left.
+        is_cut: whether more might be fixed, by another run: the work came to that of a command.
     """
 
     text: str
     count: int
     report: Report
+    is_cut: bool
 
 
 def fix(
@@ -230,8 +232,8 @@ def _fixed(
     count, rounds, since = 0, 0, 0
     refused: set[Diagnostic] = set()
     while rounds < MAX_ROUNDS and done.steps < COMMAND.steps:
-        left = [each for each in report.diagnostics if each not in refused]
-        batch = _disjoint([each for each in left if each.fix and (each.fix.safe or unsafe)])
+        left = [each for each in _fixable(report, unsafe) if each not in refused]
+        batch = _disjoint(left)
         if not batch:
             if not refused or since == count:
                 break
@@ -250,7 +252,12 @@ def _fixed(
                 refused.add(batch[0])
                 break
             batch = batch[: len(batch) // 2]
-    return Fixed(source.text, count, report)
+    is_cut = done.steps >= COMMAND.steps and bool(_fixable(report, unsafe))
+    return Fixed(source.text, count, report, is_cut)
+
+
+def _fixable(report: Report, unsafe: bool) -> list[Diagnostic]:
+    return [each for each in report.diagnostics if each.fix and (each.fix.safe or unsafe)]
 
 
 def apply(edits: Iterable[Edit], source: SourceFile) -> str:

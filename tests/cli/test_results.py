@@ -18,7 +18,9 @@ from support import sessions
 
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import load_file
+from babyrobot_levels.linter import runner
 from babyrobot_levels.mdp.mazes import ALGORITHMS
+from babyrobot_levels.text.budget import Limits
 
 """Levels that differ in what there is to tell of them."""
 
@@ -227,6 +229,17 @@ def test_fixes_keep_byte_order_mark_and_comments() -> None:
     assert path.read_text("utf-8") == (
         f"\ufeffversion: 1\nsize: [3, 1]\nwalls:\n{wall}\n  # again\n"
     )
+
+
+@pytest.mark.parametrize("option", ["--fix", "--diff"])
+def test_fixes_that_are_left_for_another_run_are_told(
+    option: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("own.yaml").write_text("version: 1\nsize: [3, 3]\nwalls: []\n")
+    monkeypatch.setattr(runner, "COMMAND", Limits(0, 0))
+    status = 1 if option == "--fix" else 0
+    told = babyrobot("lint", option, "own.yaml", status=status).err
+    assert told == "own.yaml: 0 fixed, and there was too much work for more: fix it again\n"
 
 
 @pytest.mark.parametrize(

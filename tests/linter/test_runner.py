@@ -122,9 +122,11 @@ def test_fixes_end_with_the_work_of_a_command(monkeypatch: pytest.MonkeyPatch) -
     costly = replace_fields(plain, check=check)
     source = SourceFile("x.yaml", "version: 1\ntitle: aaaaaaaa\n")
     monkeypatch.setattr(runner, "COMMAND", Limits(100, math.inf))
-    assert fix(source, [costly]).count == 1
+    cut = fix(source, [costly])
+    assert (cut.count, cut.is_cut) == (1, True)
     monkeypatch.undo()
-    assert fix(source, [costly]).count == 7
+    whole = fix(source, [costly])
+    assert (whole.count, whole.is_cut) == (7, False)
 
 
 ANCHORED = """\
