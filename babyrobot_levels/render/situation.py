@@ -83,32 +83,31 @@ def effects_of(level: GridWorld) -> Effects:
     width, height = level.size
     free = [(x, y) for y in range(height) for x in range(width) if not blocked[y * width + x]]
 
-    def told(values: Sequence[float]) -> dict[Cell, float]:
-        return {(x, y): values[y * width + x] for x, y in free}
+    def told(values: Sequence[float], cells: Iterable[Cell]) -> dict[Cell, float]:
+        return {cell: values[cell[1] * width + cell[0]] for cell in cells}
 
-    is_end, reward = told(ground.ends), told(ground.reward)
     # Nobody stays there.
-    passed = {warp.at for warp in level.warps if warp.when == "enter"}
-    exits = {*level.exits}
-    ends = [cell for cell in free if is_end[cell] and cell not in exits and cell not in passed]
-    left = set(free).difference(ends, exits, passed)
+    gone = {warp.at for warp in level.warps if warp.when == "enter"}
+    gone.update(level.exits)
+    ends = [cell for cell in free if ground.ends[cell[1] * width + cell[0]] and cell not in gone]
+    gone.update(ends)
     puddles = {puddle.at for puddle in level.puddles}
-    plain = [cell for cell in free if cell in left and cell not in puddles]
-    step = _usual((reward[cell] for cell in plain), level.rewards.step)
-    paid = {cell: reward[cell] for cell in plain}
+    left = [cell for cell in free if cell not in gone]
+    plain = [cell for cell in left if cell not in puddles]
+    paid = told(ground.reward, plain)
+    step = _usual(paid.values(), level.rewards.step)
     paid |= {warp.at: warp.reward for warp in level.warps if warp.reward is not None}
     if isinstance(level.rewards.exit, str):
-        paid |= {cell: reward[cell] for cell in level.exits}
+        paid |= told(ground.reward, level.exits)
     pays, costs = _strengths(paid, step)
-    skid = told(ground.skid)
+    skids = told(ground.skid, plain)
     south, east = shifts(level.wind, width, height)
-    pushes = {(x, y): (east[y], south[x]) for x, y in free if (x, y) in left}
     return Effects(
-        ends=_ends({cell: reward[cell] for cell in ends}, step, level),
+        ends=_ends(told(ground.reward, ends), step, level),
         pays=pays,
         costs=costs,
-        skids={cell: int(1 + 4 * min(skid[cell], 0.5)) for cell in plain if skid[cell]},
-        winds={cell: push for cell, push in pushes.items() if any(push)},
+        skids={cell: int(1 + 4 * min(skid, 0.5)) for cell, skid in skids.items() if skid},
+        winds={(x, y): (east[y], south[x]) for x, y in left if east[y] or south[x]},
     )
 
 
