@@ -125,10 +125,6 @@ def to_png(
     return _saved(paint(scene, size or None, progress=progress), path, "png")
 
 
-_DOOR = 60_000
-"""The steps of work of one side of a door, whose shapes take more memory than those of a cell."""
-
-
 def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     """Return a picture of a level, of whatever size; args and errors are those of `to_svg`.
 
@@ -140,7 +136,6 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     policy, held = shown.get("policy"), shown.get("held")
     if isinstance(policy, str) and policy == RANDOM:
         raise ValueError("a still picture cannot show a random policy")
-    budget.spend(_DOOR * sum(door.length for door in level.doors))
     level = dressed(level, theme=shown.get("theme"), coordinates=shown.get("coordinates"))
     configuration = None if held is None else configuration_of(level, held)
     kinds = ("values", "policy", "action_values", "visits")
@@ -153,7 +148,12 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     if shown.get("lost"):
         overlay = replace((overlay or Overlay()).at(configuration), lost=lost_of(level))
     overlay = _with_rules(overlay) if shown.get("rules") else overlay
-    return build_scene(level, configuration=configuration, robot=robot, overlay=overlay)
+    try:
+        return build_scene(level, configuration=configuration, robot=robot, overlay=overlay)
+    except budget.OverBudgetError as error:
+        raise budget.OverBudgetError(
+            "the picture of the level has too many shapes", f"show it as text, or {error.help}"
+        ) from error
 
 
 def _with_rules(overlay: Overlay | None) -> Overlay:

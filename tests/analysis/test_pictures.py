@@ -31,11 +31,25 @@ def svg_texts(svg: str) -> list[str]:
     return [element.text or "" for element in root.iter("{http://www.w3.org/2000/svg}text")]
 
 
-def test_doors_count_as_work() -> None:
-    level = brl.loads("version: 1\nsize: [3, 100]\ndoors: [{at: [0, 0], side: E, length: 100}]\n")
+@pytest.mark.parametrize(
+    ("fields", "steps"),
+    [
+        ("doors: [{at: [0, 0], side: E, length: 100}]", 5_000_000),
+        ("wind: {north: [9, 9, 9]}", 900_000),
+        ("skid: 0.2", 400_000),
+        (f"puddles: {[{'at': [1, y]} for y in range(100)]}", 2_000_000),
+        ("display: {coordinates: true}", 200_000),
+    ],
+)
+def test_shapes_count_as_work(fields: str, steps: int) -> None:
+    level = brl.loads(f"version: 1\nsize: [3, 100]\n{fields}\n")
     assert level.to_svg()
-    with within(replace(COMMAND, steps=5_000_000)), pytest.raises(OverBudgetError):
+    with (
+        within(replace(COMMAND, steps=steps)),
+        pytest.raises(OverBudgetError, match="too many shapes") as caught,
+    ):
         level.to_svg()
+    assert caught.value.help == "show it as text, or use a smaller level"
 
 
 # -- the same as the command line --------------------------------------------------------------

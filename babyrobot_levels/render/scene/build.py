@@ -49,6 +49,7 @@ from babyrobot_levels.render.scene.texts import (
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 from babyrobot_levels.render.situation import STANDING, Pose, effects_of, place_of, situation_of
+from babyrobot_levels.text import budget
 
 LAYERS = ("base", "heat", "grid", "things", "underlay", "robot", "movers", "overlay", "text")
 """The layers of a picture, from the bottom up."""
@@ -79,6 +80,10 @@ class SceneOptions(TypedDict, total=False):
     overlay: Overlay | None
 
 
+_SHAPE = 700
+"""The work that a shape counts as, for the memory that it takes until the picture is written."""
+
+
 def build_scene(level: GridWorld, **shown: Unpack[SceneOptions]) -> Scene:
     """Return the picture of a level, 64 pixels a cell.
 
@@ -95,6 +100,7 @@ def build_scene(level: GridWorld, **shown: Unpack[SceneOptions]) -> Scene:
 
     layers, state = build_layers(level, **shown), shown.get("state")
     shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
+    budget.spend(_SHAPE * len(shapes))
     robot = shown.get("robot", True) and (state is not None or level.display.robot.show)
     return replace(layers["base"], shapes=shapes, description=describe(level, state, robot=robot))
 

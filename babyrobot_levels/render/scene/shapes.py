@@ -8,10 +8,12 @@ colour's own alpha.
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from functools import wraps
+from typing import Literal, ParamSpec
 
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.render.colors import gray, is_gray
+from babyrobot_levels.text import budget
 
 Command = tuple[str, tuple[float, ...]]
 """A step of a path, in SVG's letters: `M` x y, `L` x y, `C` x1 y1 x2 y2 x y, or `Z`."""
@@ -95,6 +97,25 @@ class Scene:
     description: str = ""
 
 
+_STEP, _NUMBER = 250, 80
+"""The work that a step of a path counts as, and each of its numbers, for the memory they take."""
+
+P = ParamSpec("P")
+
+
+def _counted(made: Callable[P, Commands]) -> Callable[P, Commands]:
+    """Return the same function of paths; what it returns counts as work."""
+
+    @wraps(made)
+    def make(*given: P.args, **options: P.kwargs) -> Commands:
+        commands = made(*given, **options)
+        numbers = sum([len(numbers) for _, numbers in commands])
+        budget.spend(_STEP * len(commands) + _NUMBER * numbers)
+        return commands
+
+    return make
+
+
 def mapped(commands: Iterable[Command], at: Callable[[float, float], Point]) -> Commands:
     """Return a path with each of its points elsewhere."""
     return tuple(
@@ -110,6 +131,7 @@ def mapped(commands: Iterable[Command], at: Callable[[float, float], Point]) -> 
     )
 
 
+@_counted
 def placed(commands: Iterable[Command], right: float, down: float, scale: float = 1.0) -> Commands:
     """Return a path so many times as large around (0, 0), and then elsewhere."""
     to = right, down
@@ -169,6 +191,7 @@ def outline(text: str) -> Commands:
     return tuple((letter, tuple(map(float, numbers.split()))) for letter, numbers in steps)
 
 
+@_counted
 def polyline(points: Iterable[Point]) -> Commands:
     """Return straight lines from point to point."""
     return tuple(("L" if index else "M", point) for index, point in enumerate(points))
@@ -199,6 +222,7 @@ def cubic(start: Point, numbers: Sequence[float], share: float) -> Point:
     return a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
 
 
+@_counted
 def smooth(points: Sequence[Point]) -> Commands:
     """Return the closed smooth curve through the points (a Catmull-Rom spline)."""
     commands: list[Command] = [("M", points[0])]
@@ -223,6 +247,7 @@ def smooth(points: Sequence[Point]) -> Commands:
     return (*commands, ("Z", ()))
 
 
+@_counted
 def circle(x: float, y: float, rx: float, ry: float | None = None) -> Commands:
     """Return a circle around (`x`, `y`), or an ellipse, from its rightmost point on."""
     ry = rx if ry is None else ry
