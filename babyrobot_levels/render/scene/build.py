@@ -35,6 +35,7 @@ from babyrobot_levels.render.scene.shapes import (
     toned,
 )
 from babyrobot_levels.render.scene.slots import Arrow, Box, Slots
+from babyrobot_levels.render.scene.team import own_exit_shapes
 from babyrobot_levels.render.scene.texts import (
     Anchor,
     Form,
@@ -190,11 +191,12 @@ def floor_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Sha
 def sign_shapes(
     level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
 ) -> Iterator[Shape]:
-    """Yield what the level tells of its cells: puddles, what they do, and texts."""
+    """Yield what the level tells of its cells: puddles, what they do, texts, and whose exits."""
     yield from puddle_shapes(level, layout, slots)
     yield from effect_shapes(level, layout, slots, effects_of(level))
     yield from end_texts(level, layout, slots)
     yield from label_shapes(level, slots)
+    yield from own_exit_shapes(level, layout)
     if coordinates:
         yield from coordinate_texts(level, layout, slots)
 

@@ -55,15 +55,16 @@ def teammate_shapes(level: LevelSpec, number: int, spot: Spot, *, arrived: bool)
     yield from shifted(scaled(shapes, spot.scale, 0.0, 0.0), spot.x - half, spot.y - half)
 
 
-def own_exit_shapes(level: LevelSpec, layout: Layout, cell: Cell) -> Iterator[Shape]:
-    """Yield a frame in the colour of each robot whose own exit a cell is."""
-    left, top = layout.corner(*cell)
-    inset = 5.0
+def own_exit_shapes(level: LevelSpec, layout: Layout) -> Iterator[Shape]:
+    """Yield a frame in the colour of each robot that has an exit of its own, one in another."""
+    insets: dict[Cell, float] = {}
     for number, robot in enumerate(level.robots):
-        if robot.exit == cell:
+        if robot.exit is not None:
+            left, top = layout.corner(*robot.exit)
+            inset = insets.setdefault(robot.exit, 5.0)
             side, color = CELL - 2 * inset, robot_color(level, number)
             frame = rounded(left + inset, top + inset, side, side, 7.0)
             rim = ink_on([level.resolved_theme.colors.exit], color, GRAPHICS)
             yield Path(frame, stroke=rim, width=6.4)
             yield Path(frame, stroke=color, width=4.0)
-            inset += 6.5
+            insets[robot.exit] += 6.5

@@ -35,7 +35,7 @@ from babyrobot_levels.render.scene.shapes import (
     rounded,
 )
 from babyrobot_levels.render.scene.slots import ICON, Box, Slots
-from babyrobot_levels.render.scene.team import own_exit_shapes, teammate_shapes
+from babyrobot_levels.render.scene.team import teammate_shapes
 from babyrobot_levels.render.scene.texts import end_text, label_shapes
 from babyrobot_levels.render.situation import Situation
 
@@ -278,9 +278,6 @@ def _door(
 
 
 def _exits(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
-    for cell in dict.fromkeys(robot.exit for robot in level.robots if robot.exit is not None):
-        draw = partial(own_exit_shapes, level, layout, cell)
-        yield Piece(("own-exit", cell), _cell_box(layout, cell), draw)
     is_drawn = level.exit_one_of is not None
     if not (is_drawn or situation.is_locked):
         return

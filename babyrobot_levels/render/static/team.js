@@ -103,6 +103,11 @@ export class TeamGame extends Game {
     return this.data.rows[this.data.table[5 ** this.robots.length * state + action]];
   }
 
+  /** Whether the robot that is asked can take an action. */
+  isPossible(action) {
+    return this.isOpen(action);
+  }
+
   isOpen(move, robot = this.asked) {
     return ((this.data.possible[this.state] >> (5 * robot + move)) & 1) === 1;
   }
