@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.analysis.guides import random_return, solution_guide
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.numeric import NEEDS_NUMPY, is_numeric
 from babyrobot_levels.render.page import MAX_STATES, Guide, page_data, without_panels
 from babyrobot_levels.render.page_format import TooLargeError, rounded
@@ -256,11 +257,15 @@ class Answers:
 
 
 def _states_about(level: Level) -> int:
-    """Return how many states a level has at most, if movers on paths go round together."""
+    """Return how many states a level has at most, if movers on paths go round together.
+
+    With each robot but the first, a state has so many times the actions, and counts as many times.
+    """
     things = level.things()
     rounds = [each.values for each in things if each.moves and each.entry.within is None]
     others = prod(things.radices) // prod(rounds)
-    return prod(level.size) * lcm(*rounds) * others
+    more: int = NUM_ACTIONS ** max(0, len(level.robots) - 1)
+    return prod(level.size) * lcm(*rounds) * others * more
 
 
 def _time_within_limit(level: Level) -> float:

@@ -46,9 +46,7 @@ Schema = dict[str, Any]
 def forms() -> dict[str, Form]:
     """Return the fields of each kind of place, and of the level."""
     schema = _schema()
-    # The editor draws no levels with several robots.
-    shown = [kind for kind in LISTED if kind.name != "robot"]
-    entries = {kind.name: _resolved(schema["properties"][kind.field]["items"]) for kind in shown}
+    entries = {kind.name: _resolved(schema["properties"][kind.field]["items"]) for kind in LISTED}
     groups = {
         name: role.name.lower()
         for name, info in LevelFields.model_fields.items()

@@ -93,6 +93,16 @@ class Path(_Model):
     """Whether the cells are the first and the last corner of a rectangle, in which it wanders."""
 
 
+class Robot(_Model):
+    """Add a robot, or give one an exit of its own; a level with one robot then has several."""
+
+    do: Literal["robot"]
+    at: Cell
+    """Where it begins: if a robot does already, it is that one."""
+    to: Cell | None = None
+    """Its own exit."""
+
+
 class Move(_Model):
     """Move what stands at a route, such as a start, an item, or the target of a warp."""
 
@@ -164,7 +174,20 @@ class Fix(_Model):
 
 
 Gesture = (
-    Walls | Paint | Fill | Warp | Path | Move | Remove | Set | Resize | Wind | Stamp | Resolve | Fix
+    Walls
+    | Paint
+    | Fill
+    | Warp
+    | Path
+    | Robot
+    | Move
+    | Remove
+    | Set
+    | Resize
+    | Wind
+    | Stamp
+    | Resolve
+    | Fix
 )
 
 gesture_of: TypeAdapter[Gesture] = TypeAdapter(Annotated[Gesture, Field(discriminator="do")])

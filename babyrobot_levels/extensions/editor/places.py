@@ -40,6 +40,7 @@ MAX_LISTED = 1 << 18
 def places_of(level: Level, document: Document) -> list[Place]:
     """Return everything that stands somewhere in the level of a document."""
     places = [*_ends(level, document), *drawn_places(level, document), *_entries(level, document)]
+    places += _own_exits(level, document)
     left = MAX_LISTED
     for place in places:
         left -= len(place["cells"])
@@ -54,12 +55,15 @@ def places_of(level: Level, document: Document) -> list[Place]:
 
 
 def _ends(level: Level, document: Document) -> Iterator[Place]:
-    """Yield starts and exits that are not drawn."""
-    fields = {"start": ("start", "start", level.starts), "exit": ("exit", "exit", level.exits)}
+    """Yield starts and exits that are not drawn. Where several robots begin, they are."""
+    exits = level.common_exits
+    fields = {"start": ("start", "start", level.starts), "exit": ("exit", "exit", exits)}
     if level.map is not None:
         fields.clear()
+    if level.robots:
+        fields.pop("start", None)
     if level.exit_one_of is not None:
-        fields["exit"] = ("exit_one_of", "possible exit", level.exits)
+        fields["exit"] = ("exit_one_of", "possible exit", exits)
     for kind, (name, label, cells) in fields.items():
         node = document.root.children.get(name)
         is_list = node is not None and bool(cells) and isinstance(node.data[0], list)
@@ -85,13 +89,23 @@ def _entries(level: Level, document: Document) -> Iterator[Place]:
                 [kind.field, index],
                 kind.name,
                 kind.called(entry),
-                cells=_cells(entry),
+                cells=[level.starts[index]] if kind.name == "robot" else _cells(entry),
                 sides=[side_of(*cell, entry.side) for cell in sides_of(entry)]
                 if isinstance(entry, Opening)
                 else [],
                 lines=_lines(nodes[index]),
                 fields=expanded(data) if kind.name == "area" else data,
             )
+
+
+def _own_exits(level: Level, document: Document) -> Iterator[Place]:
+    """Yield the exits that only one of several robots has."""
+    for index, robot in enumerate(level.robots):
+        if robot.exit is not None:
+            node = document.root.children["robots"].children[index].children["exit"]
+            route: list[str | int] = ["robots", index, "exit"]
+            label = f"exit of {robot.name}"
+            yield new_place(route, "exit", label, cells=[robot.exit], lines=_lines(node))
 
 
 def _cells(entry: Any) -> Iterable[Cell]:
@@ -139,6 +153,9 @@ def drawn_places(level: Level, document: Document) -> Iterator[Place]:
     looks = _looks() | {
         character: _look(entry, legend[character]) for character, entry in level.legend.items()
     }
+    if level.robots:
+        # Where they begin, robots are.
+        looks.pop(d.START, None)
     for y, row in enumerate(level.drawing.cells):
         for x, character in enumerate(row):
             if character in looks:

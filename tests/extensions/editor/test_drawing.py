@@ -66,3 +66,22 @@ def test_a_region_is_copied_and_stamped_mirrored(kind: type[Hand], editor_page: 
     hand.page.keyboard.press("Control+z")
     hand.page.wait_for_function(SAYS, arg="Undone: stamp")
     assert hand.editor.session.text == ROOM
+
+
+@pytest.mark.parametrize("kind", [pytest.param(Mouse, marks=pytest.mark.sweep), Finger])
+def test_a_second_robot_is_added_gets_an_exit_is_moved_and_erased(
+    kind: type[Hand], editor_page: OpenEditor
+) -> None:
+    hand = kind(editor_page("version: 1\nsize: [4, 3]\n", **kind.context))
+    hand.choose("robot")
+    hand.paint((0, 2))
+    hand.move((0, 2), (3, 0))
+    hand.choose("small")
+    hand.move((0, 2), (1, 2))
+    hand.move((3, 0), (2, 0))
+    assert hand.level.team_starts[1] == (hand.level.robots[1], (1, 2))
+    assert hand.level.robots[1].exit == (2, 0)
+    hand.choose("erase")
+    hand.paint((1, 2))
+    assert hand.level.robots == ()
+    assert "an exit" in hand.page.locator(".said").inner_text()

@@ -18,6 +18,7 @@ from babyrobot_levels.extensions.editor.changes.draft import (
     put_starts,
     unused_name,
 )
+from babyrobot_levels.extensions.editor.changes.robots import erase_robots, own_ends, own_start
 from babyrobot_levels.extensions.editor.changes.routes import ordered, plain_value
 from babyrobot_levels.extensions.editor.changes.shapes import (
     Box,
@@ -135,6 +136,8 @@ def _check_count(count: int) -> None:
 def _paint_starts(draft: Draft, cells: list[Cell], *, add: bool) -> None:
     """Make cells the starts; an exit there gives way if there are others."""
     level = draft.level
+    if level.robots:
+        raise RefusedError("each robot has a start of its own: drag the robot there")
     exits = [cell for cell in level.exits if cell not in cells]
     if level.exits and not exits:
         raise RefusedError("the exit is there: move it to another cell first")
@@ -148,15 +151,26 @@ def _paint_starts(draft: Draft, cells: list[Cell], *, add: bool) -> None:
 def _paint_exits(draft: Draft, cells: list[Cell], *, add: bool) -> None:
     """Make cells the exits; a start there gives way if there are others."""
     level = draft.level
+    _free_of_starts(draft, cells)
+    _unblock(draft, cells)
+    exits = _with(level.common_exits, cells, add=add)
+    put_exits(draft, exits, is_drawn_by_lot=add and level.exit_one_of is not None)
+    erase(draft, cells, [kind.field for kind in NEEDED])
+    erase(draft, cells, ["warps"], lambda entry: as_cell(entry["at"]) in cells)
+
+
+def _free_of_starts(draft: Draft, cells: list[Cell]) -> None:
+    """Remove starts from cells; of several robots, who can leave elsewhere begins there still."""
+    level = draft.level
+    if level.robots:
+        for number, start in enumerate(level.starts):
+            if start in cells:
+                own_start(draft, number)
+        return
     starts = [cell for cell in level.starts if cell not in cells]
     if not starts:
         raise RefusedError("the start is there: move it to another cell first")
     put_starts(draft, starts)
-    _unblock(draft, cells)
-    exits = _with(level.exits, cells, add=add)
-    put_exits(draft, exits, is_drawn_by_lot=add and level.exit_one_of is not None)
-    erase(draft, cells, [kind.field for kind in NEEDED])
-    erase(draft, cells, ["warps"], lambda entry: as_cell(entry["at"]) in cells)
 
 
 def _with(there: Sequence[Cell], cells: list[Cell], *, add: bool) -> list[Cell]:
@@ -264,16 +278,18 @@ def _freed_of_ends(draft: Draft, cells: list[Cell], *, are_exits_kept: bool) -> 
     """
     level = draft.level
     stay: set[Cell] = set()
-    starts = [cell for cell in level.starts if cell not in cells]
-    if starts:
-        put_starts(draft, starts)
-    else:
-        stay.update(level.starts)
-    exits = [cell for cell in level.exits if cell not in cells]
+    exits = [cell for cell in level.common_exits if cell not in cells]
     if exits or not are_exits_kept:
         put_exits(draft, exits, is_drawn_by_lot=level.exit_one_of is not None)
     else:
-        stay.update(level.exits)
+        stay.update(level.common_exits)
+    starts = [cell for cell in level.starts if cell not in cells]
+    if level.robots:
+        stay |= own_ends(level) if are_exits_kept else erase_robots(draft, cells)
+    elif starts:
+        put_starts(draft, starts)
+    else:
+        stay.update(level.starts)
     return [cell for cell in cells if cell not in stay]
 
 

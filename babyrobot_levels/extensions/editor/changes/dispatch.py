@@ -1,6 +1,6 @@
 """Gestures carried out on the fields of a level, and whether one made the maze grow anew."""
 
-from babyrobot_levels.extensions.editor.changes import cells, fields, frame, walls
+from babyrobot_levels.extensions.editor.changes import cells, fields, frame, robots, walls
 from babyrobot_levels.extensions.editor.changes.draft import Draft
 from babyrobot_levels.extensions.editor.gestures import (
     Fill,
@@ -11,6 +11,7 @@ from babyrobot_levels.extensions.editor.gestures import (
     Remove,
     Resize,
     Resolve,
+    Robot,
     Set,
     Walls,
     Warp,
@@ -44,6 +45,8 @@ def change(draft: Draft, gesture: Gesture) -> None:
             cells.add_warp(draft, gesture)
         case Path():
             cells.add_mover(draft, gesture)
+        case Robot():
+            robots.put_robot(draft, gesture)
         case Move():
             fields.move_entry(draft, gesture)
         case Remove():

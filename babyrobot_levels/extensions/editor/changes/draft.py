@@ -161,7 +161,7 @@ def put_starts(draft: Draft, cells: Sequence[Cell]) -> None:
     if draft.canvas is not None:
         _draw(draft, d.START, cells)
     elif [*cells] != [*draft.level.starts]:
-        draft.data["start"] = _one_or_several(cells)
+        draft.data["start"] = one_or_several(cells)
     _put_weights(draft, "start_weights", draft.level.starts, cells)
 
 
@@ -174,7 +174,7 @@ def put_exits(draft: Draft, cells: Sequence[Cell], *, is_drawn_by_lot: bool = Fa
         is_drawn_by_lot: whether one of several is drawn at each reset (`exit_one_of`).
     """
     is_drawn_by_lot = is_drawn_by_lot and len(cells) > 1
-    before = draft.level.exits
+    before = draft.level.common_exits
     if draft.canvas is not None and "exit_one_of" not in draft.data:
         before = tuple(draft.canvas.find(d.EXIT))
     if [*cells] == [*before] and is_drawn_by_lot == ("exit_one_of" in draft.data):
@@ -187,7 +187,7 @@ def put_exits(draft: Draft, cells: Sequence[Cell], *, is_drawn_by_lot: bool = Fa
     if draft.canvas is not None:
         _draw(draft, d.EXIT, () if is_drawn_by_lot else cells)
     elif not is_drawn_by_lot:
-        draft.data["exit"] = _one_or_several(cells) if cells else "none"
+        draft.data["exit"] = one_or_several(cells) if cells else "none"
 
 
 def _put_weights(draft: Draft, field: str, before: Sequence[Cell], cells: Sequence[Cell]) -> None:
@@ -211,7 +211,8 @@ def _draw(draft: Draft, character: str, cells: Sequence[Cell]) -> None:
         draft.canvas.put(cell, character)
 
 
-def _one_or_several(cells: Sequence[Cell]) -> list[Any]:
+def one_or_several(cells: Sequence[Cell]) -> list[Any]:
+    """Return a cell, or a list of several, as files give starts and exits."""
     return [*cells[0]] if len(cells) == 1 else [[*cell] for cell in cells]
 
 
@@ -219,11 +220,13 @@ def _one_or_several(cells: Sequence[Cell]) -> list[Any]:
 
 
 def replace_names(draft: Draft, names: Mapping[str, str | None]) -> None:
-    """Replace names in what doors and exits need, or remove those that become None.
+    """Replace names in what doors and exits need and who takes items, or remove those of None.
 
     A door that is left without any name would always be open: it is removed, too.
     """
     replace_in(draft.data, "exit_needs", names)
+    for item in draft.data.get("items", ()):
+        replace_in(item, "robot", names)
     for door in [*draft.data.get("doors", ())]:
         # Each of them, so no short cut.
         replaced = [replace_in(door, field, names) for field in ("needs", "unless")]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from babyrobot_levels.extensions.editor.changes import routes
+from babyrobot_levels.extensions.editor.changes import robots, routes
 from babyrobot_levels.extensions.editor.changes.draft import (
     PUDDLES,
     Canvas,
@@ -28,7 +28,7 @@ from babyrobot_levels.linter.runner import Report, apply
 _NEEDS = ("needs", "unless", "exit_needs")
 """Fields that hold names of things."""
 
-_NAMES = {**{kind.field: ("name",) for kind in NEEDED}, "legend": DRAWN_NAMES}
+_NAMES = {**{kind.field: ("name",) for kind in (*NEEDED, KIND["robot"])}, "legend": DRAWN_NAMES}
 """The fields that give a thing its name, by the fields that hold the entries."""
 
 _ALONE = {"start": "start", "exit": "exit", "exit_one_of": "exit", "one_of": "at"}
@@ -72,6 +72,8 @@ def move_entry(draft: Draft, gesture: Move) -> None:
     match gesture.route:
         case ["start" | "exit" as field] if field not in draft.data:
             draft.data[field] = [*getattr(draft.level, field)]
+        case ["robots", int() as number]:
+            robots.own_start(draft, number)
     with _redrawn(draft, gesture.route):
         value = routes.get(draft.data, gesture.route)
         routes.put(draft.data, gesture.route, _moved(value, shift, gesture.from_))
@@ -94,6 +96,9 @@ def fixed(report: Report, gesture: Fix) -> str:
 
 def _put(draft: Draft, route: Route, value: Any) -> None:
     old = _name(draft, route)
+    match route:
+        case ["robots", int() as number, "start"]:
+            robots.own_start(draft, number)
     if route[0] == "theme" and len(route) > 1 and isinstance(draft.data.get("theme"), str):
         theme = draft.level.resolved_theme
         draft.data["theme"] = theme.model_dump(exclude_defaults=True)
@@ -112,6 +117,8 @@ def _remove(draft: Draft, route: Route) -> None:
             draft.data["exit"] = "none"
         case [*above, "start" | "exit" | "exit_one_of" | "one_of" as field, int()]:
             _remove_cell(draft, [*above, field], route)
+        case ["robots", int() as number]:
+            robots.remove_robot(draft, number)
         case _:
             with _redrawn(draft, route):
                 routes.remove(draft.data, route)

@@ -10,6 +10,7 @@ from babyrobot_levels.extensions.editor.changes.draft import (
     STANDING,
     Draft,
     RefusedError,
+    as_cell,
     cells_of,
     drawn_field,
     forget_missing,
@@ -17,6 +18,7 @@ from babyrobot_levels.extensions.editor.changes.draft import (
     put_starts,
 )
 from babyrobot_levels.extensions.editor.changes.placement import Placement
+from babyrobot_levels.extensions.editor.changes.robots import own_start
 from babyrobot_levels.extensions.editor.changes.shapes import Box
 from babyrobot_levels.extensions.editor.gestures import Resize, Wind
 from babyrobot_levels.language import drawing as d
@@ -32,14 +34,18 @@ def resize(draft: Draft, gesture: Resize) -> None:
     """Give the level another size.
 
     What would lie outside is removed, but for the last start and the last exit, which come to lie
-    in the nearest cells that are free.
+    in the nearest cells that are free, as those of each of several robots do.
     """
     level = draft.level
     change = Placement(level.size, gesture.size, gesture.shift, is_frame=True)
-    starts, exits = change.cells(level.starts), change.cells(level.exits)
+    starts, exits = change.cells(level.starts), change.cells(level.common_exits)
+    for number, start in enumerate(level.starts if level.robots else ()):
+        # In a drawing, those that stay inside are drawn still.
+        if draft.canvas is None or change.cell(start) is None:
+            own_start(draft, number)
     is_default = not {"exit", "exit_one_of", "map"} & {*draft.data}
     if is_default:
-        exits = [(change.new[0] - 1, change.new[1] - 1)] if level.exits else []
+        exits = [(change.new[0] - 1, change.new[1] - 1)] if level.common_exits else []
         starts = [cell for cell in starts if cell not in exits]
     if draft.canvas is not None:
         cells = [(x, y) for y, row in enumerate(draft.canvas.cells) for x in range(len(row))]
@@ -49,7 +55,7 @@ def resize(draft: Draft, gesture: Resize) -> None:
     else:
         draft.data["size"] = [*change.new]
     for field in KIND_OF_FIELD:
-        if field in draft.data:
+        if field in draft.data and field != "robots":
             moved = [change.entry(field, entry) for entry in draft.data[field]]
             draft.data[field] = [entry for entry in moved if entry is not None]
             if field in STANDING or field == "doors":
@@ -58,15 +64,28 @@ def resize(draft: Draft, gesture: Resize) -> None:
     for field, places in (("start_weights", level.starts), ("exit_weights", level.exits)):
         if draft.data.get(field):
             draft.data[field] = change.weights(places, draft.data[field])
-    if not starts:
+    if not starts and not level.robots:
         starts = [_nearest_free(draft, change, level.starts[0], ends)]
-    if level.exits and not exits:
-        exits = [_nearest_free(draft, change, level.exits[0], [*ends, *starts])]
-    put_starts(draft, starts)
+    if level.common_exits and not exits:
+        exits = [_nearest_free(draft, change, level.common_exits[0], [*ends, *starts])]
+    if level.robots:
+        _move_robots(draft, change, {*starts, *exits})
+    else:
+        put_starts(draft, starts)
     if not is_default:
         put_exits(draft, exits, is_drawn_by_lot=level.exit_one_of is not None)
     _move_wind(draft, change)
     forget_missing(draft)
+
+
+def _move_robots(draft: Draft, change: Placement, taken: set[Cell]) -> None:
+    """Move the starts and exits that robots have of their own, in turn."""
+    for entry in draft.data["robots"]:
+        for name in {"start", "exit"} & entry.keys():
+            cell = as_cell(entry[name])
+            moved = change.cell(cell) or _nearest_free(draft, change, cell, taken)
+            taken.add(moved)
+            entry[name] = [*moved]
 
 
 def _nearest_free(draft: Draft, change: Placement, cell: Cell, ends: Iterable[Cell]) -> Cell:

@@ -66,6 +66,7 @@ const DONE = {
       ? `Erased ${cellName(at)} and all cells like it around it`
       : `${toolNamed(brush).title} in ${cellName(at)} and all cells like it around it`,
   warp: (editor, { at, to }) => `Warp from ${cellName(at)} to ${cellName(to)}`,
+  robot: (editor, { at, to }) => `Robot at ${cellName(at)}${to === undefined ? "" : ` leaves at ${cellName(to)}`}`,
   path: (editor, { cells, rectangle }) => `Mover ${rectangle ? "in" : "through"} ${cellsInWords(cells, rectangle)}`,
   stamp: (editor, { at }) => `Stamped at ${cellName(at)}`,
   move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
@@ -88,6 +89,7 @@ const STEPS = {
   paint: "painting",
   fill: "filling",
   warp: "warp",
+  robot: "robot",
   path: "mover",
   stamp: "stamp",
   move: "moving",

@@ -81,11 +81,18 @@ export class Editor {
     this.set("tool", { modifiers: { ...others, [name]: !this.modifiers[name] } });
   }
 
-  /** Choose a mode. Without the tables of levels, one can only edit. */
+  /** Choose a mode. Without the tables of levels, one can only edit; a policy is drawn for one robot. */
   enter(mode) {
-    const lacks = this.state?.lacks ?? "";
-    if (mode === "edit" || lacks === "") this.set("mode", { mode });
+    const lacks = this.lackFor(mode);
+    if (lacks === "") this.set("mode", { mode });
     else this.say(`${capital(lacks)}.`, "refused");
+  }
+
+  /** Return why the level at hand has not got a mode; empty if it has. */
+  lackFor(mode) {
+    const { lacks = "", level } = this.state ?? {};
+    if (mode === "policy" && level?.robots) return "a policy is drawn for one robot; this level has several";
+    return mode === "edit" ? "" : lacks;
   }
 
   /** Select an entry of `state.places`; null selects the level itself. */
@@ -158,6 +165,7 @@ export class Editor {
       places.find(({ cells }) => isMoved && cells.some((cell) => isSameCell(cell, message.to))) ??
       null;
     this.set("state", { state });
+    if (this.lackFor(this.mode) !== "") this.set("mode", { mode: "edit" });
     if (selection !== null && this.selection === null) this.tell("selection");
   }
 }

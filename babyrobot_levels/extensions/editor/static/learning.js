@@ -46,7 +46,8 @@ export class LearningPanel extends Learning {
   get refusal() {
     const { lacks, is_valid, too_large, answers } = this.editor.state;
     if (lacks === "" && !is_valid) return INVALID;
-    const reason = lacks || too_large || (answers.status === "none" ? answers.reason : "");
+    const several = this.editor.game?.robots ? "algorithms learn for one robot; this level has several" : "";
+    const reason = lacks || too_large || several || (answers.status === "none" ? answers.reason : "");
     return reason ? `${capital(reason)}.` : super.refusal;
   }
 

@@ -44,6 +44,8 @@ export class Overlay {
       fill: (each) => this.previewOfFill(each),
       move: ({ from, to }) => [...this.arrow([from, to]), ...this.boxes([to], "build")],
       warp: ({ at, to }) => [...this.arrow([at, to]), ...this.boxes([to], "build")],
+      robot: ({ at, to }) =>
+        to === undefined ? this.brushed("robot", [at]) : [...this.arrow([at, to]), ...this.boxes([to], "build")],
       path: ({ cells, rectangle }) => (rectangle ? this.rectangle(cells, "build") : this.arrow(cells)),
       resize: (each) => this.previewOfSize(each),
       lift: ({ cells }) => this.rectangle(cells, "build"),

@@ -85,7 +85,7 @@ export class Playing {
     game.begin(this.seed);
     this.clear();
     this.trail = new Trail(game, editor.picture.svg);
-    this.stand(game.data.goal ?? GOAL);
+    this.stand([game.data.goal ?? GOAL, game.turn].filter(Boolean).join(" "));
   }
 
   /** Leave the episode. */
@@ -136,10 +136,15 @@ export class Playing {
       return;
     }
     this.trail.stand();
-    const step = game.step(action);
+    const chosen = game.choose(action);
+    if (chosen === null) {
+      this.tell(game.turn);
+      return;
+    }
+    const step = game.step(chosen);
     const isOver = game.end !== null;
     this.tell(
-      isOver ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
+      [game.describeStep(step), isOver ? game.describeEnd() : game.turn].filter(Boolean).join(". "),
       isOver ? game.end : step.event,
     );
     this.editor.picture.go(step, () => this.trail.stand());

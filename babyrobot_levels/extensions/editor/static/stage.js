@@ -1,9 +1,9 @@
 // The stage: the picture of the level, which keeps its zoom while the level changes.
 
 import { COMMON } from "../../../render/static/common.js";
-import { Game } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
 import { levelPicture, Picture, sprites } from "../../../render/static/picture.js";
+import { gameOf } from "../../../render/static/team.js";
 import { View } from "../../../render/static/view.js";
 import { FINGER_REACH, REACH, spotAt } from "./spots.js";
 
@@ -71,7 +71,7 @@ export class Stage {
       return;
     }
     const svg = levelPicture(level, this.symbols(level.robot));
-    const game = new Game(level);
+    const game = gameOf(level);
     this.layers = element("g", { class: "layers" });
     svg.append(this.layers);
     this.editor.game = game;

@@ -143,6 +143,14 @@ export const TOOLS = [
     gesture: painted,
   },
   {
+    name: "robot",
+    key: "A",
+    title: "Robot",
+    hint: "Click a cell to add a robot; drag from one to give it an exit of its own",
+    icon: "M6 9h12v8H6zM12 9V5M10 5h4M3 12v3M21 12v3M9 20h6M9.500 12.500v1M14.500 12.500v1",
+    gesture: joined,
+  },
+  {
     name: "exit",
     key: "E",
     title: "Exit",
@@ -227,11 +235,14 @@ export function selectAt(editor, spot) {
   editor.select(things[(at + 1) % things.length] ?? null);
 }
 
-/** Return what a drag from a spot moves, or null. Start and exit are moved by every tool for cells. */
+const ENDS = ["start", "exit", "robot"];
+const DRAGGED = ["erase", "robot", "warp", "path", "stamp"]; // Tools whose own drags begin anywhere.
+
+/** Return what a drag from a spot moves, or null. Starts, exits and robots are moved by every tool for cells. */
 export function takenAt(editor, spot, tool = toolNamed(editor.tool)) {
   if (tool.name === "select") return pickedAt(editor, spot);
-  if (["erase", "warp", "path", "stamp"].includes(tool.name) || (tool.builds && spot.side !== null)) return null;
-  return thingsAt(editor, { ...spot, side: null }).find(({ kind }) => kind === "start" || kind === "exit") ?? null;
+  if (DRAGGED.includes(tool.name) || (tool.builds && spot.side !== null)) return null;
+  return thingsAt(editor, { ...spot, side: null }).find(({ kind }) => ENDS.includes(kind)) ?? null;
 }
 
 export function drawnWalls(editor, tool, spots) {
@@ -286,6 +297,14 @@ function warped(editor, tool, spots) {
   const [first, last] = [spots[0], spots.at(-1)];
   if (last.cell === null || isSameCell(first.cell, last.cell)) return null;
   return { do: "warp", at: first.cell, to: last.cell };
+}
+
+function joined(editor, tool, spots) {
+  const [{ cell: at }, { cell: to }] = [spots[0], spots.at(-1)];
+  if (to === null) return null;
+  if (!isSameCell(at, to)) return { do: "robot", at, to };
+  const isThere = thingsAt(editor, { cell: at, side: null }).some(({ kind }) => kind === "robot");
+  return isThere ? null : { do: "robot", at };
 }
 
 function walked(editor, tool, spots, { rectangle }) {
