@@ -115,7 +115,7 @@ def extent_of(results: Sequence[Any]) -> tuple[float, float] | None:
     import numpy as np
 
     tables = []
-    for values, policy in ((vars(each)["values"], vars(each).get("policy")) for each in results):
+    for values, policy in ((each.values, getattr(each, "policy", None)) for each in results):
         tables.append(values[np.isfinite(values) & (True if policy is None else policy >= 0)])
     found = np.concatenate(tables) if tables else np.zeros(0)
     return (float(found.min()), float(found.max())) if found.size else None

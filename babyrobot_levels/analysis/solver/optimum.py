@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any, Literal, overload
 
 import numpy as np
@@ -164,58 +165,86 @@ def solve(
         return solve_within(space, discount, limit)
     model, mdp = space.model(), space.mdp
     optimum = optimum_of(model, space, discount)
-    found = optimum.found
+    found, expected = optimum.found, space.at_start(model, optimum.found.values)
     ahead = action_values(model, found.values, discount)
     best = ahead.max(axis=1, initial=-np.inf)
-    greedy = np.zeros((mdp.num_states, ahead.shape[1]), bool)
-    greedy[model.states] = _greedy(model, ahead, best)
-    policy = np.full(mdp.num_states, -1)
-    finite, expected = np.isfinite(found.values), space.at_start(model, found.values)
-    steps, success = episode(model.under(found.policy), optimum.steps)
-    fastest = np.zeros_like(greedy)
-    fastest[model.states] = _fastest(model, greedy[model.states], found.policy, steps)
-    # Where no optimal policy surely ends, each of them is as good as the others.
-    endless = np.isinf(steps) & (found.values < np.inf)
-    rows = np.where(endless[:, None], greedy[model.states], fastest[model.states])
-    if discount < 1:
-        fastest[model.states] = rows
-    chosen, success = _to_exits(model, rows, found.policy, steps, success, space)
-    policy[model.states] = chosen
-    diverging = diverging_states(model.under(chosen), expected, space)
-    solution = Solution(
+    greedy = _greedy(model, ahead, best)
+    finite = np.isfinite(found.values)
+    solution = Solution.with_episodes(
+        partial(_episodes, model, space, optimum, greedy, discount),
         values=space.spread(model, found.values),
         action_values=space.spread(model, ahead),
         expected_return=expected,
-        expected_steps=space.at_start(model, steps),
-        exit_probability=probability(space.at_start(model, success)),
         discount=discount,
         actions=actions,
-        diverging_cells=space.cells(diverging),
-        diverging_condition=space.condition(diverging),
-        greedy=greedy.reshape(*mdp.shape, -1),
-        fastest=fastest.reshape(*mdp.shape, -1),
-        policy=policy.reshape(mdp.shape),
+        greedy=space.of_states(model, greedy, False),
         method=found.method,
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
         margin=space.spread(model, margins(model, found.values, discount, largest_reward(mdp))),
         level=level,
     )
+    if not np.isfinite(expected):
+        chain = model.under(np.asarray(solution.policy).ravel()[model.states])
+        diverging = diverging_states(chain, expected, space)
+        solution = replace(
+            solution,
+            diverging_cells=space.cells(diverging),
+            diverging_condition=space.condition(diverging),
+        )
     if not exact:
         return solution
     # Fractions are asked for seldom.
     from babyrobot_levels.analysis.solver.exact import solve_exactly
 
-    return solve_exactly(space, solution, optimum.core)
+    return solve_exactly(space, solution, optimum.ending.core)
+
+
+def _episodes(
+    model: Model, space: StateSpace, optimum: Optimum, greedy: Flags, discount: float
+) -> dict[str, Any]:
+    """Return what a solution tells of the episodes of an optimal policy, by the names of fields."""
+    values, ending = optimum.found.values, optimum.ending
+    steps, success = episode(model.under(ending.policy), ending.steps)
+    fastest = _fastest(model, greedy, ending.policy, steps)
+    # Where no optimal policy surely ends, each of them is as good as the others.
+    endless = np.isinf(steps) & (values < np.inf)
+    rows = np.where(endless[:, None], greedy, fastest)
+    chosen, success = _to_exits(model, rows, ending.policy, steps, success, space)
+    return {
+        "expected_steps": space.at_start(model, steps),
+        "exit_probability": probability(space.at_start(model, success)),
+        "fastest": space.of_states(model, rows if discount < 1 else fastest, False),
+        "policy": space.of_states(model, chosen, -1),
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Ending:
+    """An optimal policy that ends as soon as can be expected, where it can surely end.
+
+    Attributes:
+        policy: the policy, `[n]`.
+        core: the states with finite values.
+        steps: those to the end, `[n]`; None where they are not known.
+    """
+
+    policy: Ints
+    core: Core
+    steps: Floats | None
 
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """What is found of a model; `steps` are those to the end, `[n]`, where they are known."""
+    """What is found of a model: optimal values, and a policy, which is found when asked for."""
 
     found: Iterated
-    core: Core
-    steps: Floats | None
+    find_ending: Callable[[], Ending]
+
+    @cached_property
+    def ending(self) -> Ending:
+        """The optimal policy that ends soonest."""
+        return self.find_ending()
 
 
 def optimum_of(model: Model, space: StateSpace, discount: float) -> Optimum:
@@ -227,9 +256,12 @@ def _discounted(model: Model, discount: float) -> Optimum:
     _, towards_end = attractor(model, model.end, model.allowed)
     policy = np.where(towards_end >= 0, towards_end, model.reward.argmax(axis=1))
     found = iterate_policies(model, policy, discount)
-    policy, steps = prefer_ending(model, found.values, found.policy, discount)
-    core = Core(model, np.arange(model.size), policy)
-    return Optimum(replace(found, policy=policy), core, steps)
+
+    def ending() -> Ending:
+        policy, steps = prefer_ending(model, found.values, found.policy, discount)
+        return Ending(policy, Core(model, np.arange(model.size), policy), steps)
+
+    return Optimum(found, ending)
 
 
 def undiscounted(model: Model, space: StateSpace, slack: float = SLACK) -> Optimum:
@@ -256,25 +288,28 @@ def undiscounted(model: Model, space: StateSpace, slack: float = SLACK) -> Optim
     core = rest.restrict(sure, rows)
     inside = others[sure]
     found = iterate_policies(core, action[sure], 1.0, slack)
-    stop = model.reward.shape[1]
-    # Where stopping is optimal, it means to stay in the loop, unless ending is just as good.
-    is_stop = np.arange(core.reward.shape[1]) == stop
-    going_on = core.with_rewards(np.where(is_stop, -np.inf, core.reward))
-    core_policy, steps = prefer_ending(going_on, found.values, found.policy, 1.0)
-    policy[inside] = np.where(core_policy == stop, loops.action[inside], core_policy)
-    if not sure.all():
-        # From the other states no policy surely ends the episode, but it may still end by chance.
-        _, perhaps = attractor(rest, np.append(sure, True), rest.allowed)
-        perhaps = np.where(perhaps >= 0, perhaps, rest.reward.argmax(axis=1))
-        policy[others[~sure]] = perhaps[~sure]
     values = np.where(unbounded, np.inf, -np.inf)
     values[inside] = found.values
     unclear = values < loops.ceiling - TOLERANCE * np.maximum(1.0, np.abs(loops.ceiling))
     if unclear.any():
         raise space.undefined_return(model, unclear)
-    ends = steps if core.size == model.size else None
-    found = replace(found, values=values, policy=policy)
-    return Optimum(found, Core(core, inside, core_policy), ends)
+
+    def ending() -> Ending:
+        stop = model.reward.shape[1]
+        # Where stopping is optimal, it means to stay in the loop, unless ending is just as good.
+        is_stop = np.arange(core.reward.shape[1]) == stop
+        going_on = core.with_rewards(np.where(is_stop, -np.inf, core.reward))
+        core_policy, steps = prefer_ending(going_on, found.values, found.policy, 1.0)
+        policy[inside] = np.where(core_policy == stop, loops.action[inside], core_policy)
+        if not sure.all():
+            # From the other states no policy surely ends, but it may still end by chance.
+            _, perhaps = attractor(rest, np.append(sure, True), rest.allowed)
+            perhaps = np.where(perhaps >= 0, perhaps, rest.reward.argmax(axis=1))
+            policy[others[~sure]] = perhaps[~sure]
+        ends = steps if core.size == model.size else None
+        return Ending(policy, Core(core, inside, core_policy), ends)
+
+    return Optimum(replace(found, values=values), ending)
 
 
 def most_expected(model: Model, rewards: Floats, space: StateSpace) -> Floats:
@@ -333,10 +368,12 @@ def _to_exits(
         with suppress(EpisodeTooLongError):
             if np.isfinite(steps).all():
                 found = iterate_policies(chances, policy, 1.0, NEARLY)
+                likely, likeliest = found.values, found.policy
             else:
-                found = undiscounted(chances, space, NEARLY).found
-            better = found.values > success + TOLERANCE
-            return np.where(better, found.policy, policy), np.where(better, found.values, success)
+                optimum = undiscounted(chances, space, NEARLY)
+                likely, likeliest = optimum.found.values, optimum.ending.policy
+            better = likely > success + TOLERANCE
+            return np.where(better, likeliest, policy), np.where(better, likely, success)
     return policy, success
 
 

@@ -9,7 +9,7 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels import mdp as room
 from babyrobot_levels.analysis.solver.model import Model, build_model, too_large_to_add_up
@@ -305,11 +305,16 @@ class StateSpace:
         It is shaped as `mdp.shape`, then as the values of a state: 0 in terminal states, nan in
         states without value.
         """
-        states = np.where(self.without_value, np.nan, 0.0)
-        more = values.shape[1:]
-        table = np.repeat(states[:, None], int(np.prod(more)), axis=1)
-        table[model.states] = values.reshape(model.size, -1)
-        return table.reshape(*self.mdp.shape, *more)
+        none = np.where(self.without_value, np.nan, 0.0)
+        table: Floats = self.of_states(model, values, none.reshape(-1, *[1] * (values.ndim - 1)))
+        return table
+
+    def of_states(self, model: Model, values: NDArray[Any], others: Any) -> NDArray[Any]:
+        """Return the same with other values, `[states]` or one for all, for all other states."""
+        table = np.empty((self.mdp.num_states, *values.shape[1:]), values.dtype)
+        table[:] = others
+        table[model.states] = values
+        return table.reshape(*self.mdp.shape, *values.shape[1:])
 
     def at_start(self, model: Model, values: Floats) -> float:
         """Return the expectation of values, `[n]`, over the starts; inf wins over -inf."""

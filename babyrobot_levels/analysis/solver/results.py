@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from html import escape
 from itertools import product
@@ -30,6 +31,9 @@ ACTION_SETS = {"all": Action.STAY, "moves": Action.NORTH, TURNS: Turn.LEFT}
 
 OVER_STATES = ("values", "action_values", "greedy", "fastest", "policy", "margin")
 """The arrays over states of all results."""
+
+OF_EPISODES = ("expected_steps", "exit_probability", "fastest", "policy")
+"""What a solution tells of its episodes. Without a limit it is found when first asked for."""
 
 MAX_LISTED = 5
 """How many cells an explanation lists."""
@@ -179,7 +183,8 @@ class StateResult(Shown, Result):
                 known = ", ".join(SIDES) if turns else "for actions='turns'"
                 raise ValueError(f"heading must be {known}, not {heading!r}")
             index = (*index, SIDES.index(heading))
-        parts = {name: array[index] for name, array in vars(self).items() if name in OVER_STATES}
+        names = {each.name for each in fields(self)} & {*OVER_STATES}  # type: ignore[arg-type]
+        parts = {name: getattr(self, name)[index] for name in names}
         if vars(self).get("policies") is not None:
             parts["policies"] = vars(self)["policies"][:, *index]
         return replace(self, **parts)  # type: ignore[type-var]
@@ -335,6 +340,40 @@ class Solution(Evaluation, public=True):
     residual: float
     margin: Floats
     policies: Ints | None = field(default=None, kw_only=True)
+
+    @classmethod
+    def with_episodes(cls, find: Callable[[], Mapping[str, Any]], **known: Any) -> Self:
+        """Return a solution of what is known, and what is found when it is first asked for.
+
+        Args:
+            find: returns the fields `OF_EPISODES`.
+            known: the other fields.
+        """
+        solution = object.__new__(cls)
+        vars(solution).update(known, _find=find)
+        solution.__post_init__()
+        return solution
+
+    def _added(self, name: str) -> Any:
+        if name not in OF_EPISODES:
+            return None
+        self._find_episodes()
+        return vars(self)[name]
+
+    def _find_episodes(self) -> None:
+        # Two threads may both do this: they find the same.
+        find = vars(self).get("_find")
+        if find is not None:
+            vars(self).update(find())
+            self.__post_init__()
+            vars(self).pop("_find", None)
+
+    def __getstate__(self) -> dict[str, Any]:
+        self._find_episodes()
+        return {**vars(self)}
+
+    def __dir__(self) -> Iterable[str]:
+        return [*super().__dir__(), *OF_EPISODES]
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:

@@ -103,16 +103,16 @@ class _Informed:
 
 def _unlimited(model: PartialModel, informed: _Informed) -> Bounds:
     space, revealed = model.spaces[0], model.revealed
-    optimum = undiscounted(revealed, space).found
-    values = action_values(revealed, optimum.values, 1.0)
+    optimum = undiscounted(revealed, space)
+    values, policy = action_values(revealed, optimum.found.values, 1.0), optimum.ending.policy
     for _ in range(_ROUNDS if np.isfinite(values).all() else 0):
         better = np.minimum(values, informed.step(values))
         change, values = np.abs(values - better).max(initial=0.0), better
         if change <= _SMALL * np.abs(values).max():
             break
-    agents = _agents(model, optimum.policy)
+    agents = _agents(model, policy)
     worth = [_worth(model, weights) for weights in agents]
-    return Bounds(values[None], np.stack(worth, axis=1)[None], agents, optimum.policy)
+    return Bounds(values[None], np.stack(worth, axis=1)[None], agents, policy)
 
 
 def _worth(model: PartialModel, weights: Floats) -> Floats:

@@ -264,9 +264,9 @@ class Search:
         process.probability[places, :, 0] = 1.0
         process.next_state[places, :, 0] = places[:, None]
         process.reward[places] = np.sign(payoffs[np.isinf(payoffs)])[:, None]
-        found = undiscounted(process, self.model.spaces[0]).found
+        optimum = undiscounted(process, self.model.spaces[0])
         values, actions = paid, np.zeros(size, np.intp)
-        values[inner], actions[inner] = found.values, found.policy
+        values[inner], actions[inner] = optimum.found.values, optimum.ending.policy
         return self._at_start(values), actions
 
     def _at_start(self, values: Floats) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import json
 import pickle
 from functools import partial
@@ -236,6 +237,17 @@ def test_results_are_read_only_and_can_be_copied() -> None:
         np.testing.assert_array_equal(other.values, solution.values)
     assert repr(solution).startswith("<Solution expected_return=")
     assert [str(solution.policy.dtype), str(solution.values.dtype)] == ["int64", "float64"]
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, dataclasses.replace])
+def test_what_is_found_when_asked_for_is_the_same_in_copies(copied: Any) -> None:
+    solution = solve("final-maze")
+    other = copied(solve("final-maze"))
+    for name in ("policy", "fastest", "expected_steps", "exit_probability"):
+        assert name in dir(solution)
+        np.testing.assert_array_equal(getattr(other, name), getattr(solution, name))
+        assert vars(solution)[name] is getattr(solution, name)
+    assert not solution.fastest.flags.writeable
 
 
 def test_probabilities_that_almost_add_up_to_one_are_normalised() -> None:

@@ -38,7 +38,9 @@ def solved_by_elimination(level: Any, discount: float) -> brl.Solution:
     with pytest.MonkeyPatch.context() as patch:
         for module in (model, sweeps):
             patch.setattr(module, "is_compiled", lambda _: False)
-        return brl.solve(level, discount)
+        solution = brl.solve(level, discount)
+        assert solution.policy is not None  # It is found when it is asked for.
+        return solution
 
 
 def assert_same(found: brl.Solution, expected: brl.Solution) -> None:
