@@ -31,7 +31,7 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.drawn import Edge, Traits, wall_entries
-from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE
+from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE, build_ground
 
 OBSERVED = ("index", "position", "planes")
 """The observations whose tables are made in compiled code."""
@@ -503,6 +503,7 @@ def _check(level: Level) -> None:
         "several starts": len(level.starts) > 1,
         "several exits or none": len(level.exits) != 1,
         "an exit that pays what its cell does": isinstance(level.rewards.exit, str),
+        "rewards that are drawn": build_ground(level).random,
     }
     found = [name for name, there in more.items() if there]
     if found:

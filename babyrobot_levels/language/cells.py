@@ -2,6 +2,8 @@
 
 from enum import StrEnum
 from functools import cache
+from math import fsum
+from operator import mul
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
@@ -144,13 +146,59 @@ class Rectangle(Model):
     """Width and height in cells."""
 
 
+Weights = tuple[Annotated[Integer, Field(ge=1, le=100)], ...]
+"""How often each of several is drawn, compared with the others; none for all alike.
+
+They are whole numbers, so that a draw from a list in which each stands so often is exact.
+"""
+
+
+class RandomReward(Model):
+    """A reward that is drawn each time that it is paid."""
+
+    values: Annotated[tuple[Number, ...], Field(min_length=2, max_length=16)]
+    """What it may be."""
+    weights: Weights = ()
+    """How often each of the values is drawn; by default all are alike."""
+
+    @property
+    def chances(self) -> tuple[tuple[float, float], ...]:
+        """The values, each with its probability."""
+        weights = self.weights or (1,) * len(self.values)
+        total = sum(weights)
+        return tuple(
+            (value, weight / total) for value, weight in zip(self.values, weights, strict=True)
+        )
+
+    @property
+    def mean(self) -> float:
+        """Its expected value."""
+        weights = self.weights or (1,) * len(self.values)
+        return fsum(map(mul, self.values, weights)) / sum(weights)
+
+
+RewardLike = Annotated[
+    Annotated[Number, form("number")] | Annotated[RandomReward, form("mapping")],
+    forms(
+        "a number, or a mapping",
+        lambda value: "mapping" if isinstance(value, dict | RandomReward) else "number",
+    ),
+]
+"""A number, or a `RandomReward`."""
+
+
+def mean_of(reward: float | RandomReward) -> float:
+    """Return a reward, or the expected value of one that is drawn."""
+    return reward.mean if isinstance(reward, RandomReward) else reward
+
+
 class Traits(Model):
     """What the cells of an area have in common."""
 
     color: Color | None = None
     """The colour of the ground."""
-    reward: Number | None = None
-    """The reward for entering a cell of the area."""
+    reward: RewardLike | None = None
+    """The reward for entering its cells: a number, or `{values: [-1, 5], weights: [3, 1]}`."""
     skid: SkidLike | None = None
     """How slippery the cells are."""
     ends: Flag | None = None
@@ -211,13 +259,6 @@ class PuddleTypes(Model):
 _Strengths = Annotated[
     tuple[Annotated[Integer, Field(ge=0, le=MAX_SIZE)], ...], Field(max_length=MAX_SIZE)
 ]
-
-
-Weights = tuple[Annotated[Integer, Field(ge=1, le=100)], ...]
-"""How often each of several is drawn, compared with the others; none for all alike.
-
-They are whole numbers, so that a draw from a list in which each stands so often is exact.
-"""
 
 
 class Warp(Model):

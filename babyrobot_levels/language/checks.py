@@ -2,7 +2,14 @@
 
 from collections.abc import Callable, Iterator
 
-from babyrobot_levels.language.cells import RECTANGULAR, Opening, Warp, sides_of
+from babyrobot_levels.language.cells import (
+    RECTANGULAR,
+    Opening,
+    RandomReward,
+    Traits,
+    Warp,
+    sides_of,
+)
 from babyrobot_levels.language.fields import LevelFields, as_cells
 from babyrobot_levels.language.geometry import (
     Cell,
@@ -349,6 +356,14 @@ def _check_weights(level: LevelFields, blocked: Callable[[Cell], bool]) -> Itera
     for index, warp in enumerate(level.warps):
         count = 0 if isinstance(warp.to, str) else len(as_cells(warp.to))
         given.append((("warps", index, "weights"), warp.weights, count, "target"))
+    traits: list[tuple[Route, Traits]] = [
+        *((("areas", number), area) for number, area in level.written("areas")),
+        *((("legend", mark), entry) for mark, entry in level.legend.items()),
+    ]
+    for route, each in traits:
+        if isinstance(each.reward, RandomReward):
+            route, count = (*route, "reward", "weights"), len(each.reward.values)
+            given.append((route, each.reward.weights, count, "value"))
     for route, weights, count, what in given:
         if weights and route == ("start_weights",) and level.robots:
             message = "of several robots each has a start of its own, and none is drawn"

@@ -5,7 +5,7 @@ from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE, Model
-from babyrobot_levels.language.cells import Rectangle, Wall, sides_of
+from babyrobot_levels.language.cells import RandomReward, Rectangle, Wall, sides_of
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import KIND, LEGEND, MARKED, Kind
@@ -155,6 +155,10 @@ def _check_legend(level: LevelFields) -> list[Issue]:
                 message = f"`{name}` cannot be combined with `{entry.kind}`"
                 help_text = f"fields beside `{entry.kind}`: " + ", ".join(allowed[1:])
             issues.append(Issue("BR206", Key(("legend", character, name)), message, help_text))
+        if entry.kind == "item" and isinstance(entry.reward, RandomReward):
+            message = "`reward` of an item must be a number: only that of a cell is drawn"
+            route = Key(("legend", character, "reward"))
+            issues.append(Issue("BR206", route, message, "write one number"))
     return issues
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from babyrobot_levels.language.base import Cell, Cells, Flag, Model, Number, Slug, Text, form, forms
-from babyrobot_levels.language.cells import Opening, Rectangle, Rewards, Traits
+from babyrobot_levels.language.cells import Opening, Rectangle, RewardLike, Rewards, Traits
 from babyrobot_levels.language.looks import Color
 
 SHAPES = ("key", "coin", "gem", "star", "box")
@@ -253,8 +253,8 @@ class LegendEntry(Traits, DrawnThing):
 
     color: Color | None = None
     """The colour of the ground, the item, the switch or the target."""
-    reward: Number | None = None
-    """The reward for entering the cell, or of the step that takes the item."""
+    reward: RewardLike | None = None
+    """The reward for entering the cell, or of the step that takes the item: that is a number."""
     label: Text | None = None
     """A text to show on it."""
 

@@ -102,7 +102,7 @@ class TerrainEffects:
         self._fixed = _flags(shape, sure_exits(level)) | self._blocked
         self._drawn = count_drawn(self._level, "areas")
         self._value = {
-            "reward": np.full(shape, self._level.rewards.step),
+            "reward": np.full(shape, self._level.rewards.step, object),
             "skid": np.full(shape, skid_code(self._level.skid), complex),
             "ends": np.zeros(shape, bool),
         }

@@ -13,7 +13,7 @@ from itertools import product
 from math import comb, prod
 from typing import Any
 
-from babyrobot_levels.language.cells import gusts
+from babyrobot_levels.language.cells import RandomReward, gusts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell, blocked_cells
 from babyrobot_levels.text import budget
@@ -469,7 +469,14 @@ def most_outcomes(level: LevelFields) -> int:
     )
     wanderers = sum(mover.within is not None for mover in level.movers)
     shares = (level.moves if by_chance else 1) * len(gusts(level.wind)) * _most_leads(level)
-    return shares * prod([WAYS] * wanderers)
+    draws: int = _most_values(level) ** max(1, len(level.robots))
+    return shares * prod([WAYS] * wanderers) * draws
+
+
+def _most_values(level: LevelFields) -> int:
+    """Return how many values a reward that is drawn has at most; 1 if there is none."""
+    rewards = (area.reward for area in level.areas)
+    return max((len(each.values) for each in rewards if isinstance(each, RandomReward)), default=1)
 
 
 def _most_leads(level: LevelFields) -> int:
@@ -512,7 +519,9 @@ def check_room(level: LevelFields, states: int, width: int) -> None:
     field, help_text = "start", "use fewer starts, let warps lead to a cell, or use a smaller level"
     if not any(isinstance(warp.to, str) for warp in level.warps):
         field, help_text = "warps", "let warps lead to fewer cells, or use a smaller level"
-    if level.has_things:
+    if _most_values(level) > 1:
+        field, help_text = field_of(level, "areas"), "use fewer values of rewards"
+    elif level.has_things:
         field = "movers" if level.movers else field_of(level, "items")
         help_text = "use fewer things that walk or skid at random, or a smaller level"
     raise UnplayableError([Issue("BR404", Key((field,)), message, help_text)])
@@ -527,6 +536,9 @@ def too_many_outcomes(level: LevelFields, ways: int = 0) -> UnplayableError:
         what = f"{wanderers} may go {ways:,} ways at once"
     elif count:
         what = f"those of a move, times the ways that {wanderers} may go"
+    elif _most_values(level) > 1:
+        what = "those of a move, times the values of rewards that are drawn"
+        field, help_text = field_of(level, "areas"), "use fewer values"
     elif any(isinstance(warp.to, str) for warp in level.warps):
         what = f"a warp leads to one of {len(level.starts)} starts"
         field, help_text = "start", "use fewer starts, or let the warp lead to a cell"

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from babyrobot_levels.language.cells import SkidLike, SkidRule, as_skid
+from babyrobot_levels.language.cells import RandomReward, SkidLike, SkidRule, as_skid, mean_of
 from babyrobot_levels.language.fields import LevelFields
 
 RULES = tuple(SkidRule)
@@ -23,14 +23,16 @@ class Ground:
     Attributes:
         skid: the probability that a move out of the cell goes astray.
         rule: where it goes then, an index into `RULES`.
-        reward: the reward of standing on the cell after a step.
+        reward: the reward of standing on the cell after a step; of one that is drawn, the mean.
         ends: 1 for a cell that ends the episode, exits left out.
+        random: the rewards that are drawn, by cell.
     """
 
     skid: array[float]
     rule: bytearray
     reward: array[float]
     ends: bytearray
+    random: dict[int, RandomReward] = field(default_factory=dict)
 
     def paint_skid(self, cells: slice, value: SkidLike) -> None:
         """Give cells another skid."""
@@ -38,9 +40,15 @@ class Ground:
         self.skid[cells] = array("d", [skid.probability]) * count
         self.rule[cells] = bytes([RULES.index(SkidRule(skid.to))]) * count
 
-    def paint_reward(self, cells: slice, reward: float) -> None:
+    def paint_reward(self, cells: slice, reward: float | RandomReward) -> None:
         """Give cells another reward."""
-        self.reward[cells] = array("d", [reward]) * (cells.stop - cells.start)
+        self.reward[cells] = array("d", [mean_of(reward)]) * (cells.stop - cells.start)
+        numbers = range(cells.start, cells.stop)
+        if isinstance(reward, RandomReward):
+            self.random.update(dict.fromkeys(numbers, reward))
+        elif self.random:
+            for cell in numbers:
+                self.random.pop(cell, None)
 
 
 def build_ground(level: LevelFields) -> Ground:
@@ -69,12 +77,15 @@ def build_ground(level: LevelFields) -> Ground:
     return ground
 
 
-def exit_rewards(level: LevelFields, exits: Sequence[tuple[int, int]]) -> list[float]:
+def exit_rewards(
+    level: LevelFields, exits: Sequence[tuple[int, int]]
+) -> list[float | RandomReward]:
     """Return what some exits pay: each what its cell does (`exit: cell`), or all the same."""
     if not isinstance(level.rewards.exit, str):
         return [level.rewards.exit] * len(exits)
-    reward = build_ground(level).reward
-    return [reward[y * level.size[0] + x] for x, y in exits]
+    ground = build_ground(level)
+    cells = [y * level.size[0] + x for x, y in exits]
+    return [ground.random.get(cell, ground.reward[cell]) for cell in cells]
 
 
 def rows_of(at: tuple[int, int], size: tuple[int, int], width: int) -> Sequence[slice]:

@@ -74,6 +74,12 @@ def squashed(reward: float) -> float:
     return 0.5 + 0.5 * reward / (1 + abs(reward))
 
 
+def test_a_reward_that_is_drawn_has_its_mean() -> None:
+    area = {"at": [1, 0], "reward": {"values": [-1, 5], "weights": [3, 1]}}
+    env, planes = reset({"version": 1, "size": [3, 1], "areas": [area]})
+    assert named(env, planes)["reward"][0, 1] == pytest.approx(squashed(0.5))
+
+
 def test_planes_show_the_ground() -> None:
     env = LevelEnv(GROUND, observation="planes")
     shown = named(env, env.reset(seed=0, options={"start": [0, 2]})[0])

@@ -499,6 +499,22 @@ def add_diagonals(_random: Random, fields: Fields) -> None:
             _without(entry, name, targets)
 
 
+def add_draws(random: Random, fields: Fields) -> None:
+    """Let the rewards of some areas be drawn, and let exits pay what their cells do."""
+    width, height = fields.get("size", (3, 3))
+    areas = fields.setdefault("areas", [])
+    if not areas or random.random() < 0.5:
+        areas.insert(0, {"at": [0, 0], "size": [width, height]})
+    for area in areas:
+        if random.random() < 0.7:
+            count = random.randint(2, 3)
+            area["reward"] = {"values": random.sample((-3, -1, -0.5, 0, 0.1, 2, 10), count)}
+            if random.random() < 0.7:
+                area["reward"]["weights"] = [random.choice((1, 2, 3, 10)) for _ in range(count)]
+    if random.random() < 0.5:
+        fields["rewards"] = {**fields.get("rewards", {}), "exit": "cell"}
+
+
 def _without(entry: Fields, name: str, left_out: set[Any]) -> None:
     names = entry.get(name, [])
     names = [
@@ -530,5 +546,5 @@ def random_level(random: Random, things: bool = True) -> Fields:
     fields = _Maker(random, things).fields
     wanders = any("within" in mover for mover in fields.get("movers", []))
     if not wanders and random.random() < 0.35:
-        random.choice((add_weights, add_gusts))(random, fields)
+        random.choice((add_weights, add_gusts, add_draws))(random, fields)
     return fields

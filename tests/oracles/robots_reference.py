@@ -199,9 +199,20 @@ class TeamReference:
             probability /= len(each)
         for steps in itertools.product(*moves):
             after = (*values[: shift + base.first_mover], *steps)
-            yield self._ended(
-                state, actions, landings, probability, there, after, rewards, added, kept, collided
-            )
+            for share in self._drawn_in(there):
+                chance = probability * share
+                yield self._ended(
+                    state, actions, landings, chance, there, after, rewards, added, kept, collided
+                )
+
+    def _drawn_in(self, cells: list[Cell]) -> Iterator[float]:
+        """Let the cells of robots have each of the rewards that they may have for them."""
+        if not cells:
+            yield 1.0
+            return
+        for share in self.alone[len(cells) - 1].drawn_in(cells[-1]):
+            for others in self._drawn_in(cells[:-1]):
+                yield share * others
 
     def _arrives(self, robot: int, values: list[int], cell: Cell) -> float | None:
         """Let a robot arrive in a cell; return the reward of an item that it takes."""

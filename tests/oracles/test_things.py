@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from oracles.random_things import Fields, add_diagonals, add_gusts, add_weights, random_level
+from oracles.random_things import (
+    Fields,
+    add_diagonals,
+    add_draws,
+    add_gusts,
+    add_weights,
+    random_level,
+)
 from oracles.things_reference import (
     EAST,
     FORWARD,
@@ -470,7 +477,7 @@ def compare_chances(add: Callable[[Random, Fields], None], seed: int) -> None:
         assert_same_tables(level.compile(), expected, actions=len(actions))
 
 
-CHANCES = [add_weights, add_gusts, add_diagonals]
+CHANCES = [add_weights, add_gusts, add_diagonals, add_draws]
 
 
 @pytest.mark.parametrize("add", CHANCES)

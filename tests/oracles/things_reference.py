@@ -228,13 +228,21 @@ class Reference:
         self.uncovered_reward: float = rewards.get("uncovered") or 0
 
         self.cell_reward: dict[Cell, float] = dict.fromkeys(self.cells, self.step_reward)
+        # The values of those of which one is drawn, with their shares.
+        self.lotteries: dict[Cell, list[tuple[float, float]]] = {}
         level_skid = fields.get("skid")
         self.skid = dict.fromkeys(self.cells, skid_of(0 if level_skid is None else level_skid))
         self.ending: set[Cell] = set()
         for area in fields.get("areas", []):
             for cell in rectangle(area):
                 if area.get("reward") is not None:
+                    self.lotteries.pop(cell, None)
                     self.cell_reward[cell] = area["reward"]
+                if isinstance(area.get("reward"), dict):
+                    values = area["reward"]["values"]
+                    weights = area["reward"].get("weights") or [1] * len(values)
+                    shares = [weight / sum(weights) for weight in weights]
+                    self.lotteries[cell] = [*zip(values, shares, strict=True)]
                 if area.get("skid") is not None:
                     self.skid[cell] = skid_of(area["skid"])
                 if area.get("ends") is True:
@@ -245,6 +253,7 @@ class Reference:
         for puddle in fields.get("puddles", []):
             cell, size = cell_of(puddle["at"]), puddle.get("size", "small")
             kind = types.get(size, {})
+            self.lotteries.pop(cell, None)
             self.cell_reward[cell] = kind.get("reward", PUDDLE_REWARD[size])
             self.skid[cell] = skid_of(kind.get("skid", PUDDLE_SKID[size]))
 
@@ -687,6 +696,14 @@ class Reference:
                 return self.farther_reward
         return self.cell_reward[there]
 
+    def drawn_in(self, cell: Cell) -> Iterator[float]:
+        """Let a cell have each of the rewards that it may have; yield how likely that is."""
+        if cell not in self.lotteries:
+            yield 1.0
+        for value, share in self.lotteries.get(cell, ()):
+            self.cell_reward[cell] = value
+            yield share
+
     def step(self, pair: Pair, action: int) -> list[Result]:
         """Return what an action leads to from a pair in which the episode is not over."""
         configuration, cell = pair
@@ -706,9 +723,10 @@ class Reference:
                 for each in options:
                     probability /= len(each)
                 next_pair = ((*after[: self.first_mover], *moved), landing.cell)
-                reward = self.reward(action, pair, next_pair, landing, taken)
                 over = self.over(*next_pair) or (self.hit_ends and self.is_hit(pair, next_pair))
-                results.append(Result(probability, next_pair, reward, over))
+                for share in self.drawn_in(landing.cell):
+                    reward = self.reward(action, pair, next_pair, landing, taken)
+                    results.append(Result(probability * share, next_pair, reward, over))
         return results
 
     # States.

@@ -143,6 +143,9 @@ def add_cells(draw: DrawFn, world: World, width: int, height: int, free: list[Ce
             for _ in range(draw(st.integers(1, 3)))
         ]
         for area in areas:
+            if sometimes(draw, 4):
+                values = draw(st.lists(st.sampled_from([-2, 0, 0.5, 3]), min_size=2, max_size=3))
+                area["reward"] = {"values": values}
             if area.get("ends") and inside(area) & set(starts_of(world)):
                 area["ends"] = False
         world["areas"] = areas

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.envs.observations.base import BatchObserver, Extent, Observation, Observer
 from babyrobot_levels.language.base import SIDE_NAMES, SIDES
-from babyrobot_levels.language.cells import shifts
+from babyrobot_levels.language.cells import RandomReward, mean_of, shifts
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import FIXED_STATES
 from babyrobot_levels.language.things import SHAPES
@@ -207,13 +207,15 @@ class PlaneObserver(Observer):
     def _paint_rewards(self, rewards: Floats, now: Configuration) -> None:
         """Write the rewards of items, exits and warps, of which the last counts."""
         level = self._level
-        paid = [(place, item.reward) for item, place in zip(level.items, now.items, strict=True)]
+        paid: list[tuple[Cell | None, float | RandomReward | None]] = [
+            (place, item.reward) for item, place in zip(level.items, now.items, strict=True)
+        ]
         if now.exit_is_open:
             paid += zip(now.exits, exit_rewards(level, now.exits), strict=True)
         paid += [(warp.at, warp.reward) for warp in level.warps if warp.when == "enter"]
         for cell, reward in paid:
             if cell is not None and reward is not None:
-                rewards[cell[1], cell[0]] = squashed(reward)
+                rewards[cell[1], cell[0]] = squashed(mean_of(reward))
 
 
 class PlaneTable(BatchObserver):

@@ -24,7 +24,7 @@ from babyrobot_levels.language.kinds import LISTED, LOOKS, THINGS, Kind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
-from babyrobot_levels.mdp.ground import RULES
+from babyrobot_levels.mdp.ground import RULES, build_ground
 from babyrobot_levels.mdp.tables import Ints
 from babyrobot_levels.render.words.phrases import with_limit
 
@@ -249,7 +249,7 @@ def _looks(level: GridWorld, kind: Kind) -> list[dict[str, Any]]:
 
 _PUDDLE_SIZES = {"small": 1, "large": 2}
 
-BLOCKED, WET, REWARD, SKID, RULE, ENDS, WARP = range(7)
+BLOCKED, WET, REWARD, RANDOM, SKID, RULE, ENDS, WARP = range(8)
 """The columns of the table of properties."""
 
 
@@ -263,9 +263,9 @@ def _common_cells(before: GridWorld, after: GridWorld) -> tuple[Ints, Ints]:
 def cell_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Changes:
     """Return the cells with other properties: blocked, wet, slippery, costly, ending, warping."""
     cells = _common_cells(before, after)
-    warps: list[dict[str, Any]] = []
+    known: list[dict[str, Any]] = []
     tables = [
-        _properties(level, where, warps)
+        _properties(level, where, known)
         for level, where in zip((before, after), cells, strict=True)
     ]
     # What is not given is nan, and equal to itself.
@@ -273,21 +273,28 @@ def cell_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Chan
     width = min(before.size[0], after.size[0])
 
     def describe(place: int) -> Change:
-        one, two = (_cell_data(table[place], warps) for table in tables)
+        one, two = (_cell_data(table[place], known) for table in tables)
         return Change(one, two, (place % width, place // width))
 
     places = np.flatnonzero(~equal.all(axis=1)).tolist()
     return Changes.of(places, len(cells[0]), describe, limit)
 
 
-def _properties(level: GridWorld, cells: Ints, warps: list[dict[str, Any]]) -> NDArray[np.float64]:
+def _properties(level: GridWorld, cells: Ints, known: list[dict[str, Any]]) -> NDArray[np.float64]:
     """Return what is special about each cell, `[cells, properties]`; nan for nothing special.
 
-    Warps are told by their numbers in `warps`, to which new ones are added.
+    Warps, and rewards that are drawn, are told by their numbers in `known`, to which new ones are
+    added.
     """
+
+    def number(data: dict[str, Any]) -> int:
+        if data not in known:
+            known.append(data)
+        return known.index(data)
+
     grid = level.grid()
     terrain = build_terrain(level, grid)
-    table = np.full((terrain.reward.size, 7), np.nan)
+    table = np.full((terrain.reward.size, 8), np.nan)
     skid = as_skid(level.skid if level.skid is not None else 0.0)
     rule = RULES.index(SkidRule(skid.to))
     is_usual = (terrain.skid == skid.probability) & ((terrain.rule == rule) | (terrain.skid == 0))
@@ -297,18 +304,18 @@ def _properties(level: GridWorld, cells: Ints, warps: list[dict[str, Any]]) -> N
         table[_number(puddle.at, level), WET] = _PUDDLE_SIZES[puddle.size]
     own = free & (terrain.reward != level.rewards.step)
     table[own, REWARD] = terrain.reward[own]
+    for cell, reward in build_ground(level).random.items():
+        if free[cell]:
+            table[cell, RANDOM] = number(plain(reward))
     own = free & ~is_usual
     table[own, SKID], table[own, RULE] = terrain.skid[own], terrain.rule[own]
     table[free & terrain.over & ~terrain.exit, ENDS] = 1
     for warp in level.warps:
-        data = _warp_data(warp)
-        if data not in warps:
-            warps.append(data)
-        table[_number(warp.at, level), WARP] = warps.index(data)
+        table[_number(warp.at, level), WARP] = number(_warp_data(warp))
     return table[cells]
 
 
-def _cell_data(row: NDArray[np.float64], warps: list[dict[str, Any]]) -> dict[str, Any]:
+def _cell_data(row: NDArray[np.float64], known: list[dict[str, Any]]) -> dict[str, Any]:
     """Return a row of the table of properties as plain data."""
     given = {column: value for column, value in enumerate(row.tolist()) if value == value}
     data: dict[str, Any] = {}
@@ -318,12 +325,14 @@ def _cell_data(row: NDArray[np.float64], warps: list[dict[str, Any]]) -> dict[st
         data["puddle"] = [*_PUDDLE_SIZES][int(given[WET]) - 1]
     if REWARD in given:
         data["reward"] = given[REWARD]
+    if RANDOM in given:
+        data["reward"] = known[int(given[RANDOM])]
     if SKID in given:
         data["skid"] = {"probability": given[SKID], "to": RULES[int(given[RULE])].value}
     if ENDS in given:
         data["ends"] = True
     if WARP in given:
-        data["warp"] = warps[int(given[WARP])]
+        data["warp"] = known[int(given[WARP])]
     return data
 
 

@@ -33,7 +33,7 @@ from babyrobot_levels.extensions.formats.conversion import (
     truncated,
 )
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.cells import as_skid
+from babyrobot_levels.language.cells import as_skid, mean_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.ground import exit_rewards
 from babyrobot_levels.text.source import SourceFile
@@ -194,7 +194,7 @@ def write_frozen_lake(level: Level) -> Conversion:
             lost.append(Lost("skid.to", "moves slip to the sides only"))
         if abs(1 - skid.probability - USUAL_RATE) > 1e-12:
             keywords["success_rate"] = round(1 - skid.probability, 12)
-    goals = {*exit_rewards(level, level.exits)}
+    goals = {*map(mean_of, exit_rewards(level, level.exits))}
     if len(goals) > 1:
         lost.append(Lost("rewards.exit", "all goals have one reward: the highest"))
     schedule = (float(max(goals, default=0.0)), hole, level.rewards.step)
@@ -216,7 +216,7 @@ def write_frozen_lake(level: Level) -> Conversion:
 def _hole_reward(level: Level) -> float:
     """Return the reward that all areas that end the episode share, else that of a step."""
     step = level.rewards.step
-    rewards = {step if a.reward is None else a.reward for a in level.areas if a.ends}
+    rewards = {step if a.reward is None else mean_of(a.reward) for a in level.areas if a.ends}
     return rewards.pop() if len(rewards) == 1 else step
 
 

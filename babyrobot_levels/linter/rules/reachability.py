@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.cells import mean_of
 from babyrobot_levels.language.fields import as_cells
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.context import LintContext
@@ -369,7 +370,7 @@ def _source_of_reward(context: LintContext, cells: set[tuple[int, int]]) -> Rout
     for number, area in context.level.written("areas"):
         (x, y), (columns, rows) = area.at, area.size
         covered = any(x <= a < x + columns and y <= b < y + rows for a, b in cells)
-        if (area.reward or 0) > 0 and covered:
+        if mean_of(area.reward or 0) > 0 and covered:
             return ("areas", number)
     for number, warp in enumerate(context.level.warps):
         leads = [] if isinstance(warp.to, str) else as_cells(warp.to)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.cells import RandomReward
 from babyrobot_levels.language.things import hit_reward
 from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, cells_text
@@ -95,11 +96,15 @@ def _other_rewards(context: LintContext, name: str) -> set[float | None]:
         0.0,
         *rewards.values(),
         *puddles,
-        *(area.reward for area in level.areas),
+        *(value for area in level.areas for value in _values(area.reward)),
         *(warp.reward for warp in level.warps),
         *(item.reward for item in level.items),
         level.hit.reward,
     }
+
+
+def _values(reward: float | RandomReward | None) -> tuple[float | None, ...]:
+    return reward.values if isinstance(reward, RandomReward) else (reward,)
 
 
 def _is_surely_given(context: LintContext, name: str) -> bool:

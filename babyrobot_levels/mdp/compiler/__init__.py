@@ -98,15 +98,16 @@ class _Cells:
         for part in parts_of(count):
             plain = plain_branches(air.given, terrain, warps, part)
             next_state = self.arrivals.next_states(plain)
-            # A plain row whose end is drawn is a chance too.
-            lost = next_state < 0
+            # A plain row whose end is drawn, or its reward, is a chance too.
+            lost = self.arrivals.is_drawn(next_state)
             rows, branches = chance_branches(air, terrain, warps, part)
             sure = ~(lost | rows.ravel())
             chances, ends = ended(
                 branches.joined(plain.select(lost & ~rows.ravel())), self.arrivals
             )
             # Before equal ones are merged: rewards decide nothing.
-            width = int(np.bincount(chances.row - plain.row[0]).max(initial=0))
+            sizes = None if terrain.draws is None else terrain.draws.count(ends)
+            width = int(np.bincount(chances.row - plain.row[0], sizes).max(initial=0))
             check_room(self.level, count, max(1, width))
             budget.spend(STEPS * (part.stop - part.start) * max(1, width))
             yield plain.select(sure), next_state[sure], chances, ends
@@ -123,11 +124,12 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
     room = Room(count, 1 + level.moves, most_columns(level, count))
     for plain, next_state, chances, ends in cells.branches():
         first = np.zeros(plain.row.size, np.int8)
-        reward, over = rewards_of(plain, next_state), terrain.over[next_state]
+        (*_, reward), over = rewards_of(plain, next_state), terrain.over[next_state]
         room.put(Outcomes(plain.row, first, plain.probability, next_state, reward, over))
         if chances.row.size:
-            reward = rewards_of(chances, ends)
-            room.put(merged(chances.row, chances.probability, ends, reward, terrain.over[ends]))
+            which, chance, reward = rewards_of(chances, ends)
+            row, probability, ends = chances.row[which], chances.probability[which], ends[which]
+            room.put(merged(row, probability * chance, ends, reward, terrain.over[ends]))
 
     obstruction, intended = obstructions(cells.air, terrain, cells.warps)
     start = np.zeros(count)

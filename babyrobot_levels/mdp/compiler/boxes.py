@@ -27,6 +27,7 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     Branches,
     Room,
     chance_branches,
+    draw,
     ended,
     exit_reward,
     merged,
@@ -286,16 +287,18 @@ class Boxes:
                 "hit": (hit, self.level.hit.reward),
             }
         )
+        which, share, reward = draw(pay, self.level.rewards, terrain, next_cell)
+        following = (after * self.joints + next_joint) * self.size + next_cell
         obstruction, intended = obstructions(air, terrain, warps)
         return _Part(
             pairs=pairs,
             obstruction=obstruction,
             intended=intended,
-            row=row,
-            probability=probability,
-            following=(after * self.joints + next_joint) * self.size + next_cell,
-            reward=pay.reward + added,
-            terminal=over | solved | (hit & self.level.hit.ends),
+            row=row[which],
+            probability=probability[which] * share,
+            following=following[which],
+            reward=reward + added[which],
+            terminal=(over | solved | (hit & self.level.hit.ends))[which],
         )
 
     def _after(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from array import array
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import prod
 from typing import Any, NamedTuple
@@ -486,16 +486,7 @@ def build_layer_ground(
     grid = grid_with_doors(level, open_grid, closed)
     count, actions = grid.width * grid.height, 1 + level.moves
     painted = build_terrain(level, grid, exits)
-    nowhere = np.zeros(count, bool)
-    terrain = Terrain(
-        painted.skid,
-        painted.rule,
-        painted.reward,
-        nowhere,
-        painted.ends,
-        painted.ends,
-        painted.distance,
-    )
+    terrain = replace(painted, exit=np.zeros(count, bool), over=painted.ends)
     air, warps = build_air(level, grid), build_warps(level, grid)
     arrivals = Arrivals(level.rewards, terrain, warps, air.given.here, actions)
     kinds = (np.intc, np.intc, np.intc, float, np.int32, bool, float, np.int8, bool)

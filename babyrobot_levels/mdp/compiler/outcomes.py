@@ -55,6 +55,32 @@ def exit_reward(rewards: Rewards, terrain: Terrain, cell: Ints) -> Floats | floa
     return terrain.reward[cell] if isinstance(rewards.exit, str) else rewards.exit
 
 
+def draw(
+    pay: Pay, rewards: Rewards, terrain: Terrain, cell: Ints
+) -> tuple[Ints | slice, Floats | float, Floats]:
+    """Draw the rewards that ends of steps pay for their cells.
+
+    Args:
+        pay: what each of the ends pays.
+        rewards: the rewards of the level.
+        terrain: its terrain.
+        cell: the cell of each end.
+
+    Returns:
+        which of the ends, how likely it is there, and the reward, of each draw.
+    """
+    draws = terrain.draws
+    if draws is None:
+        return slice(None), 1.0, pay.reward
+    by_cell = pay.rank == RANKS["step"]
+    if isinstance(rewards.exit, str):
+        by_cell |= pay.rank == RANKS["exit"]
+    number = np.where(by_cell, draws.number[cell], 0)
+    end, draw = expanded(draws.begin[number], draws.begin[number + 1])
+    reward = np.where(number[end] > 0, draws.value[draw], pay.reward[end])
+    return end, draws.chance[draw], reward
+
+
 @dataclass(frozen=True, eq=False)
 class Arrivals:
     """Computes where branches end, and their rewards."""
@@ -71,10 +97,19 @@ class Arrivals:
         stays = (action == Action.STAY) | self.terrain.over[state]
         return np.where(stays, branches.landing, self.warps.arrive[branches.landing])
 
-    def rewards_of(self, branches: Branches, next_state: Ints) -> Floats:
-        """Return the rewards of branches that end on `next_state`."""
-        bounced = (branches.happened & BOUNCED) != 0
-        return self.pay(branches, next_state).reward + np.where(bounced, self.rewards.bounce, 0.0)
+    def rewards_of(
+        self, branches: Branches, next_state: Ints
+    ) -> tuple[Ints | slice, Floats | float, Floats]:
+        """Draw the rewards of branches that end on `next_state`: see `draw`."""
+        pay = self.pay(branches, next_state)
+        which, chance, reward = draw(pay, self.rewards, self.terrain, next_state)
+        bounced = (branches.happened[which] & BOUNCED) != 0
+        return which, chance, reward + np.where(bounced, self.rewards.bounce, 0.0)
+
+    def is_drawn(self, next_state: Ints) -> Flags:
+        """Return whether a lot decides on next cells, or on the rewards of these."""
+        is_drawn, draws = next_state < 0, self.terrain.draws
+        return is_drawn if draws is None else is_drawn | (draws.number[next_state] > 0)
 
     def pay(self, branches: Branches, next_state: Ints) -> Pay:
         """Return what branches pay that end on `next_state`, whatever things there are.
@@ -103,7 +138,10 @@ class Arrivals:
             warped = np.where(action == Action.STAY, np.nan, self.warps.reward[branches.landing])
             applies["warp"] = ~np.isnan(warped), warped
         pay.add(applies)
-        np.copyto(pay.reward, 0.0, where=self.terrain.over[state])
+        over = self.terrain.over[state]
+        np.copyto(pay.reward, 0.0, where=over)
+        # That is no reward of a cell.
+        np.copyto(pay.rank, np.int8(0), where=over)
         return pay
 
     def _is_nearer(self, one: Ints, other: Ints) -> Flags:

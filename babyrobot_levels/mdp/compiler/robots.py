@@ -24,7 +24,7 @@ from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.layers import Ground, TooManyStates, Ways, build_layer_ground
 from babyrobot_levels.mdp.compiler.meetings import hindered, meetings
 from babyrobot_levels.mdp.compiler.movers import Crowd
-from babyrobot_levels.mdp.compiler.outcomes import RANKS, Pay, exit_reward
+from babyrobot_levels.mdp.compiler.outcomes import RANKS, Pay, draw, exit_reward
 from babyrobot_levels.mdp.compiler.terrain import obstructions
 from babyrobot_levels.mdp.configurations import MAX_STATES, MAX_WIDE_STATES, Things, Values
 from babyrobot_levels.mdp.graph import differs, expanded
@@ -274,7 +274,7 @@ class Robots:
         self._change_things(ends)
         self._move_movers(scene, ends)
         leaves, over = self._arrivals(scene, ends)
-        shares = self._shares(scene, ends, leaves)
+        which, chance, shares = self._shares(scene, ends, leaves)
         gone = (ends.away | leaves).astype(np.int16)
         ends.values[:, self._columns.start] = gone[0]
         for number in range(1, self.count):
@@ -285,11 +285,11 @@ class Robots:
             states,
             obstruction,
             intended,
-            states[ends.pair] * self.actions + ends.action,
-            ends.probability,
-            self._encoded(ends.values, ends.joint, ends.there[0]),
+            (states[ends.pair] * self.actions + ends.action)[which],
+            ends.probability[which] * chance,
+            self._encoded(ends.values, ends.joint, ends.there[0])[which],
             shares,
-            over,
+            over[which],
         )
 
     def _taken(self, action: Ints) -> Ints:
@@ -425,26 +425,33 @@ class Robots:
             over |= (ends.away | leaves)[self._has_exit].all(axis=0)
         return leaves, over
 
-    def _shares(self, scene: _Scene, ends: _Ends, leaves: Flags) -> Floats:
-        """Return what each robot gets, `[ends, robots]`."""
+    def _shares(self, scene: _Scene, ends: _Ends, leaves: Flags) -> tuple[Ints, Floats, Floats]:
+        """Draw what each robot gets: which ends, how likely, and the shares, `[draws, robots]`."""
         level = self.level
         solved: Flags = np.zeros(ends.pair.size, bool)
         if level.ends_covered:
             solved = np.all(ends.values[:, self._targets], axis=1)
-        shares = np.empty((ends.pair.size, self.count))
+        end, chances = np.arange(ends.pair.size), np.ones(ends.pair.size)
+        shares = np.empty((end.size, self.count))
         for number, pay in enumerate(ends.pay):
+            terrain, there, away = (
+                scene.grounds[number].terrain,
+                ends.there[number],
+                ends.away[number],
+            )
             applies: dict[str, tuple[Flags, Floats | float]] = {
-                "exit": (
-                    leaves[number] | solved,
-                    exit_reward(level.rewards, scene.grounds[number].terrain, ends.there[number]),
-                ),
+                "exit": (leaves[number] | solved, exit_reward(level.rewards, terrain, there)),
                 "hit": (ends.hit[number], level.hit.reward),
             }
             if level.rewards.meet is not None:
                 applies["meet"] = ends.met[number], level.rewards.meet
             pay.add(applies)
-            shares[:, number] = np.where(ends.away[number], 0.0, pay.reward + ends.added[number])
-        return shares
+            # What is away gets nothing, which is no reward of a cell.
+            pay.rank[away] = 0
+            which, chance, reward = draw(pay.of(end), level.rewards, terrain, there[end])
+            end, chances, shares = end[which], chances[which] * chance, shares[which]
+            shares[:, number] = np.where(away[end], 0.0, reward + ends.added[number, end])
+        return end, chances, shares
 
     def _hindrances(self, scene: _Scene, cell: Ints, away: Flags) -> tuple[NDArray[np.int8], Ints]:
         """Return what hinders each joint action, and where it leads the first robot."""

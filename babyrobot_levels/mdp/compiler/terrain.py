@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.language.cells import Warp, gusts, shifts
+from babyrobot_levels.language.cells import RandomReward, Warp, gusts, shifts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import DELTAS, NUM_MOVES, Action
 from babyrobot_levels.mdp.configurations import check_room
@@ -21,18 +22,52 @@ from babyrobot_levels.text import budget
 
 
 @dataclass(frozen=True, eq=False)
+class Draws:
+    """The rewards that are drawn.
+
+    Attributes:
+        number: `[cells]`: which of the rewards a cell has; 0 for one that is not drawn.
+        begin: `[rewards + 1]`: where the values of each reward begin; reward 0 has one of them.
+        value: the values.
+        chance: the probability of each.
+    """
+
+    number: Ints
+    begin: Ints
+    value: Floats
+    chance: Floats
+
+    def count(self, cell: Ints) -> Ints:
+        """Return how many values the rewards of cells have."""
+        count: Ints = np.diff(self.begin)[self.number[cell]]
+        return count
+
+
+def _build_draws(random: Mapping[int, RandomReward], cells: int) -> Draws | None:
+    if not random:
+        return None
+    numbers = {reward: number for number, reward in enumerate(dict.fromkeys(random.values()), 1)}
+    number = np.zeros(cells, np.int64)
+    number[[*random]] = [numbers[reward] for reward in random.values()]
+    chances = [((0.0, 1.0),), *(reward.chances for reward in numbers)]
+    value, chance = np.array([each for row in chances for each in row]).T
+    return Draws(number, np.cumsum([0, *map(len, chances)]), value, chance)
+
+
+@dataclass(frozen=True, eq=False)
 class Terrain:
     """Arrays `[states]`; a state is a cell, numbered row by row.
 
     Attributes:
         skid: the probability that a move out of the cell goes astray.
         rule: where it goes then, an index into `RULES`.
-        reward: the reward of standing on the cell after a step.
+        reward: the reward of standing on the cell after a step; of one that is drawn, the mean.
         exit: whether the cell is an exit.
         ends: whether the episode is over there, exits left out: a cell that ends it, or blocked.
         over: whether the episode is over there: an exit, a cell that ends it, a blocked cell.
         distance: the squared straight-line distance to the nearest exit; None where there is no
             exit, or no reward asks for it.
+        draws: the rewards that are drawn; None if there are none.
     """
 
     skid: NDArray[np.float64]
@@ -42,6 +77,7 @@ class Terrain:
     ends: NDArray[np.bool_]
     over: NDArray[np.bool_]
     distance: NDArray[np.int64] | None
+    draws: Draws | None = None
 
 
 def build_terrain(
@@ -69,6 +105,7 @@ def build_terrain(
         ends,
         ends | is_exit.ravel(),
         _squared_distance(is_exit).ravel() if exit_cells and shaped else None,
+        _build_draws(ground.random, is_exit.size),
     )
 
 

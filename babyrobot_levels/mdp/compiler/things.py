@@ -20,7 +20,7 @@ from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.boxes import Boxes
 from babyrobot_levels.mdp.compiler.layers import ON, Ground, Layer, Layers, TooManyStates, Ways
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
-from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, exit_reward, merged
+from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, draw, exit_reward, merged
 from babyrobot_levels.mdp.compiler.robots import Robots
 from babyrobot_levels.mdp.compiler.terrain import build_warps, obstructions
 from babyrobot_levels.mdp.configurations import (
@@ -235,12 +235,15 @@ class _Compiler:
             leaves = self.is_open[layer_after] & is_exit[ends.next_cell]
             configuration = self.number[own, joint[part][ends.pair]]
             state = configuration * self.size + cell[part][ends.pair]
+            which, share, paid = self._rewards(ground, ends, item, leaves)
+            following = self.number[layer_after, ends.joint] * self.size + ends.next_cell
+            over = leaves | ground.terrain.ends[ends.next_cell] | (ends.hit & self.level.hit.ends)
             yield merged(
-                state * self.actions + ends.action,
-                ends.probability,
-                self.number[layer_after, ends.joint] * self.size + ends.next_cell,
-                self._rewards(ground, ends, item, leaves),
-                leaves | ground.terrain.ends[ends.next_cell] | (ends.hit & self.level.hit.ends),
+                (state * self.actions + ends.action)[which],
+                ends.probability[which] * share,
+                following[which],
+                paid,
+                over[which],
             )
 
     def _ends(self, ground: Ground, ways: Ways | None, joint: Ints, cell: Ints) -> _Ends:
@@ -263,8 +266,10 @@ class _Compiler:
         hit = self.layers.crowd.crowded.hits(before, cell[pair], after, next_cell)
         return _Ends(pair, action, branch, probability, next_cell, after, hit)
 
-    def _rewards(self, ground: Ground, ends: _Ends, item: Floats, leaves: Flags) -> Floats:
-        """Return the rewards of ends: of those of the ground and those of things the first."""
+    def _rewards(
+        self, ground: Ground, ends: _Ends, item: Floats, leaves: Flags
+    ) -> tuple[Ints | slice, Floats | float, Floats]:
+        """Draw the rewards of ends: of those of the ground and those of things the first."""
         pay = ground.pay.of(ends.branch)
         pay.add(
             {
@@ -273,7 +278,9 @@ class _Compiler:
                 "hit": (ends.hit, self.level.hit.reward),
             }
         )
-        return pay.reward + np.where(ground.bounced[ends.branch], self.level.rewards.bounce, 0.0)
+        which, chance, reward = draw(pay, self.level.rewards, ground.terrain, ends.next_cell)
+        bounced = ground.bounced[ends.branch[which]]
+        return which, chance, reward + np.where(bounced, self.level.rewards.bounce, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

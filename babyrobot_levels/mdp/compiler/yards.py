@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -69,14 +69,11 @@ class Yard:
         """Return what cells do: by pairs to who leaves them, by cells to who comes there."""
         terrain, warps = self.terrain, self.warps
         return (
-            Terrain(
-                terrain.skid[cell],
-                terrain.rule[cell],
-                terrain.reward,
-                terrain.exit,
-                terrain.ends,
-                np.zeros(cell.size, bool),
-                terrain.distance,
+            replace(
+                terrain,
+                skid=terrain.skid[cell],
+                rule=terrain.rule[cell],
+                over=np.zeros(cell.size, bool),
             ),
             warps.left_from(cell),
         )
@@ -200,15 +197,7 @@ def build_yard(level: LevelFields, grid: Grid, exits: tuple[Cell, ...], ways: Wa
         open=moves.open,
         glass=moves.glass,
         slides=moves.open & ~barred[beyond],
-        terrain=Terrain(
-            painted.skid,
-            painted.rule,
-            painted.reward,
-            np.zeros(size, bool),
-            painted.ends,
-            painted.ends,
-            painted.distance,
-        ),
+        terrain=replace(painted, exit=np.zeros(size, bool), over=painted.ends),
         warps=build_warps(level, grid),
         is_exit=painted.exit,
         ways=ways,

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from babyrobot_levels.language.base import SIDE_NAMES
+from babyrobot_levels.language.cells import mean_of
 from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Item, Target
@@ -229,10 +230,10 @@ def goal_of(level: GridWorld) -> str:
         LevelError: the maze has no seed yet (`seed: random`).
     """
     good = [ground for ground in grounds_of(level) if ground.end is not None and ground.end.is_good]
-    best = max((ground.reward for ground in good), default=0.0)
-    exits = exit_rewards(level, level.exits or [level.starts[0]])
+    best = max((mean_of(ground.reward) for ground in good), default=0.0)
+    exits = [*map(mean_of, exit_rewards(level, level.exits or [level.starts[0]]))]
     if good and (best > max(exits) or not level.has_goal):
-        return _reach({ground.name for ground in good if ground.reward == best}, best)
+        return _reach({ground.name for ground in good if mean_of(ground.reward) == best}, best)
     if level.ends_covered:
         push = "Move a robot onto" if level.robots else "Push a box onto"
         return f"{push} {'each' if level.targets[1:] else 'the'} target."

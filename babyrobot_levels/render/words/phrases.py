@@ -3,7 +3,7 @@
 import colorsys
 from collections.abc import Iterable, Sequence
 
-from babyrobot_levels.language.cells import Skid
+from babyrobot_levels.language.cells import RandomReward, Skid
 from babyrobot_levels.language.drawing import consecutive
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import show_cell
@@ -14,6 +14,9 @@ from babyrobot_levels.text.words import listed
 
 LONGEST_NAME = 28
 """The most characters of a name or label in a text."""
+
+MOST_WEIGHED = 4
+"""The most of which one is drawn that are told with how often each is."""
 
 _NEAR = 1e-6
 _ROUND = (10, 3, 4, 1)
@@ -55,16 +58,23 @@ def amount(value: float) -> str:
     return f"{abs(value):,.6g}"
 
 
-def reward(value: float) -> str:
-    """Return what a reward does: `pays 10`, `costs 4`."""
+def reward(value: float | RandomReward) -> str:
+    """Return what a reward does: `pays 10`, `costs 4 (1 time in 2) or pays 10 (1 time in 2)`."""
+    if isinstance(value, RandomReward):
+        if len(value.values) > MOST_WEIGHED:
+            return f"{rewards(value.values)}, by chance"
+        told = [f"{reward(each)} ({chance(share)})" for each, share in value.chances]
+        return listed(told, "or")
     return f"{'costs' if value < 0 else 'pays'} {amount(value)}"
 
 
-def rewards(values: Iterable[float]) -> str:
+def rewards(values: Iterable[float | RandomReward]) -> str:
     """Return what rewards do of which one is given: `pays 2 to 6`."""
-    least, most = min(found := list(values)), max(found)
-    if least == most:
-        return reward(least)
+    first, *others = values = list(values)
+    if all(each == first for each in others):
+        return reward(first)
+    rows = [each.values if isinstance(each, RandomReward) else (each,) for each in values]
+    least, most = min(map(min, rows)), max(map(max, rows))
     if least < 0 < most:
         return f"costs up to {amount(least)} or pays up to {amount(most)}"
     first, last = sorted((abs(least), abs(most)))

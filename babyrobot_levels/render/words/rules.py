@@ -11,7 +11,17 @@ from dataclasses import dataclass, replace
 from itertools import compress, islice
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.language.cells import Area, Skid, Told, Warp, Wind, as_skid, shifts
+from babyrobot_levels.language.cells import (
+    Area,
+    RandomReward,
+    Skid,
+    Told,
+    Warp,
+    Wind,
+    as_skid,
+    mean_of,
+    shifts,
+)
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.things import Door, Item, Mover
@@ -43,7 +53,7 @@ class Ground:
 
     cells: tuple[int, ...]
     name: str
-    reward: float
+    reward: float | RandomReward
     skid: Skid | None
     end: End | None
     warp: Warp | None
@@ -128,9 +138,6 @@ def _ground(
 MOST = 20
 """The most rules that are told: pages take no more from links."""
 
-_MOST_WEIGHED = 4
-"""The most cells of which it is told how often each is drawn."""
-
 _MOST_GROUNDS = 6
 """The most kinds of ground that are told one by one."""
 
@@ -177,10 +184,12 @@ def rules_of(level: GridWorld, *, drawn: bool = True) -> tuple[Rule, ...]:
 def _told(level: GridWorld, drawn: bool) -> Rules:
     grounds = [*grounds_of(level)]
     ends = sorted(
-        (ground for ground in grounds if ground.end is not None), key=lambda ground: -ground.reward
+        (ground for ground in grounds if ground.end is not None),
+        key=lambda ground: -mean_of(ground.reward),
     )
     others = sorted(
-        (ground for ground in grounds if ground.end is None), key=lambda ground: -abs(ground.reward)
+        (ground for ground in grounds if ground.end is None),
+        key=lambda ground: -abs(mean_of(ground.reward)),
     )
     yield from _exits(level)
     yield from _robots(level)
@@ -216,7 +225,7 @@ def _told(level: GridWorld, drawn: bool) -> Rules:
 
 def _weighed(cells: Sequence[tuple[int, int]], weights: Sequence[float]) -> str:
     """Return cells of which one is drawn, with how often each is, unless there are many."""
-    if len(cells) > _MOST_WEIGHED:
+    if len(cells) > phrases.MOST_WEIGHED:
         return f"one of {len(cells):,} cells, some more often than others"
     total = sum(weights)
     told = zip(cells, weights, strict=True)

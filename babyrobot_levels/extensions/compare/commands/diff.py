@@ -338,7 +338,7 @@ def _cell_words(properties: dict[str, Any]) -> str:
         elif name == "puddle":
             words.append(f"{value} puddle")
         elif name == "reward":
-            words.append(f"reward {value:g}")
+            words.append(f"reward {_reward(value)}")
         elif name == "skid":
             to = "" if value["to"] == "open" else f" to {value['to']}"
             words.append(f"skid {value['probability']:g}{to}")
@@ -352,6 +352,14 @@ def _cell_words(properties: dict[str, Any]) -> str:
             reward = f" with reward {value['reward']:g}" if "reward" in value else ""
             words.append(f"warp to {to}{leaving}{reward}")
     return ", ".join(words) or "plain"
+
+
+def _reward(reward: Any) -> str:
+    """Return a reward in words: a number, or values of which one is drawn."""
+    if not isinstance(reward, dict):
+        return f"{reward:g}"
+    weights = f" with weights {reward['weights']}" if "weights" in reward else ""
+    return f"{listed([f'{each:g}' for each in reward['values']], 'or')}{weights}"
 
 
 def _target(to: Any) -> str:
