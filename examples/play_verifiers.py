@@ -27,7 +27,7 @@ PROMPT = (
 class LevelsConfig(vf.TasksetConfig):
     suite: str = "text-easy"
     split: str = "validation"
-    sight: Literal["map", "view", "words"] = "map"
+    sight: Literal["map", "view", "words", "picture"] = "map"
     seed: int = 0
 
 
@@ -57,6 +57,14 @@ class Levels(vf.Taskset[LevelTask, LevelsConfig]):
             yield LevelTask(data, config.task)
 
 
+def message_of(text: str, data_url: str | None) -> vf.UserMessage:
+    """Return what is told, with the picture if there is one."""
+    if data_url is None:
+        return vf.UserMessage(content=text)
+    picture = vf.ImageUrlContentPart(image_url=vf.ImageUrlSource(url=data_url))
+    return vf.UserMessage(content=[vf.TextContentPart(text=text), picture])
+
+
 class EpisodesConfig(vf.EnvConfig):
     player: vf.AgentConfig = vf.AgentConfig(
         # A model that only answers, so it needs no container.
@@ -75,7 +83,7 @@ class Episodes(vf.Env[EpisodesConfig]):
         shown = world.reset(seed=task.data.seed)
         async with agents.player.interaction(task) as interaction:
             while not world.done:
-                segment = await interaction.turn(shown)
+                segment = await interaction.turn([message_of(shown, world.data_url)])
                 if segment.terminated:
                     break
                 word = segment.last_reply.lower()

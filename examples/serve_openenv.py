@@ -22,6 +22,7 @@ class Move(Action):
 
 class Seen(Observation):
     text: str
+    picture: str | None = None  # a data URL, with --sight picture
 
 
 class Levels(Environment[Move, Seen, State]):
@@ -44,13 +45,15 @@ class Levels(Environment[Move, Seen, State]):
         **others: Any,
     ) -> Seen:
         self._state = State(episode_id=episode_id)
-        return Seen(text=self._world.reset(seed=seed, level=self._suite.split(split)[index]))
+        text = self._world.reset(seed=seed, level=self._suite.split(split)[index])
+        return Seen(text=text, picture=self._world.data_url)
 
     def step(self, action: Move, timeout_s: float | None = None, **others: Any) -> Seen:
         world, before = self._world, self._world.reward
         text = world.wait() if action.move == "wait" else world.move(action.move)
         self._state.step_count = len(world.moves)
-        return Seen(text=text, reward=world.reward - before, done=world.done)
+        reward, done = world.reward - before, world.done
+        return Seen(text=text, picture=world.data_url, reward=reward, done=done)
 
     @property
     def state(self) -> State:
@@ -69,7 +72,7 @@ class Levels(Environment[Move, Seen, State]):
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--suite", type=suite_of, default="text-easy", help="a name or a path")
-    parser.add_argument("--sight", choices=("map", "view", "words"), default="map")
+    parser.add_argument("--sight", choices=("map", "view", "words", "picture"), default="map")
     parser.add_argument("--port", type=at_least(0), default=8000)
     args = parser.parse_args()
     app = create_fastapi_app(

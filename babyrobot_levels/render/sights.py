@@ -1,7 +1,8 @@
 """What a player sees who gets a level as text: its rules, and the state of an episode.
 
-There are three sights: the whole drawing (`map`), what can be seen around the robot (`view`), or
-only sentences about the cells beside it (`words`).
+There are three sights of text: the whole drawing (`map`), what can be seen around the robot
+(`view`), or only sentences about the cells beside it (`words`). With a fourth one (`picture`), what
+is where is left to the picture that goes with the text.
 """
 
 import sys
@@ -26,6 +27,12 @@ from babyrobot_levels.render.words.rules import Rule, mover_names, rules_of, spo
 from babyrobot_levels.text.words import listed
 
 SIGHTS = ("map", "view", "words")
+
+PICTURE = "picture"
+"""The sight whose text does not tell what is where: a picture shows it."""
+
+MAX_PICTURE = 64
+"""The most columns, and rows, of a level that is seen as a picture."""
 
 RADIUS = 3
 """How many cells far a view goes, and movers are told of in words."""
@@ -57,12 +64,12 @@ class Narrator:
 
     Args:
         level: the level; a maze needs a seed.
-        sight: one of `SIGHTS`.
+        sight: one of `SIGHTS`, or `PICTURE`.
         seen: for `view`, which cells the robot sees.
         robot: the number of the one to which it is told, of several.
 
     Raises:
-        ValueError: the level is too large for its drawing to be shown.
+        ValueError: the level is too large for its drawing, or its picture, to be shown.
     """
 
     def __init__(self, level: GridWorld, sight: str, seen: Seen, robot: int = 0) -> None:
@@ -72,9 +79,14 @@ class Narrator:
                 f"a level of {columns} x {rows} cells is too large for sight='map', which has "
                 f"{MAX_MAP:,} cells at most; use sight='view'"
             )
+        if sight == PICTURE and max(columns, rows) > MAX_PICTURE:
+            raise ValueError(
+                f"a level of {columns} x {rows} cells is too large for sight='picture', in which "
+                f"cells are told apart up to {MAX_PICTURE} a side; use sight='view'"
+            )
         self._level, self._sight, self._seen, self._robot = level, sight, seen, robot
         self._painter = TextPainter(level, plain=True)
-        self._rules = rules_of(level, drawn=False)
+        self._rules = rules_of(level, drawn=sight == PICTURE)
         self._grounds = dict(self._named_cells())
 
     # -- rules -----------------------------------------------------------------------------
@@ -94,7 +106,7 @@ class Narrator:
             "Rules:",
             *(f"- {each}" for each in self._told_rules()),
         ]
-        if self._sight != "words":
+        if self._sight in ("map", "view"):
             lines += ["Signs:", *(f"- {sign}  {what}" for sign, what in self._signs().items())]
         return "\n".join(lines)
 
@@ -151,7 +163,8 @@ class Narrator:
             )
         paths = sys.maxsize if self._sight == "map" else 0
         walks = zip(level.movers, ways_of(level, longest=paths), strict=True)
-        yield from (way for mover, way in walks if mover.within is not None or paths)
+        if self._sight != PICTURE:
+            yield from (way for mover, way in walks if mover.within is not None or paths)
 
     def _precedence(self) -> str:
         """Return which of several rewards counts."""
@@ -251,6 +264,10 @@ class Narrator:
         """
         level, mdp = self._level, self._level.compile()
         now = level.configuration(mdp.configuration(state))
+        told = level.things().told(now.values)
+        has = [f"{met}: {spoken(names) or 'nothing'}" for met, names in told.items()]
+        if self._sight == PICTURE:
+            return "\n".join(["The picture shows what is where.", *has])
         cell = robot_cells(level, state)[self._robot]
         if self._sight == "map":
             lines = [
@@ -283,9 +300,7 @@ class Narrator:
             ]
         own = level.robots[self._robot].exit if level.robots else None
         lines.append(way_to_exit(level, cell, now if own is None else replace(now, exits=(own,))))
-        told = level.things().told(now.values)
-        lines += [f"{met}: {spoken(names) or 'nothing'}" for met, names in told.items()]
-        return "\n".join(lines)
+        return "\n".join([*lines, *has])
 
     def _place(self, cell: Cell, now: Configuration) -> Iterator[str]:
         """Yield where the robot is, and what it hides in a drawing."""

@@ -19,7 +19,8 @@ import babyrobot_levels as brl
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     script = EXAMPLES / "serve_openenv.py"
-    command = [sys.executable, str(script), "--suite", "text-easy", "--port", "0"]
+    options = ["--suite", "text-easy", "--sight", "picture", "--port", "0"]
+    command = [sys.executable, str(script), *options]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
         assert server.stderr is not None
         found = (re.search(r"running on (http://\S+)", line) for line in server.stderr)
@@ -28,7 +29,8 @@ def address() -> Iterator[str]:
 
 
 def test_an_episode_is_played_by_the_client(address: str) -> None:
-    world = brl.TextWorld(brl.load_suite("text-easy").split("train")[1], reward="advantage")
+    level = brl.load_suite("text-easy").split("train")[1]
+    world = brl.TextWorld(level, sight="picture", reward="advantage")
     with GenericEnvClient(base_url=address).sync() as client:
         result = client.reset(seed=3, split="train", index=1)
         assert result.observation["text"] == world.reset(seed=3)
@@ -37,6 +39,7 @@ def test_an_episode_is_played_by_the_client(address: str) -> None:
             result = client.step({"move": move})
             text = world.wait() if move == "wait" else world.move(move)
             assert result.observation["text"] == text
+            assert result.observation["picture"] == world.data_url
             assert result.reward == pytest.approx(world.moves[-1].advantage)
         assert result.done
         assert client.state()["step_count"] == 50

@@ -16,6 +16,7 @@ from support.places import EXAMPLES
 from support.subprocesses import python
 
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.scoring.conversations import content_of
 
 REPLIES = ("south", "to the left", "East")
 
@@ -57,7 +58,7 @@ def server() -> Iterator[ThreadingHTTPServer]:
         found.shutdown()
 
 
-def test_a_model_plays_a_level(
+def test_a_model_that_sees_plays_a_level(
     server: ThreadingHTTPServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # verifiers starts the program that asks the model by uv.
@@ -65,7 +66,7 @@ def test_a_model_plays_a_level(
     done = python(
         EXAMPLES / "play_verifiers.py",
         *("--model", "tiny", "--client.base-url", f"http://127.0.0.1:{server.server_port}/v1"),
-        *("-n", "1", "--env.taskset.sight", "words", "--env.player.max-turns", str(len(REPLIES))),
+        *("-n", "1", "--env.taskset.sight", "picture", "--env.player.max-turns", str(len(REPLIES))),
         *("--no-push", "--no-rich", "--output-dir", str(tmp_path / "runs")),
         cwd=tmp_path,
         timeout=300,
@@ -75,8 +76,9 @@ def test_a_model_plays_a_level(
     (file,) = tmp_path.glob("runs/*/traces.jsonl")
     (trace,) = json.loads(file.read_text("utf-8"))["traces"]
     level = brl.load_suite("text-easy").split("validation")[0]
-    world = brl.TextWorld(level, sight="words", reward="advantage")
-    told = [world.reset(seed=0), *(world.move(reply) for reply in REPLIES)]
+    world = brl.TextWorld(level, sight="picture", reward="advantage")
+    told = [content_of(world.reset(seed=0), world.data_url)]
+    told += [content_of(world.move(reply), world.data_url) for reply in REPLIES]
     assert [each["content"] for each in Model.asked[-1] if each["role"] == "user"] == told[:-1]
     while not world.done:
         world.wait()

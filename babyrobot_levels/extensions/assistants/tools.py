@@ -199,10 +199,13 @@ class Tools:
         self,
         level: LevelText,
         seed: Annotated[int, Field(ge=0, lt=2**31)] | None = None,
-        sight: Literal["map", "view", "words"] = "map",
+        sight: Literal["map", "view", "words", "picture"] = "map",
         within: Annotated[int, Field(ge=1, le=MAX_STEPS)] | None = None,
     ) -> Answered:
-        """Begin an episode that is played by `play_move`, and return its rules and what is seen."""
+        """Begin an episode that is played by `play_move`, and return its rules and what is seen.
+
+        With the sight `picture`, what is seen is a picture beside the text.
+        """
         world = self._level(level)
         limit = within or min(world.max_steps or MAX_STEPS, MAX_STEPS)
         play = TextWorld(world, sight=sight, within=limit)
@@ -318,7 +321,9 @@ def _finding(found: Diagnostic) -> Finding:
 
 def _answered(name: str, play: TextWorld, text: str) -> Answered:
     regret = play.regret if play.done else None
-    return Answered(play=name, text=text, is_over=play.done, total=play.return_, regret=regret)
+    told = Answered(play=name, text=text, is_over=play.done, total=play.return_, regret=regret)
+    told._picture = play.picture or b""
+    return told
 
 
 def _figure(value: float) -> Figure:

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Callable
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -37,24 +38,34 @@ def move_of(reply: Any) -> str | None:
     return "wait" if word in _WAITING else word
 
 
+def content_of(text: str, data_url: str | None) -> str | list[dict[str, Any]]:
+    """Return the content of a message: its text, or if a picture goes with it, both as parts.
+
+    The parts are those of OpenAI's chat completions.
+    """
+    if data_url is None:
+        return text
+    return [{"type": "text", "text": text}, {"type": "image_url", "image_url": {"url": data_url}}]
+
+
 class Conversation:
     """An agent in an episode: it gets texts, and answers with moves.
 
     Args:
-        agent: a function from a text to a reply, which gets the rules and what is seen each time;
-            or with `chat`, from all messages so far.
+        agent: a function from a text to a reply, which gets the rules and what is seen each time,
+            in a world of pictures also the pixels; or with `chat`, from all messages so far.
         world: the world, in which an episode has begun.
         rules: what `reset` returned.
         chat: whether the agent gets messages.
     """
 
     def __init__(
-        self, agent: Callable[[Any], Any], world: TextWorld, rules: str, *, chat: bool
+        self, agent: Callable[..., Any], world: TextWorld, rules: str, *, chat: bool
     ) -> None:
         self._agent, self._world, self._chat = agent, world, chat
         self._rules = rules.removesuffix(world.look())
         self._asked = INSTRUCTION.format(listed([*world.directions, "wait"], "or"))
-        self._messages: list[dict[str, str]] = []
+        self._messages: list[dict[str, Any]] = []
 
     def play(self) -> None:
         """Play the episode to its end."""
@@ -73,16 +84,19 @@ class Conversation:
     def _reply(self, shown: str) -> Any:
         """Return what the agent answers."""
         if not self._chat:
-            return self._agent(f"{self._rules}{shown}\n{self._asked}")
+            pixels = self._world.pixels
+            seen = () if pixels is None else (pixels,)
+            return self._agent(f"{self._rules}{shown}\n{self._asked}", *seen)
         begins = f"{self._rules}{self._asked}\n\n" if not self._messages else ""
-        self._messages.append({"role": "user", "content": begins + shown})
-        reply = self._agent([dict(message) for message in self._messages])
+        content = content_of(begins + shown, self._world.data_url)
+        self._messages.append({"role": "user", "content": content})
+        reply = self._agent(deepcopy(self._messages))
         self._messages.append({"role": "assistant", "content": str(reply)})
         return reply
 
 
 def converse(
-    agent: Callable[[Any], Any],
+    agent: Callable[..., Any],
     level: Level,
     sight: str,
     *,

@@ -1,10 +1,12 @@
 """Episodes that are told in words: each step is graded by the exact values of all actions."""
 
+import base64
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.agents.plays import Play, play_of
 from babyrobot_levels.analysis.solver.by_step import ValuesByStep
@@ -15,7 +17,7 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.text import narrator_of
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.sights import SIGHTS, Narrator
+from babyrobot_levels.render.sights import PICTURE, SIGHTS, Narrator
 from babyrobot_levels.text.words import Telling
 
 REWARDS = ("world", "advantage", "success")
@@ -56,7 +58,7 @@ class GradedEpisode(Telling):
         self, level: Level, sight: str, reward: str, within: int | str | None, blunder: float
     ) -> None:
         """Take the arguments of `TextWorld`."""
-        check_choice("sight", sight, SIGHTS)
+        check_choice("sight", sight, (*SIGHTS, PICTURE))
         check_choice("reward", reward, REWARDS)
         self._sight, self._kind, self._limit, self._blunder = sight, reward, within, blunder
         self._seeds = np.random.default_rng()
@@ -115,6 +117,33 @@ class GradedEpisode(Telling):
         return sum(move.is_loop for move in self._moves)
 
     @property
+    def pixels(self) -> NDArray[np.uint8] | None:
+        """The picture of the present state, uint8 `[height, width, 3]`, as environments render it.
+
+        None with another sight than `"picture"`, and before the first `reset`.
+        """
+        if self._sight != PICTURE or self.state < 0:
+            return None
+        pixels: NDArray[np.uint8] = self._env.render()
+        return pixels
+
+    @property
+    def picture(self) -> bytes | None:
+        """The same picture as a PNG file; None where there are no `pixels`."""
+        from babyrobot_levels.render.raster import pixels_to_png
+
+        pixels = self.pixels
+        return None if pixels is None else pixels_to_png(pixels)
+
+    @property
+    def data_url(self) -> str | None:
+        """The same PNG file as a URL, as chat models take pictures; None where there is none."""
+        picture = self.picture
+        if picture is None:
+            return None
+        return f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+
+    @property
     def play(self) -> Play:
         """The episode so far, as `brl.replay` takes it.
 
@@ -141,7 +170,11 @@ class GradedEpisode(Telling):
 
     def _make_env(self, level: Level) -> LevelEnv:
         """Return the environment of a level."""
-        return LevelEnv(level, observation="index", actions="all")
+        return LevelEnv(level, observation="index", actions="all", render_mode=self._render_mode)
+
+    @property
+    def _render_mode(self) -> str | None:
+        return "rgb_array" if self._sight == PICTURE else None
 
     def _enter(self, level: Level) -> None:
         """Go over to a level."""

@@ -33,7 +33,7 @@ from babyrobot_levels.extensions.scoring.results import LevelScore, Played, Scor
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
-from babyrobot_levels.render.sights import SIGHTS
+from babyrobot_levels.render.sights import PICTURE, SIGHTS
 from babyrobot_levels.suites.suite import Suite, named_levels
 from babyrobot_levels.text.errors import warn
 
@@ -96,7 +96,9 @@ def score(
             - an object with memory: `reset()` begins an episode, and `act(observation, mask)`
               returns an action;
             - with `sight`, a function from a text to a reply; with `chat`, a chat model: a function
-              from messages, dicts with `role` and `content`, to the next reply.
+              from messages, dicts with `role` and `content`, to the next reply; with
+              `sight="picture"` a function of a text and of pixels, uint8 `[height, width, 3]`, or
+              of messages whose `content` is a list of a text and a picture, as OpenAI's has it.
         split: the part of a suite that is scored.
         within: the number of steps after which episodes are truncated, or `"max_steps"`; by
             default that of each level, none where it has none.
@@ -109,7 +111,8 @@ def score(
         episodes: the number of episodes in each level, for agents with memory (by default 1,000)
             and for those that read and write (by default 10).
         seed: their seed.
-        sight: what an agent sees that reads and writes: `"map"`, `"view"` or `"words"`.
+        sight: what an agent sees that reads and writes: `"map"`, `"view"`, `"words"` or
+            `"picture"`.
         chat: whether it gets all messages so far, instead of the rules and what is seen now.
         record: a file to which its episodes are appended as plays, such as `model.brlplay`.
         positive_advantage: whether to find the mean positive advantage, of an agent without memory.
@@ -136,7 +139,7 @@ def score(
     """
     check_choice("actions", actions, ACTION_SETS)
     if sight is not None:
-        check_choice("sight", sight, SIGHTS)
+        check_choice("sight", sight, (*SIGHTS, PICTURE))
         _check_reader(agent, actions)
     elif chat or record is not None:
         raise ValueError("chat and record are for agents that read and write: give a sight, too")
@@ -172,6 +175,8 @@ def score(
         raise ValueError(f"cvar must be above 0 and at most 1, not {cvar!r}")
     if knowable not in (False, True, "suite"):
         raise ValueError(f"knowable must be True, False or 'suite', not {knowable!r}")
+    if knowable and sight == PICTURE:
+        raise ValueError("knowable is for agents that observe or read, not for sight='picture'")
     if knowable and isinstance(taken, Table):
         raise ValueError("knowable is for agents that observe: this one is a table of all states")
     best = _best(problems)

@@ -8,6 +8,7 @@ from babyrobot_levels.extensions.scoring.graded import GradedEpisode
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import MOVES, Action
+from babyrobot_levels.render.sights import PICTURE
 from babyrobot_levels.render.words.happenings import changes, moves_of_team
 from babyrobot_levels.render.words.phrases import counted
 from babyrobot_levels.text.words import listed
@@ -119,7 +120,7 @@ class TextTeam(GradedEpisode, public=True):
         if not level.robots:
             raise ValueError("the level has one robot: use `brl.TextWorld`")
         self.names = tuple(robot.name for robot in level.robots)
-        return TeamEnv(level, observation="index")
+        return TeamEnv(level, observation="index", render_mode=self._render_mode)
 
     def _happened(self, before: int, joint: int, robot: int) -> str:
         """Return what a step has changed, as a robot is told it: moves of others if all is seen."""
@@ -128,7 +129,8 @@ class TextTeam(GradedEpisode, public=True):
         then, now = (level.configuration(mdp.configuration(state)) for state in states)
         only = None if self._sight == "map" else robot
         moves = moves_of_team(level, before, joint, self.state, only=only)
-        return " ".join([*moves, *changes(level, then, now), self._count()])
+        changed = changes(level, then, now, drawn=self._sight == PICTURE)
+        return " ".join([*moves, *changed, self._count()])
 
     def _over(self) -> str:
         if not self._moves:

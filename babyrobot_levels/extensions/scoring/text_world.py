@@ -9,6 +9,7 @@ from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.registry.own import own
+from babyrobot_levels.render.sights import PICTURE
 from babyrobot_levels.render.words.happenings import happenings
 from babyrobot_levels.render.words.phrases import counted
 from babyrobot_levels.text.words import listed
@@ -52,7 +53,8 @@ class TextWorld(GradedEpisode, public=True):
         Args:
             level: a name, a path, a share code, a mapping or a `Level`.
             sight: what is seen: `"map"`, the whole drawing; `"view"`, the cells that are seen up to
-                three cells away; `"words"`, only what is beside the robot.
+                three cells away; `"words"`, only what is beside the robot; `"picture"`, the picture
+                in `picture` and `pixels`: the text then tells rules and what happens, and no map.
             reward: what `reward` is: `"world"`, the return; `"advantage"`, the sum of the
                 advantages of all moves, which is minus the regret; `"success"`, 1 after an exit.
             within: the number of steps after which an episode is over; by default `max_steps` of
@@ -65,10 +67,12 @@ class TextWorld(GradedEpisode, public=True):
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: the level is not valid, or its maze has no seed yet.
-            ValueError: another argument is invalid, or the level is too large for its drawing, or
-                to tell how sure one can be.
+            ValueError: another argument is invalid, or the level is too large for its drawing or
+                picture, or to tell how sure one can be, which is not told of pictures.
             EpisodeTooLongError: there are too many states and steps to grade moves.
         """
+        if tell_sure and sight == PICTURE:
+            raise ValueError("tell_sure is for sights of text, not for sight='picture'")
         self._tell_sure = tell_sure
         super().__init__(load(level), sight, reward, within, blunder)
 
@@ -162,6 +166,7 @@ class TextWorld(GradedEpisode, public=True):
                 skidded=info["skidded"],
                 target_reached=info["target_reached"],
                 hit=info.get("hit", False),
+                drawn=self._sight == PICTURE,
             )
         ]
         if self._tracker is not None and not self.done:

@@ -26,6 +26,7 @@ def happenings(
     skidded: bool,
     target_reached: bool,
     hit: bool,
+    drawn: bool = False,
 ) -> Iterator[str]:
     """Yield what happened in a step, a sentence each.
 
@@ -37,6 +38,7 @@ def happenings(
         skidded: whether chance took the robot somewhere else.
         target_reached: whether it is where the action leads without chance.
         hit: whether a mover hit it.
+        drawn: whether a picture shows where doors are, so that they are not told by their places.
     """
     mdp = level.compile()
     then, now = (level.configuration(mdp.configuration(state)) for state in (before, after))
@@ -49,7 +51,7 @@ def happenings(
     else:
         way = str(Action(action))
         yield "The robot waits." if action == Action.STAY else f"The robot moves {way}."
-    yield from changes(level, then, now)
+    yield from changes(level, then, now, drawn=drawn)
     if hit:
         yield f"The {hitter(level, mdp, before, action, after)} hits the robot!"
 
@@ -85,7 +87,9 @@ def moves_of_team(
         yield f"{name[:1].upper()}{name[1:]} {told}{home}."
 
 
-def changes(level: GridWorld, then: Configuration, now: Configuration) -> Iterator[str]:
+def changes(
+    level: GridWorld, then: Configuration, now: Configuration, *, drawn: bool = False
+) -> Iterator[str]:
     """Yield what has changed since a configuration, a sentence each; not where movers are."""
     yield from (f"Took the {spoken([name])}." for name in now.held if name not in then.held)
     things = level.things()
@@ -97,7 +101,8 @@ def changes(level: GridWorld, then: Configuration, now: Configuration) -> Iterat
             yield f"The {spoken([things.names[column]])} is {state}."
     for door, before, after in zip(level.doors, then.doors, now.doors, strict=True):
         if before != after:
-            yield f"The {door_name(door)} {'closes' if after else 'opens'}."
+            name = "A door" if drawn else f"The {door_name(door)}"
+            yield f"{name} {'closes' if after else 'opens'}."
     if then.exit_is_open != now.exit_is_open:
         yield f"The exit is {'open' if now.exit_is_open else 'closed'}."
 

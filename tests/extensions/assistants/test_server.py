@@ -73,6 +73,10 @@ def test_an_assistant_goes_from_a_brief_to_a_clean_level() -> None:
             play = begun.structured_content["play"]
             moved = await call("play_move", {"play": play, "move": "north"})
             assert moved.structured_content["total"] == -1
+            sight = {"level": EXAMPLE, "seed": 1, "sight": "picture"}
+            text, seen = (await call("play_start", sight)).content
+            assert text.text.endswith("The picture shows what is where.\nheld: nothing")
+            assert (seen.type, seen.mime_type) == ("image", "image/png")
 
     asyncio.run(talk())
 

@@ -45,7 +45,7 @@ Rule = Literal["regret", "share", "success", "tries"]
 """By what points are given."""
 
 
-Sight = Literal["map", "view", "words"]
+Sight = Literal["map", "view", "words", "picture"]
 """What an agent sees that reads and writes."""
 
 
