@@ -42,7 +42,7 @@ beside_pages() {
 # Runs the tests with libraries that learn, those of the sweep or the others.
 with_libraries() {
     .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
-        tests/extensions/assistants/test_server.py tests/envs tests/agents tests/extensions/scoring tests/language_agents/test_trl.py \
+        tests/extensions/arc tests/extensions/assistants/test_server.py tests/envs tests/agents tests/extensions/scoring tests/language_agents/test_trl.py \
         tests/extensions/formats/test_maze_dataset_package.py tests/extensions/publish/test_dataset.py \
         tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
@@ -60,6 +60,8 @@ make_libraries() {
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
     .venv-libraries/bin/pip install "${options[@]}" mlcroissant==1.1.1 \
         --editable ".[test,mcp,minari,parquet,rllib,sb3,tianshou,torchrl,trl]"
+    # It asks for Python 3.12, and runs with 3.11 as well; all that it needs is there.
+    .venv-libraries/bin/pip install "${options[@]}" --ignore-requires-python --no-deps arcengine==0.9.3
 }
 make_storm() {
     make_venv .venv-storm
@@ -87,7 +89,7 @@ sweep)
     ;;
 libraries)
     make_libraries
-    beside_pages .venv-libraries editor,exact,fast,mcp,minari,minigrid,parquet,pettingzoo,rllib,sb3,tianshou,torchrl,trl,umb with_libraries "not sweep"
+    beside_pages .venv-libraries arc,editor,exact,fast,mcp,minari,minigrid,parquet,pettingzoo,rllib,sb3,tianshou,torchrl,trl,umb with_libraries "not sweep"
     exit
     ;;
 jax)

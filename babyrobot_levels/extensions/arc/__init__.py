@@ -1,0 +1,1 @@
+"""Levels as games of ARC-AGI-3's engine."""
