@@ -24,6 +24,9 @@ _ESCAPE = re.compile(rb"\\(?:u[dD][89abAB]..\\u[dD][c-fC-F]..|(u[dD][89a-fA-F]..
 
 _ID = re.compile(rb'"id"\s*:\s*("(?:[^"\\]|\\.)*"|-?\d+)\s*[,}]')
 
+_FRESH = 3_600_000
+"""So many milliseconds may a client keep the list of tools."""
+
 INSTRUCTIONS = """\
 Grid worlds as YAML files, whose claims are decided exactly. To write a level: read \
 language_reference once; write the text with the facts of the brief in `expect`; check it, and \
@@ -33,7 +36,9 @@ mend what is found, until it is clean; look at solve and preview."""
 def mcp(folder: str | os.PathLike[str] | None = None, *, seconds: float = 60.0) -> MCPServer:
     """Return a server of tools for assistants that write levels, as `babyrobot mcp` runs it.
 
-    `mcp().run()` serves standard input and output. The tools take levels as texts.
+    `mcp().run()` serves standard input and output, and `mcp().run("streamable-http", port=8000)`
+    serves by HTTP. The tools take levels as texts. Clients need no session: what a call leaves
+    behind, a play, is named by what it returns.
 
     Args:
         folder: the folder in which levels may be read and written; by default, none are.
@@ -45,6 +50,7 @@ def mcp(folder: str | os.PathLike[str] | None = None, *, seconds: float = 60.0) 
     """
     try:
         from mcp.server import MCPServer
+        from mcp.server.caching import CacheHint
     except ImportError:
         message = f"the server needs the package `mcp`, 2.0 or later: {how_to_install('mcp')}"
         raise ImportError(message, name="mcp") from None
@@ -60,7 +66,14 @@ def mcp(folder: str | os.PathLike[str] | None = None, *, seconds: float = 60.0) 
             sys.stdin = io.TextIOWrapper(requests)  # noqa: TID251
             super().run(*arguments, **options)
 
-    server = Server("babyrobot", instructions=INSTRUCTIONS, log_level="CRITICAL")
+    # What the server offers stays as it is while it runs, and is the same for everybody.
+    fixed = CacheHint(ttl_ms=_FRESH, scope="public")
+    server = Server(
+        "babyrobot",
+        instructions=INSTRUCTIONS,
+        log_level="CRITICAL",
+        cache_hints={"server/discover": fixed, "tools/list": fixed},
+    )
     worker = Worker(None if folder is None else Path(folder).absolute(), seconds)
     for name, method in vars(Tools).items():
         if not name.startswith("_"):

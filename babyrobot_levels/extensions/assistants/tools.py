@@ -210,7 +210,7 @@ class Tools:
         limit = within or min(world.max_steps or MAX_STEPS, MAX_STEPS)
         play = TextWorld(world, sight=sight, within=limit)
         text = play.reset(seed=seed)
-        name = secrets.token_hex(4)
+        name = secrets.token_hex(8)
         self._plays[name] = play
         if len(self._plays) > MAX_PLAYS:
             del self._plays[next(iter(self._plays))]

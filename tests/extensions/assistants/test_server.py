@@ -44,7 +44,9 @@ def text_of(result: Any) -> str:
 def test_an_assistant_goes_from_a_brief_to_a_clean_level() -> None:
     async def talk() -> None:
         async with client() as server:
-            listed = (await server.list_tools()).tools
+            answer = await server.list_tools()
+            assert (answer.ttl_ms, answer.cache_scope) == (3_600_000, "public")
+            listed = answer.tools
             names = {name for name in vars(Tools) if not name.startswith("_")}
             assert {tool.name for tool in listed} == names
             for tool in listed:
@@ -77,6 +79,27 @@ def test_an_assistant_goes_from_a_brief_to_a_clean_level() -> None:
             text, seen = (await call("play_start", sight)).content
             assert text.text.endswith("The picture shows what is where.\nheld: nothing")
             assert (seen.type, seen.mime_type) == ("image", "image/png")
+
+    asyncio.run(talk())
+
+
+def test_a_play_goes_on_in_another_connection() -> None:
+    """No session is needed, by the protocol's present version and by the one before."""
+
+    async def talk() -> None:
+        from mcp import Client
+
+        server = brl.mcp()
+        async with Client(server) as first:
+            assert first.protocol_version == "2026-07-28"
+            begun = await first.call_tool("play_start", {"level": "first-key", "seed": 1})
+            tools = [tool.name for tool in (await first.list_tools()).tools]
+        async with Client(server, mode="legacy") as second:
+            assert second.protocol_version == "2025-11-25"
+            assert [tool.name for tool in (await second.list_tools()).tools] == tools
+            play = begun.structured_content["play"]
+            moved = await second.call_tool("play_move", {"play": play, "move": "north"})
+            assert moved.structured_content["total"] == -1
 
     asyncio.run(talk())
 
