@@ -107,6 +107,12 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         "dictionary": _base64url(_deflated(PLAY_DICTIONARY_1)),
     }
     icon = icon_svg(level.resolved_theme)
+    parts = {
+        "team": level.robots,
+        "fog": "sight" in data,
+        "views": shown.get("agent"),
+        "progress": shown.get("previous_page") or shown.get("next_page"),
+    }
     return html(
         "render/static/page.html",
         title=title_of(level),
@@ -117,13 +123,23 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         facts=facts(level),
         common=embedded_json(common),
         data=embedded_json(data),
-        **_own(is_team=bool(level.robots), is_foggy="sight" in data),
+        **_own(frozenset(part for part, is_there in parts.items() if is_there)),
     )
 
 
 def common_module(data: dict[str, Any]) -> dict[str, str]:
     """Return the module of what is the same for all levels with its data in it, by its path."""
     return {"render/static/common.js": f"export const COMMON = {embedded_json(data)};"}
+
+
+def without_parts(parts: Iterable[str]) -> dict[str, str]:
+    """Return the scripts in place of those of parts that pages do without, by their paths.
+
+    Parts are `team`, several robots; `fog`, a sight; `views`, an agent; `progress`, other levels.
+    """
+    return {
+        f"render/static/{part}.js": static(f"render/static/{_INSTEAD[part]}.js") for part in parts
+    }
 
 
 def icon_svg(theme: Theme) -> str:
@@ -150,12 +166,14 @@ def _answer_overlay(options: PageOptions) -> Overlay:
     return Overlay() if shown is None else shown.overlay
 
 
+_INSTEAD = {"team": "one", "fog": "clear", "views": "optimum", "progress": "single"}
+"""The scripts in place of those of parts that a page does without."""
+
+
 @cache
-def _own(*, is_team: bool, is_foggy: bool) -> dict[str, Markup]:
+def _own(parts: frozenset[str]) -> dict[str, Markup]:
     """Return style, script, and a content security policy that allows these, and no loading."""
-    given = {} if is_team else {"render/static/team.js": static("render/static/one.js")}
-    if not is_foggy:
-        given["render/static/fog.js"] = static("render/static/clear.js")
+    given = without_parts({*_INSTEAD} - parts)
     style = put_together("render/static/page.css")
     script = f'"use strict";\n{put_together("render/static/page.js", given)}'
     style_hash, script_hash = (

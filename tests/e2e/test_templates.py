@@ -33,6 +33,8 @@ ENTRIES = [
     # In place of others in pages that do without them.
     ("render", "clear.js"),
     ("render", "one.js"),
+    ("render", "optimum.js"),
+    ("render", "single.js"),
 ]
 """What pages name."""
 

@@ -110,7 +110,7 @@ def test_its_policy_allows_its_own_style_and_script_and_nothing_else() -> None:
 
 def test_a_page_is_small() -> None:
     world = load("final-maze")
-    assert len(world.to_html().encode()) < 202_000
+    assert len(world.to_html().encode()) < 197_000
 
 
 def test_too_large_a_level_is_refused() -> None:

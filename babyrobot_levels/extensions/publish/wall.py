@@ -12,7 +12,7 @@ from babyrobot_levels.extensions.publish.facts import Facts
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.play import program
-from babyrobot_levels.render.page import common_data, common_module, icon_svg
+from babyrobot_levels.render.page import common_data, common_module, icon_svg, without_parts
 from babyrobot_levels.render.templates import embedded_json, html, put_together, static
 
 DIFFICULTIES = (("easy", 5), ("medium", 7), ("hard", math.inf))
@@ -302,7 +302,8 @@ ASSETS: dict[str, Callable[[], str]] = {
     "player.css": lambda: _style("render/static/player.css"),
     # With what is the same for all levels that can be played.
     "player.js": lambda: _script(
-        "extensions/publish/static/played_level.js", common_module(common_data())
+        "extensions/publish/static/played_level.js",
+        common_module(common_data()) | without_parts(["views"]),
     ),
     "wall.css": lambda: _style("extensions/publish/static/wall.css"),
     "wall.js": lambda: _script("extensions/publish/static/wall.js"),

@@ -10,7 +10,7 @@ import { Things } from "./things.js";
 export const SIDES = ["", "north", "east", "south", "west", "north-east", "south-east", "south-west", "north-west"];
 export const GOAL = "Move the robot to an exit."; // Of levels that do not say it.
 const SWIPE = 28; // Pixels that tell a swipe from a tap.
-export const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
+const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
 
 /** One robot in one level, without a picture. */
 export class Game {

@@ -10,7 +10,7 @@ export function gameOf(data) {
 }
 
 /** Several robots in one level, without a picture. All move at once: an action is one of each, as a number. */
-export class TeamGame extends Game {
+class TeamGame extends Game {
   /** @param {LevelData} data */
   constructor(data) {
     super(data);

@@ -131,6 +131,7 @@ def test_the_game_goes_on_where_it_was_left_to_learn(ground: Playground) -> None
     assert not ground.page.locator(".pad").first.is_visible()
     ground.press("e")
     assert page_of_answers(ground) == before
+    assert ground.page.locator("#policy-name").inner_text() == "Optimal actions"
     assert not ground.page.locator("#learn").is_visible()
     ground.press("v")
     best = round(solve(level).values[0, 0], 2)
