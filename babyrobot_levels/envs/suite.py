@@ -170,6 +170,7 @@ def extent_of(bounds: Bounds, *, turns: bool) -> Extent:
         bounds.num_items > 0,
         bounds.has_wind,
         bounds.has_boxes,
+        moves=bounds.moves,
     )
 
 

@@ -19,6 +19,7 @@ from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import AnySuite
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.mdp.configurations import MAX_STATES, largest_radices
 
 Numbers = range | tuple[int, ...]
@@ -42,6 +43,7 @@ class Bounds:
         has_movers: whether a level can have movers.
         has_wind: whether a level can have wind.
         has_boxes: whether a level can have boxes or targets.
+        moves: the most directions in which a robot moves.
     """
 
     size: tuple[int, int] = (0, 0)
@@ -52,13 +54,15 @@ class Bounds:
     has_movers: bool = False
     has_wind: bool = False
     has_boxes: bool = False
+    moves: int = NUM_MOVES
 
     @classmethod
     def of(cls, level: Level) -> Self:
         """Return the bounds of one level."""
         has_wind = level.wind is not None
         if not level.has_things:
-            return cls(level.size, num_starts=sum(level.weights_of_starts), has_wind=has_wind)
+            starts = sum(level.weights_of_starts)
+            return cls(level.size, num_starts=starts, has_wind=has_wind, moves=level.moves)
         mdp = level.compile()
         return cls(
             level.size,
@@ -69,6 +73,7 @@ class Bounds:
             bool(level.movers),
             has_wind,
             bool(level.boxes or level.targets),
+            level.moves,
         )
 
     @classmethod
@@ -85,6 +90,7 @@ class Bounds:
                 joined.has_movers or part.has_movers,
                 joined.has_wind or part.has_wind,
                 joined.has_boxes or part.has_boxes,
+                max(joined.moves, part.moves),
             )
         return joined
 

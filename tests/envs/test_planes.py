@@ -17,6 +17,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.envs.observations import make_batch_observer
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.single import LevelEnv
+from babyrobot_levels.envs.suite import SuiteEnv
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.library.level import Level
@@ -234,6 +235,26 @@ def test_vectors_end_with_things_and_the_heading() -> None:
     assert vector[-7:].tolist() == [1, 0, 0, 0, 1, 0, 0]
     vector, *_ = env.step(brl.Turn.RIGHT)
     assert vector[-7:].tolist() == [1, 0, 0, 0, 0, 1, 0]
+
+
+def test_vectors_tell_the_rewards_of_diagonal_moves() -> None:
+    area = {"at": [1, 1], "reward": 3}
+    env = LevelEnv(
+        {"version": 1, "moves": 8, "size": [3, 2], "areas": [area], "exit": [2, 0]},
+        observation="vector",
+    )
+    vector = dict(zip(env.vector_names, env.reset(seed=0)[0].tolist(), strict=True))
+    assert vector["reward-south-east"] == pytest.approx(squashed(3))
+    assert vector["reward-north-west"] == pytest.approx(squashed(-1))
+
+
+def test_vectors_of_a_suite_with_diagonal_moves_are_those_of_its_levels() -> None:
+    suite = SuiteEnv(
+        {"version": 1, "kind": "suite", "levels": ["windy-gridworld-stochastic"]},
+        observation="vector",
+    )
+    alone = LevelEnv("windy-gridworld-stochastic", observation="vector")
+    assert suite.reset(seed=0)[0].tolist() == alone.reset(seed=0)[0].tolist()
 
 
 @given(level=levels(), seed=st.integers(0, 9))

@@ -14,7 +14,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.actions import HEADINGS, NUM_MOVES
 from babyrobot_levels.mdp.configurations import MAX_STATES, largest_radices
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ class Extent:
         has_wind: whether a level has wind.
         has_boxes: whether a level has boxes or targets.
         robots: the number of robots.
+        moves: the number of directions.
     """
 
     size: Size
@@ -78,6 +79,7 @@ class Extent:
     has_wind: bool = False
     has_boxes: bool = False
     robots: int = 1
+    moves: int = NUM_MOVES
 
     @classmethod
     def of(cls, levels: Iterable[Level], *, turns: bool = False) -> Self:
@@ -93,9 +95,9 @@ class Extent:
         size, configurations = (0, 0), 1
         has_items, has_wind, has_boxes = False, False, False
         radices: tuple[int, ...] = ()
-        robots = 1
+        robots, moves = 1, NUM_MOVES
         for level in levels:
-            robots = max(robots, len(level.robots))
+            robots, moves = max(robots, len(level.robots)), max(moves, level.moves)
             size = max(size[0], level.size[0]), max(size[1], level.size[1])
             has_items = has_items or bool(level.items)
             has_wind = has_wind or level.wind is not None
@@ -104,7 +106,9 @@ class Extent:
                 radices = largest_radices(radices, _radices(level))
                 configurations = max(configurations, _configurations(level))
         headings = HEADINGS if turns else 1
-        return cls(size, radices, configurations, headings, has_items, has_wind, has_boxes, robots)
+        return cls(
+            size, radices, configurations, headings, has_items, has_wind, has_boxes, robots, moves
+        )
 
     @property
     def picture(self) -> Size:

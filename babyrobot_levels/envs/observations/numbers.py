@@ -167,7 +167,7 @@ def vector_names(extent: Extent) -> tuple[str, ...]:
     return (
         *(f"{axis}{number}" for number in ("", *others) for axis in "xy"),
         *(f"open-{side}" for side in SIDE_NAMES),
-        *(f"reward-{side}" for side in SIDE_NAMES),
+        *(f"reward-{Action(way)}" for way in range(1, 1 + extent.moves)),
         *(f"arrived{number}" for number in ("", *others) if others),
         *(f"thing-{number}" for number in range(1, len(extent.radices) + 1)),
         *(f"heading-{side}" for side in SIDE_NAMES if extent.headings > 1),
@@ -190,7 +190,7 @@ class VectorObserver(RowObserver):
             reward = mdp.shares[..., robot]
         expected = np.einsum("sao,sao->sa", mdp.probability, reward)
         own = NUM_ACTIONS ** (mdp.num_robots - 1 - robot)
-        self._rewards = squashed(expected[:, own * np.arange(Action.NORTH, NUM_ACTIONS)])
+        self._rewards = squashed(expected[:, own * np.arange(Action.NORTH, 1 + extent.moves)])
 
     @classmethod
     def space_of(cls, extent: Extent, observation: Observation) -> spaces.Box:
