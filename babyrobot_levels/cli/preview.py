@@ -304,6 +304,8 @@ def preview(
 
     def drawn(level: brl.Level, report: Report, **pages: str | None) -> str | bytes:
         shown = _prepared(level, theme, coordinates, maze_seed, several=not one)
+        if lost and one and not shown.boxes:
+            fail("the level has no boxes", "leave out --lost")
         if is_text:
             check_policy(chosen, policy)
             return _text(shown, asked, plain=plain)

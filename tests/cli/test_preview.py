@@ -540,6 +540,12 @@ def test_cells_from_which_boxes_are_lost_are_marked_in_text() -> None:
     assert (done.status, "--lost is for text, SVG, PDF and PNG output" in done.err) == (2, True)
 
 
+def test_cells_are_lost_only_in_levels_with_boxes() -> None:
+    done = babyrobot("preview", "frozen-lake", "--lost")
+    assert (done.status, done.out) == (2, "")
+    assert done.err == "error: the level has no boxes\n  help: leave out --lost\n"
+
+
 def test_visits_without_end_are_refused_with_what_helps() -> None:
     done = babyrobot("preview", written(HEAD + "exit: none\n"), "--visits", "-o", "visits.svg")
     assert done.status == 2
