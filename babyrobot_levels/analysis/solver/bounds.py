@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.model import Model
+from babyrobot_levels.analysis.solver.compiled import is_compiled
+from babyrobot_levels.analysis.solver.model import Model, kernel_arrays
 from babyrobot_levels.mdp.tables import Floats
 
 UNIT = 2.0**-53
@@ -53,6 +54,15 @@ def _violation(
     model: Model, values: Floats, rows: np.ndarray, discount: float, largest: float
 ) -> float:
     """Return by how much values violate the Bellman equation at most, in whatever rounding."""
+    rounding = (model.probability.shape[2] + ROUNDINGS) * UNIT
+    if is_compiled(model.size):
+        from babyrobot_levels.analysis.solver.compiled import rows as kernel
+        from babyrobot_levels.analysis.solver.compiled.tables import violation
+
+        sizes = largest + (float(np.abs(values).max()) if discount < 1 else 0.0)
+        reward = np.where(rows, model.reward, -np.inf)
+        given = *kernel_arrays(model), reward, values, discount, rounding, sizes
+        return max(violation(*given, *part) for part in kernel.parts(model.size))
     # By differences between neighbours: these are small, however large the values are.
     change = np.append(values, 0.0)[model.next_state] - values[:, None, None]
     gain = discount * np.einsum("sao,sao->sa", model.probability, change)
@@ -61,7 +71,7 @@ def _violation(
     if discount < 1:
         # The discount itself is rounded.
         size += np.abs(values).max()
-    unsure = (model.probability.shape[2] + ROUNDINGS) * UNIT * size
+    unsure = rounding * size
     above = np.where(rows, gain + unsure, -np.inf).max()
     below = np.where(rows, gain - unsure, -np.inf).max(axis=1)
     return float(max(above, -below[rows.any(axis=1)].min()))
@@ -69,7 +79,7 @@ def _violation(
 
 def _most_steps(model: Model, values: Floats, rows: np.ndarray) -> tuple[Floats, float]:
     """Return how many steps may be left, `[n]`, and what each costs at least."""
-    ends = np.where(model.next_state == model.size, model.probability, 0.0).sum(axis=2)
+    ends = model.chances(model.end)
     inner, last = rows & (ends == 0), rows & (ends > 0)
     cost = float(-model.reward[inner].max(initial=-1.0 if not inner.any() else -np.inf))
     if not last.any() or cost <= 0:

@@ -176,6 +176,8 @@ def diverging_states(chain: Model, expected_return: float, space: StateSpace) ->
 
 def action_values(model: Model, values: Floats, discount: float) -> Floats:
     """Return the action values, `[n, actions]`, for state values that may be infinite."""
+    if np.isfinite(values).all():
+        return model.action_values(values, discount)
     ahead = model.action_values(np.where(np.isinf(values), 0.0, values), discount)
     for extreme in (-np.inf, np.inf):
         ahead[model.leads_to(np.append(values == extreme, False))] = extreme

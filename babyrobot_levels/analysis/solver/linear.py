@@ -353,7 +353,7 @@ def in_good_time(model: Model, policy: Ints) -> Ints:
         return policy
     # With a chance to give up at each step, any policy will do to start from. And a policy that
     # maximizes its chance to end never settles in a loop: there, it would have none.
-    ends = np.where(model.next_state == model.size, model.probability, 0.0).sum(axis=2)
+    ends = model.chances(model.end)
     chances = model.with_rewards(np.where(model.allowed, ends, -np.inf))
     own = expected_sums(chain, _rewards(chances, policy), 1.0 - IMPATIENCE)
     if own.min(initial=1.0) > 0.5:
@@ -402,7 +402,7 @@ def _steps_by_values(model: Model, values: Floats) -> Floats | None:
 
     The last step may have another reward; all others are then as quick as the values say.
     """
-    ends = np.where(model.next_state == model.size, model.probability, 0.0).sum(axis=2)
+    ends = model.chances(model.end)
     inner, last = model.allowed & (ends == 0), model.allowed & (ends > 0)
     if not inner.any() or not last.any():
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,26 +46,54 @@ class Model:
         """The number of states, without the end."""
         return self.states.size
 
-    @property
+    @cached_property
     def allowed(self) -> Flags:
         """Which actions may be taken, `[n, actions]`."""
         return np.asarray(self.reward > -np.inf, bool)
 
-    @property
+    @cached_property
+    def inner(self) -> Flags:
+        """Which of them have no chance to end the episode, `[n, actions]`."""
+        return self.allowed & ~self.leads_to(self.end)
+
+    @cached_property
+    def order(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """How far the end is, `[n + 1]`, -1 for never, and the nodes from there on, compiled."""
+        from babyrobot_levels.analysis.solver.compiled.rows import distances
+
+        return distances(*kernel_arrays(self), self.allowed, self.end)
+
+    @cached_property
     def end(self) -> Flags:
         """Flags for states and the end, `[n + 1]`, of which only the end's is set."""
         return np.append(np.zeros(self.size, bool), True)
 
     def leads_to(self, goals: Flags) -> Flags:
         """Return which actions have a chance to lead to one of the goals (`[n + 1]`)."""
+        if is_compiled(self.size):
+            return self.chances(goals) > 0
         hits = np.flatnonzero(goals[self.next_state])
         hits = hits[self.probability.ravel()[hits] > 0]
         found = np.zeros(self.reward.size, bool)
         found[hits // self.probability.shape[2]] = True
         return found.reshape(self.reward.shape)
 
+    def chances(self, goals: Flags) -> Floats:
+        """Return how likely actions lead to one of the goals (`[n + 1]`), `[n, actions]`."""
+        if is_compiled(self.size):
+            from babyrobot_levels.analysis.solver.compiled import tables
+
+            return tables.chances(*kernel_arrays(self), goals)
+        likely: Floats = np.where(goals[self.next_state], self.probability, 0.0).sum(axis=2)
+        return likely
+
     def action_values(self, values: Floats, discount: float) -> Floats:
         """Return the action values, `[n, actions]`, for finite state values `[n]`."""
+        if is_compiled(self.size):
+            from babyrobot_levels.analysis.solver.compiled import tables
+
+            reward = np.ascontiguousarray(self.reward)
+            return tables.action_values(*kernel_arrays(self), reward, values, discount)
         following = np.append(values, 0.0)[self.next_state]
         ahead: Floats = np.einsum("sao,sao->sa", self.probability, following)
         return self.reward + discount * ahead
@@ -101,7 +130,9 @@ class Model:
             rows: the actions that may be taken, `[n, actions]`; by default, those that may be now.
         """
         if keep.all():
-            return self if rows is None else self.with_rewards(np.where(rows, self.reward, -np.inf))
+            if rows is None or np.array_equal(rows, self.allowed):
+                return self
+            return self.with_rewards(np.where(rows, self.reward, -np.inf))
         count = int(keep.sum())
         number = np.full(self.size + 1, count, self.next_state.dtype)
         number[:-1][keep] = np.arange(count)
@@ -171,6 +202,12 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
     is_whole = states.size > 0 and states[-1] - states[0] + 1 == states.size
     rows = slice(states[0], states[-1] + 1) if is_whole else states
     probability = mdp.probability[rows, first_action:]
+    if is_compiled(states.size):
+        from babyrobot_levels.analysis.solver.compiled import tables
+
+        given = mdp.probability, mdp.next_state, mdp.reward, mdp.terminal
+        made = tables.of_model(states, number, exits, given, first_action)
+        return Model(states, np.ascontiguousarray(probability), *made)
     following = mdp.next_state[rows, first_action:]
     ends = mdp.terminal[rows, first_action:]
     return Model(
@@ -203,13 +240,14 @@ def kernel_arrays(model: Model) -> tuple[NDArray[np.int32], Floats]:
     return np.ascontiguousarray(model.next_state), np.ascontiguousarray(model.probability)
 
 
-def distances(model: Model, goals: Flags, rows: Flags) -> Ints:
+def distances(model: Model, goals: Flags, rows: Flags) -> NDArray[np.int32]:
     """Return how many steps a goal is away at least, `[n + 1]`; -1 where none can be reached."""
     if is_compiled(model.size):
-        from babyrobot_levels.analysis.solver.compiled import rows as kernel
+        if goals is model.end and rows is model.allowed:
+            return model.order[0]
+        from babyrobot_levels.analysis.solver.compiled.rows import distances as compiled
 
-        compiled: Ints = kernel.distances(*kernel_arrays(model), rows, goals)[0]
-        return compiled
+        return compiled(*kernel_arrays(model), rows, goals)[0]
     happens = (model.probability > 0) & rows[:, :, None]
     source = np.repeat(np.arange(model.size, dtype=np.int32), happens.sum(axis=(1, 2)))
     # Edges reversed: from each next state to the state before it.
@@ -229,8 +267,11 @@ def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
         Which states are goals or have a chance to reach one, `[n]`; and for each of them the
         action most likely to come nearer, counted in steps, `[n]`; -1 for goals and all others.
     """
-    size = model.size
-    distance = distances(model, goals, rows)
+    size, distance = model.size, distances(model, goals, rows)
+    if is_compiled(size):
+        from babyrobot_levels.analysis.solver.compiled import tables
+
+        return distance[:-1] >= 0, tables.nearer(*kernel_arrays(model), rows, distance)
     distance[distance < 0] = size + 2
     nearer = distance[model.next_state] < distance[:-1, None, None]
     progress = np.einsum("sao,sao->sa", model.probability, nearer)
@@ -246,6 +287,12 @@ def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Ints, Flags]:
         These states, `[n]`; for each an action of one policy that does it, `[n]`, -1 elsewhere;
         and the actions that lead to none but these states, `[n, actions]`.
     """
+    if is_compiled(model.size):
+        from babyrobot_levels.analysis.solver.compiled import tables
+
+        arrays = kernel_arrays(model)
+        rows, distance = tables.surely(*arrays, rows, distances(model, model.end, rows))
+        return distance[:-1] >= 0, tables.nearer(*arrays, rows, distance), rows
     while True:
         lost = distances(model, model.end, rows) < 0
         risky = rows & model.leads_to(lost) if lost.any() else lost

@@ -402,8 +402,7 @@ def find_loops(model: Model) -> Loops:
     """Find the loops of a model."""
     positive, action = np.zeros(model.size, bool), np.full(model.size, -1)
     ceiling = np.full(model.size, -np.inf)
-    inner = model.allowed & ~model.leads_to(model.end)
-    if not (inner & (model.reward >= 0)).any():
+    if not (model.inner & (model.reward >= 0)).any():
         return Loops(positive, positive, action, ceiling)
     label, inside = end_components(model, model.allowed)
     gains = (inside & (model.reward > 0)).any(axis=1)

@@ -27,13 +27,16 @@ def settled(model: Model, policy: Ints, discount: float) -> Found | None:
         None where there is no Numba, or values do not settle, or where the Bellman equation has
         other solutions, too: without a discount, where steps cost nothing.
     """
-    inner = model.allowed & ~model.leads_to(model.end)
-    cheapest = np.where(inner, -model.reward, np.inf).min(initial=np.inf)
-    if not is_compiled(model.size) or (discount == 1 and cheapest <= 0):
+    if not is_compiled(model.size):
         return None
-    from babyrobot_levels.analysis.solver.compiled import iteration, rows
+    cheapest = np.inf
+    if discount == 1:
+        cheapest = np.where(model.inner, -model.reward, np.inf).min(initial=np.inf)
+        if cheapest <= 0:
+            return None
+    from babyrobot_levels.analysis.solver.compiled import iteration, rows, tables
 
-    order, borders = rows.ordered(*kernel_arrays(model), model.allowed)
+    order, borders = rows.ordered(*model.order)
     reward = np.ascontiguousarray(model.reward)
     search = iteration.Search(rows.rows_of(order, *kernel_arrays(model), reward, discount))
     if not search.begin(borders) or not search.run():
@@ -42,10 +45,10 @@ def settled(model: Model, policy: Ints, discount: float) -> Found | None:
     if discount == 1 and cheapest <= margin:
         return None
     values[order] = search.values
-    ahead = model.action_values(values, discount)
-    equal = ahead >= ahead.max(axis=1, keepdims=True) - margin
-    kept = equal[np.arange(model.size), policy]
-    return values, np.where(kept, policy, equal.argmax(axis=1)), search.rounds
+    policy = policy.copy()
+    for part in rows.parts(model.size):
+        tables.keep_best(*kernel_arrays(model), reward, values, discount, margin, policy, *part)
+    return values, policy, search.rounds
 
 
 def raised(model: Model, policy: Ints, discount: float, slack: float) -> Found | None:
@@ -64,7 +67,7 @@ def raised(model: Model, policy: Ints, discount: float, slack: float) -> Found |
         return None
     from babyrobot_levels.analysis.solver.compiled import iteration, rows
 
-    order, _ = rows.ordered(*kernel_arrays(model), model.allowed)
+    order, _ = rows.ordered(*model.order)
     reward = np.ascontiguousarray(model.reward)
     search = iteration.Search(rows.rows_of(order, *kernel_arrays(model), reward, discount))
     if not search.climb(search.rows.row_of(policy[order], reward.shape[1]), slack):

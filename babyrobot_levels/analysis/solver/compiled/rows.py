@@ -80,21 +80,18 @@ class Rows(NamedTuple):
 
 
 def ordered(
-    next_state: NDArray[np.int32], probability: Floats, allowed: Flags
+    distance: NDArray[np.int32], order: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], Ints]:
     """Return the states of a process in the order of their distance from the end.
 
     Args:
-        next_state: `[n, actions, outcomes]`; `n` is the end.
-        probability: `[n, actions, outcomes]`.
-        allowed: the actions that may be taken, `[n, actions]`.
+        distance: how many steps the end is away, `[n + 1]`, -1 for never.
+        order: the nodes for which it is known, from the end on.
 
     Returns:
         The states, those that cannot reach the end last, and where those of each distance begin
         among them, their number at last.
     """
-    goals = np.arange(len(next_state) + 1) == len(next_state)
-    distance, order = distances(next_state, probability, allowed, goals)
     others = np.flatnonzero(distance < 0).astype(np.int32)
     order = np.concatenate([order[1:], others])
     steps = np.diff(distance[order], prepend=0)
@@ -117,27 +114,34 @@ def rows_of(
         reward: `[n, actions]`, -inf for actions that may not be taken.
         discount: the discount.
     """
-    size = order.size
-    first, number = np.zeros(size + 1, np.int64), np.empty(size + 1, np.int64)
+    size, (actions, outcomes) = order.size, next_state.shape[1:]
+    number = np.empty(size + 1, np.int64)
     number[order], number[size] = np.arange(size), size
-    given = next_state, probability, reward, discount
-    for part in parts(size):
-        count_rows(order, *given, first, *part)
-    np.cumsum(first, out=first)
-    rows, filled = int(first[-1]), count_outcomes(order, *given)
+    most = size * actions
     found = Rows(
-        first=first,
-        action=np.empty(rows, np.int8),
-        begin=np.zeros(rows + 1, np.int64),
-        reward=np.empty(rows),
-        killing=np.empty(rows),
-        target=np.empty(filled, np.uint32),
-        weight=np.empty(filled),
+        first=np.zeros(size + 1, np.int64),
+        action=np.empty(most, np.int8),
+        begin=np.zeros(most + 1, np.int64),
+        reward=np.empty(most),
+        killing=np.empty(most),
+        target=np.empty(most * outcomes, np.uint32),
+        weight=np.empty(most * outcomes),
         factor=np.empty(size),
     )
     for part in parts(size):
-        fill(order, number, *given, found, *part)
-    return found
+        fill(order, number, next_state, probability, reward, discount, found, *part)
+    count = int(found.first[-1])
+    filled = int(found.begin[count])
+    return Rows(
+        found.first,
+        found.action[:count],
+        found.begin[: count + 1],
+        found.reward[:count],
+        found.killing[:count],
+        found.target[:filled],
+        found.weight[:filled],
+        found.factor,
+    )
 
 
 @inner
@@ -157,46 +161,6 @@ def leaving_of(
         if next_state[state, action, outcome] == state:
             back += discount * probability[state, action, outcome]
     return 1.0 - back if 1.0 - back > LEAST_LEAVING else 0.0
-
-
-@jit
-def count_rows(
-    order: NDArray[np.int32],
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    reward: Floats,
-    discount: float,
-    count: Ints,
-    first: int,
-    last: int,
-) -> None:
-    """Count the rows of some states, each at the place after its own."""
-    for index in range(first, last):
-        state = order[index]
-        for action in range(reward.shape[1]):
-            if leaving_of(state, action, next_state, probability, reward, discount) > 0.0:
-                count[index + 1] += 1
-
-
-@jit
-def count_outcomes(
-    order: NDArray[np.int32],
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    reward: Floats,
-    discount: float,
-) -> int:
-    """Return how many outcomes all rows have that lead to other states."""
-    total, size = 0, order.size
-    for state in range(size):
-        for action in range(reward.shape[1]):
-            if reward[state, action] == -np.inf:
-                continue
-            for outcome in range(next_state.shape[2]):
-                target = next_state[state, action, outcome]
-                if target != state and target != size and probability[state, action, outcome] > 0:
-                    total += 1
-    return total
 
 
 @jit
@@ -245,6 +209,7 @@ def fill(
                 square = min(4.0 * near * far, 1.0)
                 # D. M. Young's formula for successive over-relaxation of neighbours in a line.
                 rows.factor[index] = min(2.0 / (1.0 + np.sqrt(1.0 - square)), MOST_RELAXED)
+        rows.first[index + 1] = row
 
 
 # -- what leads where --------------------------------------------------------------------------

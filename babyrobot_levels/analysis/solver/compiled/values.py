@@ -38,18 +38,48 @@ def best_value(rows: Rows, state: Any, values: Floats) -> float:
 
 
 @jit
-def sweep(rows: Rows, values: Floats, stretched: bool, first: int, last: int, step: int) -> float:
-    """Update the values of some states, onward (`step` 1) or back (-1); return the largest change.
+def sweep(rows: Rows, values: Floats, first: int, last: int, step: int) -> float:
+    """Update the values of some states, onward (`step` 1) or back (-1).
 
-    `stretched` says whether values are changed by more than that.
+    Returns:
+        The largest change.
     """
     most, begin = 0.0, first if step > 0 else last - 1
     for count in range(last - first):
         state = np.uint32(begin + step * count)
         change = best_value(rows, state, values) - values[state]
-        values[state] += change * rows.factor[state] if stretched else change
+        values[state] += change
         most = abs(change) if abs(change) > most else most
     return most
+
+
+@jit
+def choose(rows: Rows, values: Floats, chosen: Ints, first: int, last: int) -> float:
+    """Update the values of some states, and choose their best rows; return the largest change.
+
+    Values are changed by more than that, as in all sweeps that settle.
+    """
+    most = 0.0
+    for index in range(first, last):
+        state = np.uint32(index)
+        best = -np.inf
+        for row in range(rows.first[state], rows.first[state + 1]):
+            value = row_value(rows, row, values)
+            if value > best:
+                best, chosen[state] = value, row
+        change = best - values[state]
+        values[state] += change * rows.factor[state]
+        most = max(most, abs(change))
+    return most
+
+
+@jit
+def follow(rows: Rows, values: Floats, chosen: Ints, first: int, last: int) -> None:
+    """Update the values of some states by the rows that are chosen."""
+    for index in range(first, last):
+        state = np.uint32(index)
+        change = row_value(rows, chosen[state], values) - values[state]
+        values[state] += change * rows.factor[state]
 
 
 @jit
