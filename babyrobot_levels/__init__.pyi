@@ -53,6 +53,7 @@ from .envs.single import LevelEnv as LevelEnv
 from .envs.team import TeamEnv as TeamEnv
 from .envs.text import TextObservation as TextObservation
 from .envs.vector.env import LevelVectorEnv as LevelVectorEnv
+from .envs.vector.team import TeamVectorEnv as TeamVectorEnv
 from .extensions.arc.game import arc_game as arc_game
 from .extensions.assistants.server import mcp as mcp
 from .extensions.assistants.skill import skill as skill

@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.engine.tables import Words, masks_at
+from babyrobot_levels.envs.engine.tables import Words, masks_at, robot_masks_at
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import check_one_robot
@@ -131,19 +131,45 @@ class BatchActions(spaces.MultiDiscrete):
                     f"the mask must have shape [{self.nvec.size}, {self.nvec[0]}], "
                     f"not {list(mask.shape)}"
                 )
-            return self._chosen((mask != 0).view(np.int8))
+            return _chosen(self.np_random, (mask != 0).view(np.int8))
         if mask is not None or probability is not None or self.state_info is None:
             return super().sample(mask, probability)
         state = self._envs.state
         if state[0] < 0:  # Before the first reset.
             return super().sample()
-        return self._chosen(masks_at(self.state_info, state, int(self.nvec[0])))
+        return _chosen(self.np_random, masks_at(self.state_info, state, int(self.nvec[0])))
 
-    def _chosen(self, masks: NDArray[np.int8]) -> NDArray[Any]:
-        sets = (masks @ _WEIGHTS[: masks.shape[1]]).astype(np.intp)
-        which = (self.np_random.random(sets.size) * _COUNTS.take(sets)).astype(np.intp)
-        actions: NDArray[Any] = _MEMBERS.take(sets * NUM_ACTIONS + which)
-        return actions
+
+class BatchTeamActions(spaces.Box):
+    """An action of each robot of each environment, of which `sample` gives allowed ones.
+
+    It equals the batch of the plain `MultiDiscrete`, int64 `[num_envs, robots]`.
+    """
+
+    state_info: Words | None = None
+    """What `Tables` has under this name, for the masks of `sample()`; None for any action."""
+
+    def __init__(self, num_robots: int, envs: EnvStates) -> None:
+        """Make the space of so many robots in environments."""
+        shape = envs.state.size, num_robots
+        super().__init__(0, NUM_ACTIONS - 1, shape, np.int64)
+        self._envs = envs
+
+    def sample(self, mask: Any = None, probability: Any = None) -> NDArray[Any]:
+        """Return an action of each robot, each allowed one with equal probability."""
+        state = self._envs.state
+        if self.state_info is None or state[0] < 0:  # Before the first reset.
+            return super().sample(mask, probability)
+        masks = robot_masks_at(self.state_info, state, self.shape[1])
+        return _chosen(self.np_random, masks.reshape(-1, NUM_ACTIONS)).reshape(self.shape)
+
+
+def _chosen(rng: np.random.Generator, masks: NDArray[np.int8]) -> NDArray[Any]:
+    """Return an action that each mask allows, each with equal probability."""
+    sets = (masks @ _WEIGHTS[: masks.shape[1]]).astype(np.intp)
+    which = (rng.random(sets.size) * _COUNTS.take(sets)).astype(np.intp)
+    actions: NDArray[Any] = _MEMBERS.take(sets * NUM_ACTIONS + which)
+    return actions
 
 
 _WEIGHTS = 1 << np.arange(NUM_ACTIONS, dtype=np.int8)

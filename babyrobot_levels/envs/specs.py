@@ -96,7 +96,7 @@ def is_id(text: str) -> bool:
 def level_spec(env_id: str, **kwargs: Any) -> LevelSpec:
     """Return the spec under which a level is registered, with arguments such as the level."""
     folder = "babyrobot_levels.envs"
-    return _spec(env_id, f"{folder}.making:make_level", f"{folder}.vector.env:make_vector", kwargs)
+    return _spec(env_id, f"{folder}.making:make_level", f"{folder}.vector.team:make_vector", kwargs)
 
 
 def suite_spec(env_id: str, **kwargs: Any) -> LevelSpec:

@@ -117,7 +117,7 @@ def test_a_level_with_one_robot_and_one_with_several_are_told_apart() -> None:
         brl.TeamEnv("final-maze")
     for refused in (
         lambda: brl.LevelEnv(PASSING),
-        lambda: gymnasium.make_vec("babyrobot/Level-v0", num_envs=2, level=PASSING),
+        lambda: brl.LevelVectorEnv(PASSING),
         lambda: brl.rollout(PASSING, "random"),
         lambda: brl.solve(PASSING, sight="view"),
     ):

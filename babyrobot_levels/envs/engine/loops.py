@@ -225,7 +225,8 @@ def step(
     observations = results[:end]
     rewards = results[end : end + count].view(np.float64)
     rest = results[end + count :].view(np.uint8)
-    masks, rest = rest[: count * num_actions], rest[count * num_actions :]
+    width = min(num_actions, 5)
+    masks, rest = rest[: count * width], rest[count * width :]
     terminated, reached, skidded = (
         rest[:count],
         rest[count : 2 * count],
@@ -259,9 +260,9 @@ def step(
             if done[env]:
                 position = reset_one(env, state, level, deadline, clock, drawn, position, resetting)
                 words[env] = state_info[state[env]]
-    if num_actions == 5:
+    if width == 5:
         write_masks(words, masks, 5)
-    elif num_actions == 4:
+    elif width == 4:
         write_masks(words, masks, 4)
     else:
         write_masks(words, masks, 3)

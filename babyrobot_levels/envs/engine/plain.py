@@ -49,7 +49,7 @@ class PlainEngine:
         self._too_large = self._num_actions.astype(_UNSIGNED)
         self._sizes = tables.state_info.size, tables.num_actions
         self._words: Words = np.empty(num_envs, np.uint64)
-        self._masks = ndarray(num_envs, f"V{tables.num_actions}", self._words, strides=8)
+        self._masks = ndarray(num_envs, f"V{tables.mask_width}", self._words, strides=8)
         # `end`, `reached` and `skidded` of all words.
         self._flags = self._words.view(np.uint8).reshape(num_envs, 8)[:, END:].T
         self._terminal = np.array(TERMINAL, np.uint8)
@@ -119,7 +119,7 @@ class PlainEngine:
         """Follow a policy for several steps and record them; see `Engine`."""
         tables, state, level = self._tables, envs.state, envs.level
         numbers, num_items = self._observations.shape[1], tables.held.shape[1]
-        layout = Layout(state.size, numbers, tables.num_actions, num_items, tables.tells_hits)
+        layout = Layout(state.size, numbers, tables.mask_width, num_items, tables.tells_hits)
         results = Results(layout)
         thresholds = np.ascontiguousarray(policy.T)
         for row in range(len(chances)):

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.gridworld import check_four_moves
 from babyrobot_levels.mdp.tables import Event, Mdp, events_of, hits_of
 
@@ -37,7 +38,8 @@ END, REACHED, SKIDDED = 5, 6, 7
 def info_dtype(num_actions: int) -> np.dtype[np.void]:
     """Return the dtype of an info word: the info of a step, in eight bytes that move as one.
 
-    `mask`, int8 `[actions]`: the action mask of the state; `end`, uint8: the sum of `TERMINAL`, if
+    `mask`, int8 `[actions]`: the action mask of the state, of several robots with a bit for each,
+    the first one the lowest; `end`, uint8: the sum of `TERMINAL`, if
     the episode is over, and `HIT`, if a mover hit the robot; `reached` and `skidded`, bool:
     whether the outcome was `Event.REACHED` or `Event.SKIDDED`.
     """
@@ -63,6 +65,17 @@ def masks_at(state_info: Words, states: Ints, num_actions: int) -> NDArray[np.in
     return np.ascontiguousarray(infos["mask"])
 
 
+def robot_masks_at(state_info: Words, states: Ints, num_robots: int) -> NDArray[np.int8]:
+    """Return the action masks of each of several robots, int8 `[states, robots, 5]`."""
+    return robot_masks(masks_at(state_info, states, NUM_ACTIONS), num_robots)
+
+
+def robot_masks(masks: NDArray[np.int8], num_robots: int) -> NDArray[np.int8]:
+    """Return masks with a bit for each robot as a mask of each, int8 `[…, robots, 5]`."""
+    split: NDArray[np.int8] = masks[..., None, :] >> np.arange(num_robots, dtype=np.int8)[:, None]
+    return split & np.int8(1)
+
+
 ALWAYS = 2.0
 """A threshold that no draw reaches."""
 
@@ -83,7 +96,8 @@ class Tables:
     in a step.
 
     Attributes:
-        num_actions: how many actions there are: 5; without stay, 4; with turning, 3.
+        num_actions: how many actions there are: 5; without stay, 4; with turning, 3; of several
+            robots, those of all together.
         next_state: intp `[outcomes]`; negative at stochastic rows.
         reward: float64 `[outcomes]`.
         outcome_info: uint64 `[outcomes]`: the info word after this outcome.
@@ -124,6 +138,11 @@ class Tables:
     def idle_row(self) -> int:
         """The row in which nothing happens."""
         return self.state_info.size * self.num_actions
+
+    @property
+    def mask_width(self) -> int:
+        """How many entries a mask has: of the joint actions of several robots, one robot's."""
+        return min(self.num_actions, NUM_ACTIONS)
 
     @property
     def draws_starts(self) -> bool:
@@ -203,7 +222,7 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
     threshold[np.arange(1, width + 1) >= count[:, None]] = ALWAYS
     next_state = mdp.next_state[rows]
     events = events_of(mdp)[rows]
-    masks = mdp.action_mask[:, first_action:]
+    masks = masks_of_robots(mdp) if level.robots else mdp.action_mask[:, first_action:]
     state_info = np.zeros(mdp.num_states, info_dtype(masks.shape[1]))
     state_info["mask"] = masks
     info = state_info[next_state]
@@ -228,6 +247,15 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
         has_items=bool(level.items),
         has_movers=bool(level.movers),
     )
+
+
+def masks_of_robots(mdp: Mdp) -> NDArray[np.int8]:
+    """Return for each state and action the robots that can take it, as bits, int8 `[states, 5]`."""
+    joint = mdp.action_mask.reshape(-1, *[NUM_ACTIONS] * mdp.num_robots)
+    others = [{*range(mdp.num_robots)} - {robot} for robot in range(mdp.num_robots)]
+    masks = (joint.max(axis=tuple(1 + each for each in other)) for other in others)
+    found: NDArray[np.int8] = sum(mask << robot for robot, mask in enumerate(masks))
+    return found
 
 
 def _held(level: Level, mdp: Mdp) -> Flags:

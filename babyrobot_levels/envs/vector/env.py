@@ -33,7 +33,7 @@ from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.rendering import RENDER_FPS
 from babyrobot_levels.envs.samplers import Sampler
 from babyrobot_levels.envs.single import LevelLike
-from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
+from babyrobot_levels.envs.spaces import ACTION_SETS, ActionSet, BatchActions, make_action_space
 from babyrobot_levels.envs.suite import SuiteLike, make_suite_serializable, suite_and_split
 from babyrobot_levels.envs.vector.levels import ChangingVectorEnv, checked_levels, checked_numbers
 
@@ -116,7 +116,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))
         size = None if num_envs is None else checked_count("num_envs", num_envs)
-        action_set = ACTION_SETS[actions]
+        action_set = self._action_set(actions)
         played = checked_levels(level, levels, bool(draw_levels), sampler, size, action_set.turns)
         self.levels, self._extent = played.levels, played.extent
         self.num_envs = size or (1 if played.family else len(self.levels))
@@ -159,6 +159,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         )
         self._results = Results(layout)
         self._has_begun = False
+
+    def _action_set(self, actions: str) -> ActionSet:
+        return ACTION_SETS[actions]
 
     # -- episodes --------------------------------------------------------------------------
 
@@ -254,7 +257,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             if ((taken < 0) | (taken >= self._tables.num_actions)).any():
                 self._refuse(taken)
             self._change_levels(envs.done.nonzero()[0])
-        if not self._engine.step(envs, taken, draws, results):
+        if not self._act(taken):
             self._refuse(taken)
         final = self._reset_done(results) if self.autoreset_mode is _SAME_STEP else None
         all_true = results.all_true
@@ -286,6 +289,10 @@ class LevelVectorEnv(ChangingVectorEnv):
             info,
         )
 
+    def _act(self, actions: Ints) -> bool:
+        """Take actions, and tell whether all are in the action space; if not, nothing changes."""
+        return self._engine.step(self._envs, actions, self._draws, self._results)
+
     @property
     def plane_names(self) -> tuple[str, ...]:
         """The names of the planes of the observation `"planes"`."""
@@ -300,7 +307,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         """Return the current action masks, int8 `[num_envs, actions]`."""
         if not self._has_begun:
             raise error.ResetNeeded("call `reset()` before asking for the action masks")
-        return masks_at(self._tables.state_info, self._envs.state, self._tables.num_actions)
+        return masks_at(self._tables.state_info, self._envs.state, self._tables.mask_width)
 
     def _starting_at(self, start: Any, which: Ints) -> Tables:
         """Return the tables of levels in which these environments start in a given cell."""
@@ -318,7 +325,7 @@ class LevelVectorEnv(ChangingVectorEnv):
     def _observe_start(self, results: Results, which: Ints) -> None:
         """Write the observations and infos of environments that were reset."""
         state = self._envs.state[which]
-        results.masks[which] = masks_at(self._tables.state_info, state, self._tables.num_actions)
+        results.masks[which] = masks_at(self._tables.state_info, state, self._tables.mask_width)
         results.reached[which] = results.skidded[which] = False
         if self.num_items:
             results.held[which] = self._tables.held[state]
@@ -389,23 +396,6 @@ class LevelVectorEnv(ChangingVectorEnv):
             f"{actions[number]}, the action of environment {number}, is not an action; "
             f"the actions are 0 to {most}"
         )
-
-
-def make_vector(level: LevelLike | None = None, **kwargs: Any) -> LevelVectorEnv:
-    """Return a vector environment: the vector entry point of `babyrobot/Level-v0` and all levels.
-
-    Args:
-        level: a name, a path, a mapping or a `Level`.
-        kwargs: the other arguments of `LevelVectorEnv`.
-
-    Raises:
-        MissingArgument: there is neither `level` nor `levels`.
-        TypeError: there is no such argument.
-    """
-    check_names(kwargs, LevelVectorEnv.__init__, "level")
-    if kwargs.get("levels") is None:
-        level = checked_given("level", level)
-    return LevelVectorEnv(level, **kwargs)
 
 
 class SuiteVectorEnv(LevelVectorEnv):
