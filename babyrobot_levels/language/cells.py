@@ -162,9 +162,14 @@ class RandomReward(Model):
     """How often each of the values is drawn; by default all are alike."""
 
     @property
+    def weights_of_values(self) -> tuple[int, ...]:
+        """How often each of the values is drawn, also where no weights are given."""
+        return self.weights or (1,) * len(self.values)
+
+    @property
     def chances(self) -> tuple[tuple[float, float], ...]:
         """The values, each with its probability."""
-        weights = self.weights or (1,) * len(self.values)
+        weights = self.weights_of_values
         total = sum(weights)
         return tuple(
             (value, weight / total) for value, weight in zip(self.values, weights, strict=True)
@@ -173,7 +178,7 @@ class RandomReward(Model):
     @property
     def mean(self) -> float:
         """Its expected value."""
-        weights = self.weights or (1,) * len(self.values)
+        weights = self.weights_of_values
         return fsum(map(mul, self.values, weights)) / sum(weights)
 
 

@@ -30,6 +30,11 @@ def test_the_distribution_of_returns_is_exact() -> None:
     assert found.probabilities == pytest.approx(np.array([9, 6, 1]) / 16)
 
 
+def test_model_checkers_get_the_mean_as_a_fraction() -> None:
+    areas = [{"at": [1, 0], "reward": {"values": [-1, 5, 0], "weights": [3, 3, 1]}}]
+    assert "[east] s=0 : 12/7;" in brl.export({**LEVEL, "areas": areas}, "prism").content
+
+
 def test_each_step_draws_the_reward_anew_by_the_seed() -> None:
     def episode(seed: int) -> tuple[float, ...]:
         env = brl.load(LEVEL).make()

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.analysis.solver.model import Core, Model, attractor
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import ExactSolution, NotExactError, Solution
+from babyrobot_levels.language.cells import RandomReward
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.gridworld import GridWorld
@@ -150,7 +151,13 @@ def denominators(level: GridWorld) -> tuple[int, int]:
 
 
 def _of_chances(level: GridWorld) -> Iterator[int]:
-    """Yield denominators of what wind and warps do by chance; chains may take all of them."""
+    """Yield denominators of what wind, warps and draws of rewards do by chance.
+
+    Chains of warps may take all of them; each robot draws one reward.
+    """
+    rewards = (area.reward for area in level.areas)
+    drawn = (each for each in rewards if isinstance(each, RandomReward))
+    yield lcm(*(sum(each.weights_of_values) for each in drawn)) ** max(1, len(level.robots))
     if level.wind is not None:
         yield exactly(level.wind.probability).denominator * (3 if level.wind.varies else 1)
     for warp in level.warps:
