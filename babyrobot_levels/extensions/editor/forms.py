@@ -122,7 +122,7 @@ def _fields(route: tuple[str, ...], schema: Schema) -> Iterator[dict[str, Any]]:
     simple = [each for each in variants if "properties" not in each]
     inner = [field for model in models for field in _form(model, route)]
     given = {key: schema[key] for key in ("default",) if key in schema}
-    if models and simple and len(inner[0]["route"]) == len(route) + 1:
+    if models and simple and inner and len(inner[0]["route"]) == len(route) + 1:
         # The mapping in short: its first field. Words may stand for it too.
         words = [each["const"] for each in simple if "const" in each]
         choices = {"choices": words} if words else {}
