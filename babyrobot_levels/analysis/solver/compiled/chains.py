@@ -18,7 +18,9 @@ class Chain(NamedTuple):
     """A Markov chain over `n` states.
 
     Attributes:
-        begin: where the entries of each state begin, `[n + 1]`.
+        begin: where the entries of each state begin, `[n + 1]`, those that lead to earlier states
+            first.
+        middle: where those that lead to later ones begin, `[n]`.
         target: the other states to which a step may lead.
         weight: how likely it does, discounted.
         killing: how likely a step ends the episode, or the discount does, `[n]`.
@@ -27,6 +29,7 @@ class Chain(NamedTuple):
     """
 
     begin: Ints
+    middle: Ints
     target: Nodes
     weight: Floats
     killing: Floats
@@ -40,10 +43,14 @@ def follow(rows: Rows, chosen: Ints, chain: Chain, first: int, last: int) -> Non
     for state in range(first, last):
         at, row = chain.begin[state], chosen[state]
         chain.killing[state] = rows.killing[row]
-        for outcome in range(rows.begin[row], rows.begin[row + 1]):
-            chain.target[at] = rows.target[outcome]
-            chain.weight[at] = rows.weight[outcome]
-            at += 1
+        for is_later in (False, True):
+            for outcome in range(rows.begin[row], rows.begin[row + 1]):
+                if (rows.target[outcome] > state) == is_later:
+                    chain.target[at] = rows.target[outcome]
+                    chain.weight[at] = rows.weight[outcome]
+                    at += 1
+            if not is_later:
+                chain.middle[state] = at
         chain.begin[state + 1] = at
 
 
@@ -67,12 +74,12 @@ def eliminate(chain: Chain, first: int, last: int) -> None:
         for at in range(chain.begin[state], chain.begin[state + 1]):
             pivot += chain.weight[at]
             diagonal += chain.weight[at]
+        for at in range(chain.middle[state], chain.begin[state + 1]):
             other = chain.target[at]
-            if other > state:
-                for back in range(chain.begin[other], chain.begin[other + 1]):
-                    if chain.target[back] == state:
-                        pivot -= chain.weight[at] * chain.weight[back] * chain.pivot[other]
-                        break
+            for back in range(chain.begin[other], chain.middle[other]):
+                if chain.target[back] == state:
+                    pivot -= chain.weight[at] * chain.weight[back] * chain.pivot[other]
+                    break
         pivot = pivot if pivot > 0.0 else 1.0
         chain.pivot[state] = 1.0 / pivot
         chain.shift[state] = diagonal / pivot - 2.0
@@ -84,10 +91,8 @@ def lower(chain: Chain, right: Floats, x: Floats, first: int, last: int) -> None
     for step in range(last - first):
         state = np.uint32(last - 1 - step)
         total = right[state]
-        for at in range(chain.begin[state], chain.begin[state + 1]):
-            other = chain.target[at]
-            if other > state:
-                total += chain.weight[at] * x[other]
+        for at in range(chain.middle[state], chain.begin[state + 1]):
+            total += chain.weight[at] * x[chain.target[at]]
         x[state] = total * chain.pivot[state]
 
 
@@ -97,10 +102,8 @@ def upper(chain: Chain, right: Floats, x: Floats, first: int, last: int) -> None
     for index in range(first, last):
         state = np.uint32(index)
         total = 0.0
-        for at in range(chain.begin[state], chain.begin[state + 1]):
-            other = chain.target[at]
-            if other < state:
-                total += chain.weight[at] * x[other]
+        for at in range(chain.begin[state], chain.middle[state]):
+            total += chain.weight[at] * x[chain.target[at]]
         x[state] = right[state] + total * chain.pivot[state]
 
 
@@ -114,10 +117,8 @@ def between(chain: Chain, right: Floats, solved: Floats, x: Floats, first: int, 
     for step in range(last - first):
         state = np.uint32(last - 1 - step)
         total = 0.0
-        for at in range(chain.begin[state], chain.begin[state + 1]):
-            other = chain.target[at]
-            if other > state:
-                total += chain.weight[at] * x[other]
+        for at in range(chain.middle[state], chain.begin[state + 1]):
+            total += chain.weight[at] * x[chain.target[at]]
         right_here = right[state] + chain.shift[state] * solved[state]
         x[state] = right_here + total * chain.pivot[state]
 

@@ -37,6 +37,9 @@ FAST = 0.74
 NEARLY = 1e-3
 """To which share of what is left linear systems are solved: policies change meanwhile."""
 
+SURELY = 100.0
+"""An error that is expected to be so many times smaller than it has to be is not looked at."""
+
 CLIMBS = 30
 """Sweeps between two policies that are evaluated exactly. They only save time."""
 
@@ -79,10 +82,15 @@ class Search:
             if changes[-1] <= ROUNDING * self.scale:
                 return True
             changed = self._improve()
-            error = self._step(NEARLY)
+            # Once the policy has been found, the rest is solved at one go.
+            goal = SETTLED * self.scale
+            tolerance = NEARLY if changed else min(NEARLY, max(goal / last, NEARLY**3))
+            error = self._step(tolerance)
             if not np.isfinite(error):
                 return False
-            if error <= SETTLED * self.scale or (not changed and error > last / 2):
+            if error * tolerance <= goal / SURELY:
+                return True
+            if error <= goal or (not changed and error > last / 2):
                 return bool(error <= 1e3 * SETTLED * self.scale)
             last = error
         return False

@@ -36,8 +36,9 @@ def followed(rows: Rows, chosen: Ints) -> Chain:
     """Return the chain of the rows that are chosen, one for each state."""
     size, length = chosen.size, rows.begin[chosen + 1] - rows.begin[chosen]
     room = int(length.sum())
-    begin, target = np.zeros(size + 1, np.int64), np.empty(room, np.uint32)
-    chain = Chain(begin, target, np.empty(room), *np.empty((3, size)))
+    begin, middle = np.zeros(size + 1, np.int64), np.empty(size, np.int64)
+    target, weight = np.empty(room, np.uint32), np.empty(room)
+    chain = Chain(begin, middle, target, weight, *np.empty((3, size)))
     for part in parts(size):
         kernel.follow(rows, chosen, chain, *part)
     return chain
