@@ -233,8 +233,11 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
     kind = "module" if isinstance(owner, ModuleType) else "type object"
     is_named = isinstance(owner, ModuleType | type)
     what = f"{kind} {owner.__name__!r}" if is_named else f"{type(owner).__name__!r} object"
-    known = [each for each in dir(owner) if not each.startswith("_")]
-    guess = "" if name.startswith("_") else meant(name, known, "attributes", "keywords")
+    guess = ""
+    # Libraries ask for names with underscores only to see whether they are there.
+    if not name.startswith("_"):
+        known = [each for each in dir(owner) if not each.startswith("_")]
+        guess = meant(name, known, "attributes", "keywords")
     # With a name, Python would add a guess of its own.
     return AttributeError(f"{what} has no attribute {name!r}{guess}", name="", obj=None)
 

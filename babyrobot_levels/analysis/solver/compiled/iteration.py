@@ -156,13 +156,13 @@ class Search:
         """Sweep with the best rows, then some times with the same; return the largest change."""
         self.rounds += AT_A_TIME
         budget.spend(2 * self.rows.target.size)
-        change = max(
-            float(kernel.choose(self.rows, self.values, self.chosen, *part))
-            for part in parts(self.size)
-        )
+        moving, counts = np.empty(self.size + 1, np.uint32), np.zeros(1, np.int64)
+        given = self.rows, self.values, self.chosen, moving
+        calm = SETTLED / SURELY * self.scale
+        change = max(float(kernel.choose(*given, counts, calm, *part)) for part in parts(self.size))
         for _ in range(AT_A_TIME - 1):
-            for part in parts(self.size):
-                kernel.follow(self.rows, self.values, self.chosen, *part)
+            for part in parts(int(counts[0])):
+                kernel.follow(*given, *part)
         return change
 
     def _sweep(self, step: int) -> float:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.compiled.rows import Floats, Ints, Rows, inner, jit
+from babyrobot_levels.analysis.solver.compiled.rows import Floats, Ints, Nodes, Rows, inner, jit
 
 PESSIMISM = 2.0
 """Guesses fall so many times as fast as they should: what is too low rises at once."""
@@ -54,12 +54,32 @@ def sweep(rows: Rows, values: Floats, first: int, last: int, step: int) -> float
 
 
 @jit
-def choose(rows: Rows, values: Floats, chosen: Ints, first: int, last: int) -> float:
-    """Update the values of some states, and choose their best rows; return the largest change.
+def choose(
+    rows: Rows,
+    values: Floats,
+    chosen: Ints,
+    moving: Nodes,
+    counts: Ints,
+    calm: float,
+    first: int,
+    last: int,
+) -> float:
+    """Update the values of some states, and choose their best rows.
 
-    Values are changed by more than that, as in all sweeps that settle.
+    Args:
+        rows: the process.
+        values: the values; changed, by more than they should at once, so that they settle sooner.
+        chosen: the best row of each state; changed.
+        moving: the states whose values change by more than `calm`; changed.
+        counts: how many there are; changed.
+        calm: a change that does not matter to others.
+        first: the first state.
+        last: the one after the last.
+
+    Returns:
+        The largest change.
     """
-    most = 0.0
+    most, count = 0.0, counts[0]
     for index in range(first, last):
         state = np.uint32(index)
         best = -np.inf
@@ -69,15 +89,18 @@ def choose(rows: Rows, values: Floats, chosen: Ints, first: int, last: int) -> f
                 best, chosen[state] = value, row
         change = best - values[state]
         values[state] += change * rows.factor[state]
+        moving[count] = state
+        count += abs(change) > calm
         most = max(most, abs(change))
+    counts[0] = count
     return most
 
 
 @jit
-def follow(rows: Rows, values: Floats, chosen: Ints, first: int, last: int) -> None:
-    """Update the values of some states by the rows that are chosen."""
+def follow(rows: Rows, values: Floats, chosen: Ints, moving: Nodes, first: int, last: int) -> None:
+    """Update the values of some of the states that move by the rows that are chosen."""
     for index in range(first, last):
-        state = np.uint32(index)
+        state = moving[index]
         change = row_value(rows, chosen[state], values) - values[state]
         values[state] += change * rows.factor[state]
 
