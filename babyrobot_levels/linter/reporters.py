@@ -5,7 +5,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import PurePath
+from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
 from xml.sax.saxutils import escape
@@ -67,7 +67,7 @@ def _command(diagnostic: Diagnostic, titles: Mapping[str, str]) -> str:
         # GitHub accepts columns only if the span is on one line.
         places |= {"col": diagnostic.column, "endColumn": diagnostic.end.column}
     properties = {
-        "file": one_line(PurePath(diagnostic.file).as_posix()),
+        "file": one_line(Path(diagnostic.file).as_posix()),
         **places,
         "title": one_line(f"{code}: {title}" if title else code),
     }
@@ -111,7 +111,7 @@ def _junit(diagnostics: Iterable[Diagnostic], files: Iterable[str]) -> str:
 
 
 def _case(file: str, found: Sequence[Diagnostic]) -> str:
-    name = PurePath(file).as_posix()
+    name = Path(file).as_posix()
     head = f'    <testcase name="{_attribute(name)}" classname="babyrobot" time="0"'
     if not found:
         return f"{head}/>"
@@ -213,7 +213,7 @@ def _region(span: Span) -> dict[str, int]:
 
 
 def _artifact(file: str) -> dict[str, str]:
-    path = PurePath(file)
+    path = Path(file)
     if path.is_absolute():
         return {"uri": path.as_uri()}
     return {"uri": quote(os.fsencode(path.as_posix())), "uriBaseId": "%SRCROOT%"}
@@ -223,7 +223,7 @@ def _fingerprint(diagnostic: Diagnostic, seen: Counter[tuple[str, ...]]) -> str:
     """Return a hash of file, code and source line, which stays the same when lines move."""
     source = diagnostic.source
     line = source.line(diagnostic.line).strip() if source is not None else ""
-    key = (PurePath(diagnostic.file).as_posix(), diagnostic.code, line)
+    key = (Path(diagnostic.file).as_posix(), diagnostic.code, line)
     seen[key] += 1
     whole = "\0".join([*key, str(seen[key])])
     return hashlib.sha256(whole.encode("utf-8", "surrogatepass")).hexdigest()[:32]
