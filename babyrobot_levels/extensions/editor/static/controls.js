@@ -113,7 +113,8 @@ export function numberControl(field, change) {
   );
   const show = (value) => {
     given = value;
-    input.value = value ?? "";
+    // A mapping, such as a reward that is drawn, is changed in the text.
+    input.value = typeof value === "object" ? "" : (value ?? "");
     words.show(value);
   };
   return {
