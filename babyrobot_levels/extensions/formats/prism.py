@@ -69,6 +69,9 @@ def _lines(level: Level, process: Process) -> Iterator[str]:
         yield from ("", f'rewards "{name}"')
         for (action, reward), states in rewards.items():
             yield f"  [{action}] {_among(states)} : {_text(sign * reward)};"
+        if not rewards:
+            # Readers take no empty structure.
+            yield "  true : 0;"
         yield "endrewards"
     yield ""
     for name, has in process.labels.items():

@@ -185,11 +185,13 @@ def _prism(table: _Table) -> Iterator[str]:
         updates = (f"{chance}:(s'={after})&(o'={seen[after]})" for after, chance in row)
         yield f"  [{names[action]}] s={state} -> {' + '.join(updates)};"
     yield "endmodule"
+    paid = [(*row, reward) for row in table.rows() if (reward := table.reward(*row))]
     for name, sign in (("reward", 1), ("cost", -1)):
         yield f'rewards "{name}"'
-        for state, action in table.rows():
-            if reward := table.reward(state, action):
-                yield f"  [{names[action]}] s={state} : {_decimal(sign * reward)};"
+        for state, action, reward in paid:
+            yield f"  [{names[action]}] s={state} : {_decimal(sign * reward)};"
+        if not paid:
+            yield "  true : 0;"
         yield "endrewards"
     yield f'label "end" = s={table.end};'
 

@@ -307,3 +307,8 @@ def test_without_umbi_one_sentence_says_what_to_install(monkeypatch: pytest.Monk
     monkeypatch.setitem(__import__("sys").modules, "umbi.umb.umb_to_tar", None)
     with pytest.raises(ImportError, match=r"needs umbi: install the extra `umb`: pip install"):
         brl.export("final-maze", "umb")
+
+
+def test_a_level_that_pays_nothing_has_a_structure_of_rewards() -> None:
+    text = brl.export({"version": 1, "size": [2, 1], "rewards": {"step": 0}}, "prism").content
+    assert 'rewards "reward"\n  true : 0;\nendrewards' in text
