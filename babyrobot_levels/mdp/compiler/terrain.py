@@ -395,8 +395,8 @@ End = tuple[int, float | None, bool]
 Ends = tuple[dict[End, float], float]
 """The ends of a way, each with its weight, and the sum of these."""
 
-END = 20
-"""The steps of work to follow a warp to one of its ends."""
+WARP, END = 4_000, 20
+"""The steps of work to follow a warp, and for each of its ends."""
 
 
 class _Ways:
@@ -421,7 +421,7 @@ class _Ways:
             for (end, reward, _), share in ends.items():
                 key = end, reward if warp.reward is None else warp.reward, True
                 found[key] = found.get(key, 0.0) + weight * share / among
-        budget.spend(END * len(found))
+        budget.spend(WARP + END * len(found))
         check_room(self._level, self._grid.width * self._grid.height, len(found))
         return found, total
 
