@@ -42,7 +42,7 @@ from babyrobot_levels.language.metric_names import (
     UNLIMITED,
 )
 from babyrobot_levels.mdp.graph import MANY
-from babyrobot_levels.mdp.gridworld import GridWorld, world_of
+from babyrobot_levels.mdp.gridworld import GridWorld, changed, world_of
 from babyrobot_levels.mdp.tables import Flags
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import no_item
@@ -311,10 +311,7 @@ class Metrics(Shown, public=True):
         if self.path_length is None:
             return None
         fields = (*(kind.field for kind in kinds.THINGS), "exit_needs")
-        bare = self.level.model_copy(update={**dict.fromkeys(fields, ()), "wind": None})
-        for name in ("_things", "_mdp", "_digest"):
-            bare.__dict__.pop(name, None)
-        direct = Metrics(bare).path_length
+        direct = Metrics(changed(self.level, **dict.fromkeys(fields, ()), wind=None)).path_length
         return None if direct is None else self.path_length - direct
 
     # -- returns ---------------------------------------------------------------------------

@@ -24,6 +24,7 @@ from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.language.things import Hit, hit_reward
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph, Successors, distances
+from babyrobot_levels.mdp.gridworld import changed
 from babyrobot_levels.mdp.mazes.lattice import below
 
 SEED_BITS = 48
@@ -148,7 +149,8 @@ class Candidate:
         if not doors or len(doors) > sum(item.picture == "key" for item in level.items):
             return True
         optimum = self.metrics.best_return
-        others = (Metrics(_without_door(level, number)).best_return for number in range(len(doors)))
+        fewer = (doors[:number] + doors[number + 1 :] for number in range(len(doors)))
+        others = (Metrics(changed(level, doors=left)).best_return for left in fewer)
         return optimum is not None and all(
             other is not None and other > optimum + TOLERANCE for other in others
         )
@@ -368,13 +370,6 @@ def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
         if plain_maze.grid().open_bits == level.grid().open_bits:
             return plain_maze
     return level
-
-
-def _without_door(level: Level, number: int) -> Level:
-    doors = level.doors[:number] + level.doors[number + 1 :]
-    other = level.model_copy(update={"doors": doors})
-    other.__dict__.pop("_mdp", None)
-    return other
 
 
 def _draw_puddles(

@@ -275,7 +275,8 @@ class LintContext:
 
         False where that is not found out: only so many levels are compared.
         """
-        from babyrobot_levels.linter.variants import changed, max_variants
+        from babyrobot_levels.linter.variants import max_variants
+        from babyrobot_levels.mdp.gridworld import changed
 
         self._compared += 1
         if self._compared > max_variants(self.level):

@@ -17,8 +17,8 @@ from babyrobot_levels.analysis.solver.results import (
 )
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.linter.variants import changed
 from babyrobot_levels.mdp.graph import Graph
+from babyrobot_levels.mdp.gridworld import changed
 from babyrobot_levels.mdp.states import Reach, ends_by_hit, exit_states, occurring
 from babyrobot_levels.mdp.tables import Flags, Mdp
 from babyrobot_levels.text.errors import LevelError

@@ -53,14 +53,6 @@ def cells_reached(level: Level, **fields: Any) -> NDArray[np.bool_]:
     return reached
 
 
-def changed(level: Level, **fields: Any) -> Level:
-    """Return a level with other values for fields that do not affect the grid, not validated."""
-    other = level.model_copy(update=fields)
-    for name in ("_things", "_mdp", "_digest"):
-        other.__dict__.pop(name, None)
-    return other
-
-
 def with_rewards(level: Level, **fields: Any) -> Mdp:
     """Return the tables of a level with other rewards, which are never too large."""
     return compile_mdp(level.model_copy(update=fields), level.grid())

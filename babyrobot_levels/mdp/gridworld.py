@@ -147,9 +147,8 @@ class GridWorld(LevelSpec):
             raise LevelError(message=f"the seed of a maze must be an integer, not {seed!r}")
         fields = {**self.maze.model_dump(exclude_unset=True), "seed": operator.index(seed)}
         maze = Maze.model_validate(fields)
-        other = self.model_copy(update={"maze": maze})
-        for name in ("_grid", "_things", "_mdp", "_digest"):
-            other.__dict__.pop(name, None)
+        other = changed(self, maze=maze)
+        other.__dict__.pop("_grid", None)
         return other
 
     def draw(self) -> str:
@@ -195,6 +194,14 @@ class GridWorld(LevelSpec):
 
 
 WorldT = TypeVar("WorldT", bound=GridWorld)
+
+
+def changed(level: WorldT, **fields: Any) -> WorldT:
+    """Return a level with other values for fields that do not affect the grid, not validated."""
+    other = level.model_copy(update=fields)
+    for name in ("_things", "_mdp", "_digest"):
+        other.__dict__.pop(name, None)
+    return other
 
 
 def check_world(
