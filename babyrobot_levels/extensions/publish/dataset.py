@@ -266,7 +266,7 @@ def _croissant(folder: Path, made: Dataset, title: str, terms: str | None) -> di
         "@type": "sc:Dataset",
         "name": title,
         "description": f"Levels of grid worlds with their exact metrics. Written by {program()}.",
-        "conformsTo": "http://mlcommons.org/croissant/1.0",
+        "conformsTo": "http://mlcommons.org/croissant/1.1",
         **({"license": terms} if terms else {}),
         "distribution": files,
         "recordSet": records,
@@ -282,7 +282,7 @@ def _field(split: str, path: str, name: str, kind: str, text: str) -> dict[str, 
         "description": text,
         "dataType": _CROISSANT_TYPES[kind],
         "source": source | ({"transform": {"jsonPath": "bytes"}} if kind == "image" else {}),
-        **({"repeated": True} if kind == "list<string>" else {}),
+        **({"isArray": True, "arrayShape": "-1"} if kind == "list<string>" else {}),
     }
 
 

@@ -78,6 +78,7 @@ def test_croissant_describes_what_is_there(caplog: pytest.LogCaptureFixture) -> 
     read = mlcroissant.Dataset(jsonld="few/croissant.json")
     assert "not standard" not in caplog.text
     assert not read.metadata.ctx.issues.errors
+    assert read.metadata.ctx.is_v1_1()
     first = next(iter(read.records("test")))
     assert brl.loads(first["test/level"].decode()).digest == first["test/digest"].decode()
     assert first["test/picture"].size[0] <= 400
