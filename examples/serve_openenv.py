@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 import uvicorn
 from arguments import at_least, suite_of
+from fastapi import FastAPI
 from openenv.core import Action, Environment, Observation, State, create_fastapi_app
 
 import babyrobot_levels as brl
@@ -69,20 +70,23 @@ class Levels(Environment[Move, Seen, State]):
         return {"id": self._suite.split(split)[index].digest, "split": split, "index": index}
 
 
+def app_of(suite: brl.Suite, sight: str = "map") -> FastAPI:
+    return create_fastapi_app(
+        lambda: Levels(suite, sight), Move, Seen, max_concurrent_envs=64, env_name="levels"
+    )
+
+
+app = app_of(brl.load_suite("text-easy"))
+"""What `openenv.yaml` names."""
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--suite", type=suite_of, default="text-easy", help="a name or a path")
     parser.add_argument("--sight", choices=("map", "view", "words", "picture"), default="map")
     parser.add_argument("--port", type=at_least(0), default=8000)
     args = parser.parse_args()
-    app = create_fastapi_app(
-        lambda: Levels(args.suite, args.sight),
-        Move,
-        Seen,
-        max_concurrent_envs=64,
-        env_name="levels",
-    )
-    uvicorn.run(app, port=args.port)
+    uvicorn.run(app_of(args.suite, args.sight), port=args.port)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,9 @@ from urllib.request import urlopen
 
 import pytest
 from openenv import GenericEnvClient
+from openenv.cli.__main__ import app
 from support.places import EXAMPLES
+from typer.testing import CliRunner
 
 import babyrobot_levels as brl
 
@@ -51,6 +53,12 @@ def test_other_moves_are_refused_and_the_episode_goes_on(address: str) -> None:
         with pytest.raises(RuntimeError, match="VALIDATION_ERROR"):
             client.step({"move": "up"})
         assert client.step({"move": "east"}).reward is not None
+
+
+def test_its_own_command_validates_the_server_and_the_folder(address: str) -> None:
+    for target in (["--url", address], [str(EXAMPLES), "--level", "static"]):
+        done = CliRunner().invoke(app, ["validate", *target])
+        assert (done.exit_code, "Verdict: PASS" in done.output) == (0, True), done.output
 
 
 def test_levels_are_its_tasks(address: str) -> None:
