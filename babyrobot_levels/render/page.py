@@ -3,12 +3,6 @@
 The page plays the compiled tables. Its random numbers come from the generator that the
 environments use: a seed and the same actions give the same episode there and here. Opened with a
 link's play part after a `#`, it shows and plays that level instead.
-
-The play part of a link follows the level's share code. It is `~1.` (`~2.` for a level with things
-or a heading), the number of characters after the next `.`, that `.`, and base64url without
-padding. Its bytes are a CRC-32 of the share code and of the packed data (four bytes, big-endian)
-and the packed data: the page's data as JSON in UTF-8, as a raw deflate stream with a preset
-dictionary.
 """
 
 from __future__ import annotations
@@ -17,7 +11,6 @@ import base64
 import hashlib
 import json
 import math
-import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -29,7 +22,7 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.kinds import NEEDED
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.language.play import program
-from babyrobot_levels.language.share_code import PLAY_DICTIONARY_1, PLAY_MARK, VERSION, encode
+from babyrobot_levels.language.share_code import VERSION, encode
 from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.gridworld import GridWorld, check_four_moves
 from babyrobot_levels.mdp.numeric import is_numeric
@@ -48,6 +41,7 @@ from babyrobot_levels.render.page_format import (
     runs_of,
     short,
 )
+from babyrobot_levels.render.page_link import DICTIONARY, MAX_UNPACKED, PLAY_VERSIONS, play_fragment
 from babyrobot_levels.render.page_sight import PageSight
 from babyrobot_levels.render.page_things import Marks, team_data, things_data
 from babyrobot_levels.render.scene.build import build_scene, floor_shapes, ground_layer, sign_shapes
@@ -73,14 +67,8 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
-PLAY_VERSIONS = (1, 2)
-"""The versions of play parts that a page reads: 2 is for levels with things or a heading."""
-
 MAX_LINK = 30_000
 """The most characters of a link after its `#` that browsers and chats handle reliably."""
-
-MAX_UNPACKED = 4 << 20
-"""The most bytes that a page decompresses."""
 
 
 def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
@@ -104,7 +92,7 @@ def to_html(level: GridWorld, **shown: Unpack[PageOptions]) -> str:
         "code_versions": [VERSION],
         "play_versions": PLAY_VERSIONS,
         "max_unpacked": MAX_UNPACKED,
-        "dictionary": _base64url(_deflated(PLAY_DICTIONARY_1)),
+        "dictionary": DICTIONARY,
     }
     icon = icon_svg(level.resolved_theme)
     parts = {
@@ -203,43 +191,18 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
     content = page_data(played, guide=guide)
     if played is not level:
         content["code"] = encode(played.to_dict(whole=True))
-    fragment = _fragment(code, content)
+    fragment = play_fragment(code, content)
     if len(fragment) > MAX_LINK:
         # A page that does without the values of all states cannot tell what decisions cost.
         for known in (content, content.get("turns", {})):
             known.get("returns", {}).pop("values", None)
-        fragment = _fragment(code, content)
+        fragment = play_fragment(code, content)
     if len(fragment) > MAX_LINK:
         raise TooLargeError(
             f"the level is too large for a link: it would have {len(fragment):,} characters, "
             f"and the limit is {MAX_LINK:,}"
         )
     return fragment
-
-
-def _fragment(code: str, content: dict[str, Any]) -> str:
-    """Return the fragment of a link with its data, however long."""
-    version = PLAY_VERSIONS["things" in content or "turns" in content]
-    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    data = text.encode("utf-8")
-    if len(data) > MAX_UNPACKED:
-        raise TooLargeError(
-            f"the level is too large for a link: its data has {len(data):,} bytes, "
-            f"and the limit is {MAX_UNPACKED:,}"
-        )
-    packed = _deflated(data, PLAY_DICTIONARY_1)
-    checksum = zlib.crc32(packed, zlib.crc32(code.encode("ascii")))
-    body = _base64url(checksum.to_bytes(4, "big") + packed)
-    return f"{code}{PLAY_MARK}{version}.{len(body)}.{body}"
-
-
-def _deflated(data: bytes, dictionary: bytes = b"") -> bytes:
-    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=dictionary)
-    return packer.compress(data) + packer.flush()
-
-
-def _base64url(data: bytes) -> str:
-    return base64.urlsafe_b64encode(data).decode().rstrip("=")
 
 
 # -- what a page knows about a level ---------------------------------------------------------------

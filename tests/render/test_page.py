@@ -408,8 +408,8 @@ def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.Monke
     level = Level.from_fields({"version": 1, "description": "x" * 10_000})
     data = json.dumps(page_data(level), ensure_ascii=False, separators=(",", ":"))
     size = len(data.encode())
-    monkeypatch.setattr("babyrobot_levels.render.page.MAX_UNPACKED", size)
+    monkeypatch.setattr("babyrobot_levels.render.page_link.MAX_UNPACKED", size)
     assert len(link_fragment(level, level)) < MAX_LINK
-    monkeypatch.setattr("babyrobot_levels.render.page.MAX_UNPACKED", size - 1)
+    monkeypatch.setattr("babyrobot_levels.render.page_link.MAX_UNPACKED", size - 1)
     with pytest.raises(TooLargeError, match=f"its data has .* the limit is {size - 1:,}"):
         link_fragment(level, level)

@@ -22,7 +22,8 @@ from support.worlds import World, decorated_worlds, level_of
 from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, page_data, to_html
+from babyrobot_levels.render.page import link_fragment, page_data, to_html
+from babyrobot_levels.render.page_link import MAX_UNPACKED
 
 SOME = ["final-maze", "four-corners", "glasshouse", "random-maze", "side-panel", "teleport-pads"]
 """Between them, they have all that a level can have; worlds that are drawn have the rest."""
