@@ -76,6 +76,7 @@ CROWDED: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [{"within": 25}, {"within": 9, "discount": 0.9, "actions": "turns"}],

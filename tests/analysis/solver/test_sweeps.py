@@ -71,6 +71,7 @@ def test_the_policy_found_has_the_values_found() -> None:
     assert found.exit_probability == 1.0
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(seed=st.integers(0, 100_000), discount=st.sampled_from([1.0, 0.95, 0.5]))
 def test_random_levels_are_solved_alike(seed: int, discount: float) -> None:
