@@ -167,3 +167,23 @@ def test_a_script_runs_in_a_process_of_its_own(
     assert result.comparisons[0].ours["a"] == [1.0] * (3 if name == "well" else 1)
     assert (failure or "") in (result.failure or "")
     assert (result.failure is None) == (failure is None)
+
+
+def test_the_history_follows_ratios_from_run_to_run() -> None:
+    from history import history, runs_of
+    from page import Result, page
+    from timing import Comparison
+
+    def told(ratio: float, peer: str = "lake") -> str:
+        rates = Comparison("steps", {"ours": [10.0 * ratio]}, {peer: [10.0]})
+        return page([Result("step", (rates,))], ["step"], 7).replace("- date: 20", "- date: 19")
+
+    # The second differs from the first by a name alone.
+    runs = runs_of([told(2, "pond"), told(2), told(4), told(3)])
+    assert [list(run.ratios.values()) for run in runs] == [[2], [4], [3]]
+    assert all(run.date.startswith("19") for run in runs)
+    assert """\
+| benchmark | what  | ours | peer | runs  | first | last |
+| --------- | ----- | ---- | ---- | ----- | ----- | ---- |
+| step      | steps | ours | lake | `▅█▆` | 2     | 3    |
+""" in history(runs)
