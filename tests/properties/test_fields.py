@@ -143,6 +143,7 @@ WRITTEN = [name for name, each in FORMATS.items() if each.is_written and name !=
 # -- words and exporters --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", PLAYING)
 def test_rules_in_words_tell_what_changes_the_tables(where: str) -> None:
     assert contrasts_of(where), "no random level shows what it changes"

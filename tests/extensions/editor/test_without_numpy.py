@@ -108,6 +108,7 @@ def test_gestures_make_the_same_texts(told: dict[str, Any], name: str) -> None:
     assert told[f"{name}, drawn"] == texts_after(name, 7, 25)
 
 
+@pytest.mark.slow
 def test_every_message_has_the_same_answer(told: dict[str, Any]) -> None:
     for message, without, solved in zip(
         MESSAGES, told["messages"], replies(TEXT, MESSAGES), strict=True

@@ -273,6 +273,7 @@ def test_numpy_is_served_by_the_page_if_it_is_given(
         opened.close()
 
 
+@pytest.mark.slow
 def test_a_folder_without_python_for_browsers_is_told(tmp_path: Path) -> None:
     with pytest.raises(RuntimeFileError, match="cannot be read"):
         brl.course(ROOT / "course", tmp_path / "built", runtime=tmp_path)

@@ -258,6 +258,7 @@ def test_it_is_told_how_sure_one_can_be() -> None:
     assert "One can know how everything stands." in known.reset(seed=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sight", ["map", "view", "words"])
 @pytest.mark.parametrize("level", ["three-gems", "bat-cave", "treasure-chests"])
 def test_what_is_true_is_never_ruled_out(level: str, sight: str) -> None:

@@ -13,6 +13,7 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import pytest
 from support.places import ROOT, TESTS
 
 import babyrobot_levels as brl
@@ -186,6 +187,7 @@ def first_told(found: brl.Submission) -> str:
     return "; ".join([rows[0].message, *notes])
 
 
+@pytest.mark.slow
 def test_each_way_to_hand_in_something_wrong_is_answered(tmp_path: Path) -> None:
     course = tmp_path / "course"
     (course / "levels").mkdir(parents=True)

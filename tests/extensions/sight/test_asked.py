@@ -157,6 +157,7 @@ def test_a_score_of_a_reader_is_set_beside_what_its_texts_tell() -> None:
     assert row.knowable <= row.optimum
 
 
+@pytest.mark.slow
 def test_what_can_be_known_in_one_of_several_levels_is_less_than_in_each() -> None:
     mazes = brl.load_suite("small-mazes").split("test")[:10]
     how: Any = {"actions": "moves", "within": 40}

@@ -74,6 +74,7 @@ def test_a_large_maze_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     assert grow(board, 8) == plain(board, 8, 0.0, monkeypatch)
 
 
+@pytest.mark.slow
 def test_it_is_loaded_when_so_many_cells_are_asked_for_that_it_pays() -> None:
     assert compiled.WORTH_LOADING == 500_000
     assert compiled.depth_first(500, 500, bytes(250_000), 0, 1) is None
