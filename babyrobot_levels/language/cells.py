@@ -1,8 +1,8 @@
 """What a step meets: walls and mazes, puddles, areas, skids, warps and wind, and what it pays."""
 
 from enum import StrEnum
+from fractions import Fraction
 from functools import cache
-from math import fsum
 from operator import mul
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -177,9 +177,9 @@ class RandomReward(Model):
 
     @property
     def mean(self) -> float:
-        """Its expected value."""
+        """Its expected value; by fractions, since sums of large values overflow."""
         weights = self.weights_of_values
-        return fsum(map(mul, self.values, weights)) / sum(weights)
+        return float(sum(map(mul, map(Fraction, self.values), weights)) / sum(weights))
 
 
 RewardLike = Annotated[

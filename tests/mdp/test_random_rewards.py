@@ -83,3 +83,23 @@ def test_too_many_outcomes_name_the_rewards() -> None:
     }
     with pytest.raises(brl.LevelError, match="values of rewards"):
         brl.load(fields).compile()
+
+
+def test_values_that_are_too_large_to_add_up_are_told() -> None:
+    # Their sum is no number, and their mean is one.
+    level = brl.load({**LEVEL, "areas": [{"at": [1, 0], "reward": {"values": [1e308, 1e308]}}]})
+    with pytest.raises(brl.BabyRobotError, match="too large to add up"):
+        brl.solve(level)
+
+
+@pytest.mark.parametrize(
+    ("reward", "help_text"),
+    [
+        ({"weights": [3, 1]}, "add `values: [-1, 5]`"),
+        ({"values": [-1, 5], "probabilities": [0.75, 0.25]}, "`weights`"),
+    ],
+)
+def test_mistakes_lead_to_what_is_meant(reward: object, help_text: str) -> None:
+    with pytest.raises(brl.LevelError) as told:
+        brl.load({**LEVEL, "areas": [{"at": [1, 0], "reward": reward}]})
+    assert help_text in str(told.value)
