@@ -134,6 +134,7 @@ def slow_or_not(line: str) -> Any:
     return pytest.param(line, marks=[pytest.mark.sweep] if is_slow else [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", [slow_or_not(line) for line in examples()])
 def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

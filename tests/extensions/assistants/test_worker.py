@@ -28,6 +28,7 @@ def test_a_process_that_has_ended_is_replaced() -> None:
         worker.call("solve", {"level": "frozen-lake"})
 
 
+@pytest.mark.slow
 def test_a_level_that_comes_to_too_much_is_refused_in_a_sentence() -> None:
     text = "version: 1\nsize: [30, 30]\nmovers: [{within: {at: [0, 0], size: [30, 30]}}]\n"
     with pytest.raises(RefusedError, match="the level has 810,000 states, and 4 or more"):

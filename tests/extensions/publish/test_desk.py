@@ -70,6 +70,7 @@ def test_values_are_right_if_each_is_near_the_right_one(name: str, data: st.Data
         hashed.graded(near.reshape(level["shape"]).tolist(), "values", level)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LEVELS)
 def test_policies_are_right_as_elsewhere(name: str) -> None:
     best = brl.solve(name).policy
