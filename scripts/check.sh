@@ -57,7 +57,7 @@ make_libraries() {
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install --quiet --disable-pip-version-check --no-compile torch==2.13.0
     install_into .venv-libraries mlcroissant==1.1.1 \
-        --editable ".[test,mcp,minari,parquet,rllib,sb3,tianshou,torchrl,trl]"
+        --group test --editable ".[mcp,minari,parquet,rllib,sb3,tianshou,torchrl,trl]"
     # It asks for Python 3.12, and runs with 3.11 as well; all that it needs is there.
     .venv-libraries/bin/pip install --quiet --disable-pip-version-check --ignore-requires-python --no-deps arcengine==0.9.3
 }
@@ -117,7 +117,7 @@ otter)
     ;;
 site)
     make_venv .venv-site
-    install_into .venv-site --editable ".[site,site-test]"
+    install_into .venv-site --editable . --group site --group site-test
     bash scripts/browser.sh .venv-site/bin/python
     rm -rf build/site
     bash scripts/site.sh >/dev/null &
@@ -155,7 +155,7 @@ lowest)
     ;;
 esac
 make_venv .venv
-install_into .venv --editable ".[test]"
+install_into .venv --editable . --group test
 [ "${1:-fast}" = fast ] || bash scripts/browser.sh .venv/bin/python
 # Types are checked in what all that follows leaves of two cores.
 said="$(mktemp)"

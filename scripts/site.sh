@@ -7,7 +7,7 @@ output="$(realpath --canonicalize-missing "${1:-"$(dirname "$0")/../build/site"}
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
 make_venv .venv-site
-install_into .venv-site --editable ".[site]"
+install_into .venv-site --editable . --group site
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 .venv-site/bin/sphinx-build --quiet --fail-on-warning --keep-going --builder html \

@@ -34,5 +34,6 @@ install_into() {
     shift
     local pip=("$folder/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile)
     [ -x "$folder/bin/uv" ] || "${pip[@]}" uv || true
-    "$folder/bin/uv" pip install --quiet --python "$folder/bin/python" "$@" 2>/dev/null || "${pip[@]}" "$@"
+    "$folder/bin/uv" pip install --quiet --python "$folder/bin/python" "$@" 2>/dev/null ||
+        { "${pip[@]}" --upgrade "pip>=25.1" && "${pip[@]}" "$@"; }
 }
