@@ -1,4 +1,5 @@
-"""Solving many levels in JAX in one call, beside `brl.solve` and `brl.score`, level by level.
+"""Solving many levels in JAX in one call, beside jaxdp, and `brl.solve` and `brl.score` level by
+level.
 
     python benchmarks/jax_solve.py
 
@@ -6,6 +7,9 @@ All solve the same mazes of 8×8 cells with puddles, which are compiled before. 
 to rounding in 64 bits. JAX iterates in 32 bits, until no value changes, or as often as an episode
 has steps; how far it is from `brl.solve` stands below the table. Regret is that of the random
 policy; besides, `brl.score` returns its success and its steps.
+
+jaxdp (tried: 0.4.0) has transitions as dense arrays, actions x states x states. Its value
+iteration goes over all levels with `jax.vmap`, also until no value changes.
 """
 
 from __future__ import annotations
@@ -24,6 +28,8 @@ from timing import Comparison, Measure, compare_in_turns, installed, needing
 import babyrobot_levels as brl
 
 LEVELS = 1000
+FEW = 200
+"""How many the peer with dense arrays gets, 33 MB of them."""
 SIZE = (8, 8)
 DISCOUNT = 0.9
 WITHIN = 100
@@ -61,6 +67,57 @@ def regrets(levels: Sequence[brl.Level]) -> Callable[[], Any]:
     return lambda: jax.block_until_ready(regret(params, policy))
 
 
+def dense(level: brl.Level) -> tuple[Any, Any, Any, Any]:
+    """Return transition `[action, next, state]`, reward `[action, state, next]`, start and ends."""
+    mdp = level.compile()
+    states, actions = mdp.num_states, mdp.num_actions
+    transition = np.zeros((actions, states, states), np.float32)
+    action, state = np.indices((actions, states))[:, :, :, None]
+    np.add.at(
+        transition, (action, mdp.next_state.swapaxes(0, 1), state), mdp.probability.swapaxes(0, 1)
+    )
+    mean = (mdp.probability * mdp.reward).sum(axis=2).T
+    ends = np.unique(mdp.next_state[mdp.terminal])
+    transition[:, :, ends] = 0
+    transition[:, ends, ends] = 1
+    mean[:, ends] = 0
+    reward = np.broadcast_to(mean[:, :, None], transition.shape).astype(np.float32)
+    terminal = np.zeros(states, np.float32)
+    terminal[ends] = 1
+    return transition, reward, mdp.start.astype(np.float32), terminal
+
+
+def iterated(levels: Sequence[brl.Level]) -> Callable[[], Any]:
+    """Return a compiled call of jaxdp that returns the optimal returns of levels."""
+    import chex
+    import jax
+    from jaxdp import MDP, ValueIteration
+
+    fields = ("transition", "reward", "initial", "terminal")
+    arrays = (jax.numpy.asarray(np.stack(each)) for each in zip(*map(dense, levels), strict=True))
+    worlds = MDP(**dict(zip(fields, arrays, strict=True)))
+    planner = ValueIteration(gamma=DISCOUNT)
+
+    def optimum(world: Any) -> Any:
+        def sweep(carry: Any) -> Any:
+            state = carry[1]
+            return state.v_val, planner.update(world, state)
+
+        state = planner.init(world)
+        first = (state.v_val + 1, state)
+        found = jax.lax.while_loop(lambda carry: (carry[0] != carry[1].v_val).any(), sweep, first)
+        return found[1].v_val @ world.initial
+
+    solve = jax.jit(jax.vmap(optimum))
+    # Checks of values in compiled code would cost it time.
+    chex.disable_asserts()
+    try:
+        solve(worlds)
+    finally:
+        chex.enable_asserts()
+    return lambda: jax.block_until_ready(solve(worlds))
+
+
 def rate_of(call: Callable[[], Any], count: int) -> Measure:
     """Return a measure of the levels per second of a call, the first of which is not measured."""
     call()
@@ -91,7 +148,16 @@ def scored(levels: Sequence[brl.Level]) -> list[float]:
 def compare(count: int, levels: int = LEVELS) -> Iterator[Comparison]:
     """Yield how many optima, and how many regrets, are computed per second."""
     made = mazes(levels)
-    versions = installed("babyrobot-levels", "jax", "numpy", "scipy")
+    versions = installed("babyrobot-levels", "jax", "jaxdp", "numpy", "scipy")
+    few = made[:FEW]
+    yield compare_in_turns(
+        f"levels per second, {len(few):,} mazes of 8x8",
+        {"brl_jax.optimum": needing("jax gymnax", partial(measured, optima, few))},
+        {"jaxdp.ValueIteration": needing("jax jaxdp", partial(measured, iterated, few))},
+        count,
+        aims={("brl_jax.optimum", "jaxdp.ValueIteration"): AIM},
+        versions=versions,
+    )
     for name, ours, peer, theirs in (
         ("brl_jax.optimum", optima, "brl.solve", solved),
         ("brl_jax.regret", regrets, "brl.score", scored),
