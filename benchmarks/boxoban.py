@@ -5,8 +5,9 @@
 The files are those of https://github.com/google-deepmind/boxoban-levels, such as `hard/000.txt`; of
 each, the first N levels are taken. For each level, the table has the states of robot and boxes that
 can occur, the states of the tables, the fewest moves, the fewest pushes with these, and the seconds
-of the processor to compile and to solve it. `--check` finds the fewest moves again, by a plain
-search that is written apart. A second table has the medians and the most of each file.
+of the processor to compile and to solve it. `--check` counts the states and the fewest moves again,
+by the plain search of `plain_search.py`, with its seconds, and how many times as long the compiler
+takes. A second table has the medians and the most of each file.
 """
 
 from __future__ import annotations
@@ -22,16 +23,23 @@ from typing import Any, NamedTuple
 
 import babyrobot_levels as brl
 
-FIGURES = {"reached": ",.0f", "moves": "g", "pushes": "g", "compiled": ".2f", "solved": ".2f"}
+FIGURES = {
+    **{"reached": ",.0f", "moves": "g", "pushes": "g", "compiled": ".2f", "solved": ".2f"},
+    **{"searched": ".2f", "ratio": ".1f"},
+}
 """What the summary of a file has of `Row`, and how it is written."""
 
-STEPS = ((0, -1), (1, 0), (0, 1), (-1, 0))
+HEAD = (
+    *("robot and boxes", "states", "moves", "pushes", "compile (s)", "solve (s)"),
+    *("search (s)", "ratio", "equal"),
+)
 
 
 class Row(NamedTuple):
     """What is told of a level; without figures if it is too large.
 
-    `found` is the fewest moves of the plain search; None if it was not asked for.
+    `found` is the states and the fewest moves of the plain search, and `searched` its seconds; None
+    if it was not asked for.
     """
 
     name: str
@@ -41,7 +49,19 @@ class Row(NamedTuple):
     pushes: float = 0
     compiled: float = 0
     solved: float = 0
-    found: int | None = None
+    found: tuple[int, int] | None = None
+    searched: float | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """How many times as long as the plain search the compiler takes."""
+        return self.compiled / self.searched if self.searched else None
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the plain search finds the same; the moves are 0 if they were not asked for."""
+        states, moves = self.found or (0, 0)
+        return states == self.reached and self.moves in (0, moves)
 
 
 def maps(path: Path) -> Iterator[tuple[str, list[str]]]:
@@ -75,49 +95,6 @@ def fields_of(rows: list[str]) -> dict[str, Any]:
     }
 
 
-def searched(fields: dict[str, Any]) -> int:
-    """Return the fewest moves, by a plain search over the robot and the set of boxes."""
-    width, height = fields["size"]
-    blocked = {tuple(entry["at"]) for entry in fields["blocked"]}
-    cells = [(x, y) for y in range(height) for x in range(width) if (x, y) not in blocked]
-    number = {cell: index for index, cell in enumerate(cells)}
-    # The set of boxes is an integer with a bit for each cell.
-    goal, boxes = (
-        sum(1 << number[tuple(entry["at"])] for entry in fields[name])
-        for name in ("targets", "boxes")
-    )
-    steps = [
-        [
-            (number[x + dx, y + dy], 1 << number.get((x + 2 * dx, y + 2 * dy), len(cells)))
-            for dx, dy in STEPS
-            if (x + dx, y + dy) in number
-        ]
-        for x, y in cells
-    ]
-    # What is not free is as if a box stood there for ever.
-    boxes |= 1 << len(cells)
-    begin = number[tuple(fields["start"])], boxes
-    seen, layer, moves = {begin}, [begin], 0
-    while layer:
-        moves += 1
-        after = []
-        for at, boxes in layer:
-            for to, beyond in steps[at]:
-                if not boxes >> to & 1:
-                    state = to, boxes
-                elif boxes & beyond:
-                    continue
-                else:
-                    state = to, boxes ^ (1 << to) ^ beyond
-                    if goal & ~state[1] == 0:
-                        return moves
-                if state not in seen:
-                    seen.add(state)
-                    after.append(state)
-        layer = after
-    return -1
-
-
 def measured(name: str, fields: dict[str, Any], *, solve: bool) -> Row:
     """Return what is told of a level."""
     level = brl.load(fields)
@@ -137,17 +114,28 @@ def measured(name: str, fields: dict[str, Any], *, solve: bool) -> Row:
     return Row(name, reached, mdp.num_states, moves, found.pushes or 0, compiled, solved)
 
 
+def checked(row: Row, fields: dict[str, Any]) -> Row:
+    """Return what is told of a level with what a plain search finds."""
+    from plain_search import searched
+
+    begin = time.process_time()
+    found = searched(fields)
+    return row._replace(found=found, searched=time.process_time() - begin)
+
+
 def rows_of(path: Path, count: int, *, check: bool, solve: bool) -> Iterator[Row]:
     """Measure the first levels of a file, and print a line for each."""
     for name, drawn in islice(maps(path), count):
         fields = fields_of(drawn)
         row = measured(name, fields, solve=solve)
-        if check and row.moves:
-            row = row._replace(found=searched(fields))
+        if check and row.states:
+            row = checked(row, fields)
         told: list[object] = [f"{row.reached:,}", f"{row.states:,}", f"{row.moves:g}"]
         told += [f"{row.pushes:g}", f"{row.compiled:.2f}", f"{row.solved:.2f}"]
-        told.append("" if row.found is None else row.found)
-        shown = told if row.states else ["more than the bound", *[""] * 6]
+        if row.found:
+            told += [f"{row.searched:.3f}", f"{row.ratio:.1f}", row.agrees]
+        shown = told if row.states else ["more than the bound"]
+        shown += [""] * (len(HEAD) - len(shown))
         print(f"| {' | '.join(map(str, [name, *shown]))} |", flush=True)
         yield row
 
@@ -155,15 +143,17 @@ def rows_of(path: Path, count: int, *, check: bool, solve: bool) -> Iterator[Row
 def summary(path: Path, rows: list[Row]) -> str:
     """Return the line of a file: how many levels fit, and medians and the most of these."""
     fit = [row for row in rows if row.states]
-    checked = [row.found == row.moves for row in fit if row.found is not None]
-    told = [middle([getattr(row, name) for row in fit], form) for name, form in FIGURES.items()]
+    checked = [row.agrees for row in fit if row.found]
+    columns = ([getattr(row, name) for row in fit] for name in FIGURES)
+    told = map(middle, columns, FIGURES.values())
     cells = [path, len(rows), len(fit), *told, f"{sum(checked)} of {len(checked)}"]
     return f"| {' | '.join(map(str, cells))} |"
 
 
-def middle(figures: list[float], form: str) -> str:
+def middle(figures: list[float | None], form: str) -> str:
     """Return the median and the most; nothing of no figures."""
-    return f"{statistics.median(figures):{form}}; {max(figures):{form}}" if figures else ""
+    there = [each for each in figures if each is not None]
+    return f"{statistics.median(there):{form}}; {max(there):{form}}" if there else ""
 
 
 def main() -> None:
@@ -174,15 +164,16 @@ def main() -> None:
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--no-solve", action="store_true")
     options = parser.parse_args()
-    head = ["robot and boxes", "states", "moves", "pushes", "compile (s)", "solve (s)", "searched"]
-    print(f"| level | {' | '.join(head)} |\n|{'---|' * 8}")
+    # The first compilation takes longer: it loads machine code.
+    brl.load(fields_of(next(maps(options.files[0]))[1])).compile()
+    print(f"| level | {' | '.join(HEAD)} |\n|{'---|' * (1 + len(HEAD))}")
     rows = {
         path: [*rows_of(path, options.count, check=options.check, solve=not options.no_solve)]
         for path in options.files
     }
     print("\nMedian; most:\n")
-    head.remove("states")
-    print(f"| file | levels | fit | {' | '.join(head)} |\n|{'---|' * 9}")
+    head = [name for name in HEAD if name != "states"]
+    print(f"| file | levels | fit | {' | '.join(head)} |\n|{'---|' * (3 + len(head))}")
     print(*(summary(path, each) for path, each in rows.items()), sep="\n")
     fit = [row for each in rows.values() for row in each if row.states]
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
