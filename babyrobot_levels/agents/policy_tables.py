@@ -62,14 +62,10 @@ def policy_table(
     level = load(level)
     if isinstance(agent, list) and agent and all(isinstance(each, Play) for each in agent):
         return _shares(agent, space_of(level, "all"))
-    own = ACTION_SETS[actions]
+    own = ACTION_SETS[actions].with_moves(level.moves)
     robots = max(len(level.robots), 1)
     taken = read_agent(
-        agent,
-        own.num_actions_in(level),
-        deterministic=deterministic,
-        batched=batched,
-        robots=robots,
+        agent, own.num_actions, deterministic=deterministic, batched=batched, robots=robots
     )
     if isinstance(taken, Player):
         raise TypeError("an agent with memory does not always do the same in a state")

@@ -21,7 +21,7 @@ from babyrobot_levels.envs.engine.tables import (
     Ints,
     Tables,
     build_tables,
-    info_dtype,
+    masks_of,
     part_of,
 )
 from babyrobot_levels.envs.remembering import Player, follow
@@ -121,7 +121,8 @@ def rollout(
     first = check_actions(actions)
     if not levels:
         raise ValueError("there must be at least one level")
-    mdps = [ACTION_SETS[actions].tables(each) for each in levels]
+    own = ACTION_SETS[actions].with_moves(levels[0].moves)
+    mdps = [own.tables(each) for each in levels]
     if isinstance(policy, Player):
         if len(levels) > 1:
             raise ValueError("an agent with memory is followed in one level, not in several")
@@ -176,7 +177,7 @@ def rollout(
             taken = _taken(weights, tables, envs, drawn[row])
             even = (taken[None] + 0.5) / tables.num_actions
             stepper.run(envs, thresholds, even, draws, part.rows(row, row + 1))
-    return _result(record, record.words.view(info_dtype(tables.num_actions))["mask"])
+    return _result(record, masks_of(record.words, tables.num_actions))
 
 
 def _result(record: Record, masks: NDArray[np.int8]) -> Rollout:

@@ -134,7 +134,7 @@ class LevelEnv(RenderedEnv):
         self._options: tuple[str, ...] = ("start",)
         if self._given.has_random_maze:
             self._options += ("maze_seed",)
-        self._actions = self._action_set(actions)
+        self._actions = self._action_set(actions).with_moves(self._given.moves)
         space = self._make_action_space()
         self.action_space = space
         # Those whose `sample()` knows what is allowed have a mask.
@@ -154,7 +154,7 @@ class LevelEnv(RenderedEnv):
         return ACTION_SETS[actions]
 
     def _make_action_space(self) -> Space[Any]:
-        return make_action_space(self._actions, self._actions.num_actions_in(self._given))
+        return make_action_space(self._actions, self._actions.num_actions)
 
     def _enter(self, level: Level) -> None:
         """Go over to a level."""

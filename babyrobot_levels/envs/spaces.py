@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import check_one_robot
 from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.state import EnvStates
@@ -30,31 +32,41 @@ class ActionSet(NamedTuple):
         turns: whether the robot turns: the actions are those of `Turn`, in the tables of
             `Mdp.turning`, whose states have a heading.
         team: whether they are the joint actions of several robots.
+        moves: how many ways the robot moves, unless it turns.
     """
 
     first: int
     samples_valid: bool
     turns: bool = False
     team: bool = False
+    moves: int = NUM_MOVES
 
     @property
     def num_actions(self) -> int:
-        """The number of actions of a robot that has four moves."""
-        return len(Turn) if self.turns else NUM_ACTIONS - self.first
+        """The number of actions of a robot."""
+        return len(Turn) if self.turns else 1 + self.moves - self.first
 
-    def num_actions_in(self, level: Level) -> int:
-        """Return the number of actions in a level."""
-        return self.num_actions + (0 if self.turns else level.moves - NUM_MOVES)
+    def with_moves(self, moves: int) -> ActionSet:
+        """Return these actions for a robot that moves in so many ways."""
+        return self._replace(moves=moves)
 
     def tables(self, level: Level) -> Mdp:
         """Return the tables of a level for a robot with these actions, which begin at `first`.
 
         Raises:
-            LevelError: the level has several robots, and these actions are those of one.
+            LevelError: the level has several robots, and these actions are those of one, or its
+                robot moves in more or fewer ways.
         """
         if not self.team:
             check_one_robot(level, "environments of one agent that moves one robot")
-        return level.compile().turning(level.heading) if self.turns else level.compile()
+        if self.turns:
+            return level.compile().turning(level.heading)
+        if level.moves != self.moves:
+            raise LevelError(
+                message=f"the level has `moves: {level.moves}`, and the environment is for "
+                f"`moves: {self.moves}`: it has one action space"
+            )
+        return level.compile()
 
 
 ACTION_SETS = {
@@ -166,15 +178,23 @@ class BatchTeamActions(spaces.Box):
 
 def _chosen(rng: np.random.Generator, masks: NDArray[np.int8]) -> NDArray[Any]:
     """Return an action that each mask allows, each with equal probability."""
-    sets = (masks @ _WEIGHTS[: masks.shape[1]]).astype(np.intp)
-    which = (rng.random(sets.size) * _COUNTS.take(sets)).astype(np.intp)
-    actions: NDArray[Any] = _MEMBERS.take(sets * NUM_ACTIONS + which)
+    num_actions = masks.shape[1]
+    weights, counts, members = _sets(num_actions)
+    sets = (masks @ weights).astype(np.intp)
+    which = (rng.random(sets.size) * counts.take(sets)).astype(np.intp)
+    actions: NDArray[Any] = members.take(sets * num_actions + which)
     return actions
 
 
-_WEIGHTS = 1 << np.arange(NUM_ACTIONS, dtype=np.int8)
-_SETS = np.arange(2**NUM_ACTIONS)[:, None] & _WEIGHTS > 0
-"""All sets of actions, bool `[sets, actions]`; a set's number is the sum of its weights."""
-_COUNTS = _SETS.sum(axis=1)
-_MEMBERS = np.argsort(~_SETS, axis=1, kind="stable").ravel().astype(np.int64)
-"""The actions of each set, its members first."""
+@cache
+def _sets(num_actions: int) -> tuple[NDArray[Any], ...]:
+    """Return what there is of all sets of actions; a set's number is the sum of its weights.
+
+    These are the weights of actions, `[actions]`, the sizes of sets, `[sets]`, and their actions,
+    the members first, `[sets * actions]`.
+    """
+    dtype: Any = np.int8 if num_actions < 8 else np.int16
+    weights = 1 << np.arange(num_actions, dtype=dtype)
+    sets = np.arange(2**num_actions)[:, None] & weights > 0
+    members = np.argsort(~sets, axis=1, kind="stable").ravel().astype(np.int64)
+    return weights, sets.sum(axis=1), members

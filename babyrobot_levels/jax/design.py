@@ -29,6 +29,7 @@ from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.cells import PRECEDENCE, Puddle
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.drawn import Edge, Traits, wall_entries
 from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE, build_ground
@@ -67,7 +68,8 @@ def designs(
 
     Args:
         level: the level that says all but walls, puddles, start and exit: a name, a path, a mapping
-            or a `Level`. It has one start and one exit, and no things, glass, wind or warps.
+            or a `Level`. It has one start and one exit, no diagonal moves, and no
+            things, glass, wind or warps.
         count: how many levels there are at a time.
         actions: `"moves"` or `"all"`, as in `make`.
         options: `observation`, one of `"index"`, `"position"` and `"planes"`, and the options of
@@ -497,6 +499,7 @@ def _check(level: Level) -> None:
     grid = level.grid()
     more = {
         "things": level.has_things,
+        "diagonal moves": level.moves > NUM_MOVES,
         "wind": level.wind,
         "warps": level.warps,
         "glass": grid.glass,

@@ -255,7 +255,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
         """Return the action mask, int8 `[actions]`: 1 for the actions that nothing refuses."""
         params = self._params if params is None else params
         bits = look_up(params.mask, state.state)[..., None] >> jnp.arange(
-            params.num_actions, dtype=jnp.uint8
+            params.num_actions, dtype=params.mask.dtype
         )
         return (bits & 1).astype(jnp.int8)
 
@@ -372,7 +372,7 @@ def make(
     given = levels_in(levels)
     others = () if room_for is None else levels_in(room_for)
     bounds = Bounds.joined([bounds_of(given), bounds_of(others)])
-    action_set = ACTION_SETS[actions]
+    action_set = ACTION_SETS[actions].with_moves(bounds.moves)
     loader = Loader(
         chosen,
         bounds,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import limits_of
-from babyrobot_levels.envs.engine.tables import NO_LIMIT, Part, info_dtype, part_of
+from babyrobot_levels.envs.engine.tables import NO_LIMIT, Part, info_dtype, masks_of, part_of
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.spaces import ActionSet
 from babyrobot_levels.envs.vector.levels import misfit
@@ -167,7 +167,9 @@ class Loader:
         floats = jnp.result_type(float).itemsize
         dynamics = entries * (5 + floats) + room.total.starts * 4
         dynamics += room.total.branches * (4 * (room.outcomes - 1) + floats * room.outcomes)
-        dynamics += room.total.states * (1 + self.bounds.num_items)
+        dynamics += room.total.states * (
+            mask_type(self.actions.num_actions).itemsize + self.bounds.num_items
+        )
         dynamics += room.levels * (20 + floats)
         per_state, per_configuration = bytes_of(self.observation, self.extent)
         shown = room.total.states * per_state + room.total.configurations * per_configuration
@@ -259,7 +261,7 @@ class LevelArrays:
             exist repeat the row's last one.
         threshold: uint32 `[stochastic rows, outcomes - 1]`.
         probability: float64 `[stochastic rows, outcomes]`.
-        mask: uint8 `[states]`.
+        mask: `[states]`, of the type of `mask_type`.
         held: bool `[states, items]`.
         starts: int32 `[starts]`.
         limit: the time limit in steps.
@@ -336,10 +338,15 @@ def _outcomes(part: Part, exits: NDArray[np.bool_]) -> NDArray[np.uint8]:
     return told
 
 
-def _mask_bits(state_info: NDArray[np.uint64], num_actions: int) -> NDArray[np.uint8]:
-    """Return action masks as bits, uint8 `[states]`."""
-    masks = state_info.view(info_dtype(num_actions))["mask"]
-    return np.packbits(masks.view(np.uint8), axis=1, bitorder="little")[:, 0]
+def mask_type(num_actions: int) -> np.dtype[Any]:
+    """Return the type of action masks with a bit for each action."""
+    return np.dtype(np.uint8 if num_actions <= 8 else np.uint16)
+
+
+def _mask_bits(state_info: NDArray[np.uint64], num_actions: int) -> NDArray[Any]:
+    """Return action masks as bits, `[states]`."""
+    bits = masks_of(state_info, num_actions) @ (1 << np.arange(num_actions))
+    return bits.astype(mask_type(num_actions))
 
 
 def build(
@@ -370,7 +377,7 @@ def build(
     outcomes: tuple[NDArray[Any], ...] = next_state, reward, outcome
     threshold = np.full((branches, width - 1), NEVER)
     probability = np.zeros((branches, width))
-    mask = np.zeros(states, np.uint8)
+    mask = np.zeros(states, mask_type(num_actions))
     held = np.zeros((states, num_items), np.bool_)
     starts = np.zeros(room.total.starts, np.int32)
     offset = [*accumulate((level.mask.size for level in levels), initial=0)]

@@ -46,7 +46,8 @@ class EnvParams:
             thresholds draws outcome k.
         probability: float, `[stochastic rows, most outcomes]`: the exact probabilities, of which
             the thresholds are those that 32 bits can tell apart; 0 for outcomes that do not exist.
-        mask: uint8 `[states]`: the action mask, bit i for action i.
+        mask: uint8 `[states]`, or uint16 if there are more than eight actions: the action mask,
+            bit i for action i.
         held: bool `[states, items]`: which items are held.
         offset: int32 `[levels + 1]`: where each level's states begin.
         first_branch: int32 `[levels + 1]`: where its stochastic rows begin.
@@ -202,7 +203,7 @@ class EnvParams:
             outcome=jnp.where(is_own, of(self.outcome, entries), np.uint8(TERMINAL)),
             threshold=of(self.threshold, branch),
             probability=of(self.probability, branch),
-            mask=jnp.where(here < num_states, of(self.mask, base + here), np.uint8(0)),
+            mask=jnp.where(here < num_states, of(self.mask, base + here), 0),
             held=of(self.held, base + here),
             offset=jnp.stack([zero, num_states]),
             first_branch=jnp.stack([zero, num_branches]),

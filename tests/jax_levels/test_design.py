@@ -151,6 +151,7 @@ def test_an_evolution_is_one_compiled_loop() -> None:
     [
         ("door-key", "has things"),
         ("windy-gridworld", "has wind"),
+        ("windy-gridworld-king", "has diagonal moves"),
         ("glass-wall", "has glass"),
         ({"version": 1, "size": [2, 2], "exit": "none"}, "has several exits or none"),
     ],

@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from support.jax_walks import POOL, WordDraws, bits_64
+from support.jax_walks import KINGS, POOL, WordDraws, bits_64
 
 import babyrobot_levels as brl
 import babyrobot_levels.jax as brl_jax
@@ -38,9 +38,11 @@ def walk(env: Any, params: Any, keys: Any, actions: Any, levels: Any) -> tuple[A
         (POOL, "all", False),
         (POOL, "moves", True),
         (POOL, "turns", True),
+        (KINGS, "all", False),
+        (KINGS, "valid_moves", True),
         (list(brl.load_suite("locked-mazes")[:3]), "valid", True),
     ],
-    ids=["all", "moves", "turns", "suite"],
+    ids=["all", "moves", "turns", "nine", "eight", "suite"],
 )
 def test_steps_are_those_of_the_numpy_engine(levels: Any, actions: str, draw_levels: bool) -> None:
     check_steps(levels, actions, draw_levels=draw_levels)

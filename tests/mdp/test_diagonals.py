@@ -44,16 +44,41 @@ def test_environments_have_nine_actions_or_eight_moves() -> None:
     "use",
     [
         lambda level: level.make(actions="turns"),
-        lambda level: brl.LevelVectorEnv(level, num_envs=2),
-        lambda level: brl.rollout(level, "random", num_steps=2),
+        lambda level: brl.LevelVectorEnv(level, actions="turns"),
+        lambda level: brl.LevelVectorEnv(levels=[level, "maze"]),
+        lambda level: brl.LevelVectorEnv("maze").set_levels(level),
+        lambda level: brl.rollout([level, "maze"], "random", num_steps=2),
         lambda level: brl.solve(level, actions="turns"),
         lambda level: level.to_svg(action_values=brl.solve(level).action_values),
         lambda level: SuiteEnv(MIXED).reset(options={"index": 1}),
     ],
 )
 def test_what_is_for_four_moves_refuses_eight(use: Callable[[brl.Level], Any]) -> None:
-    with pytest.raises((brl.LevelError, ValueError), match="moves: 8"):
+    with pytest.raises((brl.LevelError, ValueError), match=r"moves: 8|moves in 8"):
         use(brl.load(OPEN))
+
+
+@pytest.mark.parametrize("actions", ["all", "moves"])
+def test_both_engines_roll_the_same_way_and_record_masks(actions: str) -> None:
+    level = brl.load({**OPEN, "walls": [{"at": [1, 1], "side": "E"}], "max_steps": 9})
+    one, other = (
+        brl.rollout(level, "random", 300, 20, seed=1, actions=actions, engine=engine)
+        for engine in ("numpy", "compiled")
+    )
+    for name, told in vars(one).items():
+        assert np.array_equal(told, getattr(other, name)), name
+    masks = level.compile().action_mask[:, 9 - one.action_masks.shape[-1] :]
+    assert one.action_masks.dtype == np.int8
+    assert np.array_equal(one.action_masks, masks[one.observations])
+
+
+def test_vector_environments_sample_all_that_masks_allow() -> None:
+    envs = brl.LevelVectorEnv(OPEN, num_envs=1000)
+    _, info = envs.reset(seed=1)
+    envs.action_space.seed(1)
+    assert set(envs.action_space.sample()) == set(np.flatnonzero(info["action_mask"][0])) == {
+        Action.STAY, Action.EAST, Action.SOUTH, Action.SOUTH_EAST
+    }  # fmt: skip
 
 
 def test_policies_are_read_with_names_of_diagonals_and_drawn() -> None:

@@ -26,9 +26,11 @@ Single = Callable[[int], gymnasium.Env[Any, Any]]
 
 
 @st.composite
-def levels(draw: DrawFn, largest: int = 5) -> Level:
+def levels(draw: DrawFn, largest: int = 5, moves: int = 4) -> Level:
     """Random levels, some of which cut episodes off after a few steps."""
-    world = draw(worlds(largest))
+    world = draw(worlds(largest)) | {"moves": moves}
+    if moves > 4:
+        world.pop("heading", None)
     world["max_steps"] = draw(st.sampled_from([1, 2, 7, 1000]))
     return level_of(world)
 

@@ -19,6 +19,9 @@ GALLERY = [
 ]
 """All levels of the gallery that have one maze, and one robot with four moves."""
 
+KINGS = [level for level in _ALL if level.moves == 8]
+"""The levels of the gallery whose robot moves diagonally."""
+
 SEVERAL_STARTS = brl.Level.from_fields(
     {
         "version": 1,

@@ -27,7 +27,7 @@ GALLERY = {
 }
 
 EIGHT_MOVES = ("windy-gridworld-king", "windy-gridworld-stochastic")
-"""The levels of the gallery that vector environments do not have."""
+"""The levels of the gallery whose robot does not turn, as it moves diagonally."""
 
 CORNERS: dict[str, dict[str, Any]] = {
     "one cell, no exit": {"version": 1, "size": [1, 1], "exit": "none"},

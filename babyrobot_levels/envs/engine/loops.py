@@ -16,6 +16,8 @@ from babyrobot_levels.envs.engine.tables import (
     END,
     FIRST_BYTE,
     HIT,
+    MASK_BITS,
+    MOST_ACTIONS,
     NEXT_BYTE,
     REACHED,
     SKIDDED,
@@ -25,6 +27,7 @@ from babyrobot_levels.envs.engine.tables import (
     Ints,
     Words,
 )
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 
 if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("Numba is configured not to compile")
@@ -225,7 +228,7 @@ def step(
     observations = results[:end]
     rewards = results[end : end + count].view(np.float64)
     rest = results[end + count :].view(np.uint8)
-    width = min(num_actions, 5)
+    width = num_actions if num_actions <= MOST_ACTIONS else NUM_ACTIONS
     masks, rest = rest[: count * width], rest[count * width :]
     terminated, reached, skidded = (
         rest[:count],
@@ -264,8 +267,10 @@ def step(
         write_masks(words, masks, 5)
     elif width == 4:
         write_masks(words, masks, 4)
-    else:
+    elif width == 3:
         write_masks(words, masks, 3)
+    else:
+        write_bits(words, masks, width)
     for env in range(count):
         terminated[env] = words[env] & IS_TERMINAL != 0
         reached[env] = words[env] & IS_REACHED != 0
@@ -312,6 +317,15 @@ def write_masks(words: Words, masks: NDArray[np.uint8], num_actions: int) -> Non
         for action in range(num_actions):
             shift = np.uint64(FIRST_BYTE + action * NEXT_BYTE)
             masks[env * num_actions + action] = words[env] >> shift
+
+
+@compiled
+def write_bits(words: Words, masks: NDArray[np.uint8], num_actions: int) -> None:
+    """Write the action masks of info words that have them as bits."""
+    for env in range(words.size):
+        bits = words[env] >> np.uint64(MASK_BITS)
+        for action in range(num_actions):
+            masks[env * num_actions + action] = bits >> np.uint64(action) & np.uint64(1)
 
 
 @compiled

@@ -17,7 +17,9 @@ from babyrobot_levels.envs.engine.tables import (
     Span,
     Tables,
     Words,
+    masks_of,
 )
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.text.errors import how_to_install
 from babyrobot_levels.text.words import did_you_mean
 
@@ -49,7 +51,11 @@ class PlainEngine:
         self._too_large = self._num_actions.astype(_UNSIGNED)
         self._sizes = tables.state_info.size, tables.num_actions
         self._words: Words = np.empty(num_envs, np.uint64)
-        self._masks = ndarray(num_envs, f"V{tables.mask_width}", self._words, strides=8)
+        self._width = tables.mask_width
+        # Wider masks are bits, and no part of a word as it is.
+        self._is_wide = self._width > NUM_ACTIONS
+        if not self._is_wide:
+            self._masks = ndarray(num_envs, f"V{self._width}", self._words, strides=8)
         # `end`, `reached` and `skidded` of all words.
         self._flags = self._words.view(np.uint8).reshape(num_envs, 8)[:, END:].T
         self._terminal = np.array(TERMINAL, np.uint8)
@@ -92,7 +98,9 @@ class PlainEngine:
             rows[resetting] = tables.idle_row
         self._act(envs, rows, resetting, draws, results)
         record = results.record
-        if rows.size <= FEW:
+        if self._is_wide:
+            results.masks[:] = masks_of(words, self._width)
+        elif rows.size <= FEW:
             record["mask_bytes"] = self._masks
         else:
             # Words are longer than masks: each writes over the end of the one before, and the last

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.gridworld import check_four_moves
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES
 from babyrobot_levels.mdp.tables import Event, Mdp, events_of, hits_of
 
 Ints = NDArray[np.intp]
@@ -30,6 +29,11 @@ TERMINAL, HIT = 1, 2
 FIRST_BYTE, NEXT_BYTE = (0, 8) if sys.byteorder == "little" else (56, -8)
 """How far the first byte of an info word, as a number, is shifted, and each further one more."""
 
+MASK_BITS = min(FIRST_BYTE, FIRST_BYTE + NEXT_BYTE)
+"""How far the first two bytes are shifted."""
+
+MOST_ACTIONS = NUM_ACTIONS + NUM_MOVES
+"""The most actions of one robot, which has eight moves; several have more together."""
 
 END, REACHED, SKIDDED = 5, 6, 7
 """Which bytes of info words these are; the first ones are the action mask."""
@@ -39,18 +43,30 @@ def info_dtype(num_actions: int) -> np.dtype[np.void]:
     """Return the dtype of an info word: the info of a step, in eight bytes that move as one.
 
     `mask`, int8 `[actions]`: the action mask of the state, of several robots with a bit for each,
-    the first one the lowest; `end`, uint8: the sum of `TERMINAL`, if
+    the first one the lowest; of more than five actions, uint16: a bit for each, in this order;
+    `end`, uint8: the sum of `TERMINAL`, if
     the episode is over, and `HIT`, if a mover hit the robot; `reached` and `skidded`, bool:
     whether the outcome was `Event.REACHED` or `Event.SKIDDED`.
     """
+    mask = np.uint16 if num_actions > NUM_ACTIONS else (np.int8, (num_actions,))
     return np.dtype(
         {
             "names": ["mask", "end", "reached", "skidded"],
-            "formats": [(np.int8, (num_actions,)), np.uint8, np.bool_, np.bool_],
+            "formats": [mask, np.uint8, np.bool_, np.bool_],
             "offsets": [0, END, REACHED, SKIDDED],
             "itemsize": 8,
         }
     )
+
+
+def masks_of(words: Words, num_actions: int) -> NDArray[np.int8]:
+    """Return the action masks of info words, int8 `[…, actions]`; of up to five actions, a view."""
+    masks = words.view(info_dtype(num_actions))["mask"]
+    if num_actions > NUM_ACTIONS:
+        bits = masks[..., None] >> np.arange(num_actions, dtype=np.uint16) & 1
+        masks = bits.astype(np.int8)
+    found: NDArray[np.int8] = masks
+    return found
 
 
 def masks_at(state_info: Words, states: Ints, num_actions: int) -> NDArray[np.int8]:
@@ -61,8 +77,7 @@ def masks_at(state_info: Words, states: Ints, num_actions: int) -> NDArray[np.in
         states: the states, in the numbering of the tables.
         num_actions: how many actions there are.
     """
-    infos = state_info.take(states).view(info_dtype(num_actions))
-    return np.ascontiguousarray(infos["mask"])
+    return np.ascontiguousarray(masks_of(state_info.take(states), num_actions))
 
 
 def robot_masks_at(state_info: Words, states: Ints, num_robots: int) -> NDArray[np.int8]:
@@ -96,8 +111,8 @@ class Tables:
     in a step.
 
     Attributes:
-        num_actions: how many actions there are: 5; without stay, 4; with turning, 3; of several
-            robots, those of all together.
+        num_actions: how many actions there are: 5, or 9 with eight moves; without stay, one less;
+            with turning, 3; of several robots, those of all together.
         next_state: intp `[outcomes]`; negative at stochastic rows.
         reward: float64 `[outcomes]`.
         outcome_info: uint64 `[outcomes]`: the info word after this outcome.
@@ -142,7 +157,7 @@ class Tables:
     @property
     def mask_width(self) -> int:
         """How many entries a mask has: of the joint actions of several robots, one robot's."""
-        return min(self.num_actions, NUM_ACTIONS)
+        return self.num_actions if self.num_actions <= MOST_ACTIONS else NUM_ACTIONS
 
     @property
     def draws_starts(self) -> bool:
@@ -208,11 +223,7 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
         level: the level.
         mdp: its exact tables, with or without turning.
         first_action: the action that becomes number 0; 1 leaves `stay` out.
-
-    Raises:
-        LevelError: the robot moves diagonally: info words have no room for so many actions.
     """
-    check_four_moves(level, "vector environments, rollouts and environments in JAX")
     rows = (slice(None), slice(first_action, None))
     width = mdp.probability.shape[2]
     probability = mdp.probability[rows].reshape(-1, width)
@@ -223,8 +234,10 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
     next_state = mdp.next_state[rows]
     events = events_of(mdp)[rows]
     masks = masks_of_robots(mdp) if level.robots else mdp.action_mask[:, first_action:]
-    state_info = np.zeros(mdp.num_states, info_dtype(masks.shape[1]))
-    state_info["mask"] = masks
+    num_actions = masks.shape[1]
+    state_info = np.zeros(mdp.num_states, info_dtype(num_actions))
+    is_wide = num_actions > NUM_ACTIONS
+    state_info["mask"] = masks @ (1 << np.arange(num_actions)) if is_wide else masks
     info = state_info[next_state]
     end = TERMINAL * mdp.terminal[rows].view(np.uint8)
     if level.movers:

@@ -118,6 +118,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         size = None if num_envs is None else checked_count("num_envs", num_envs)
         action_set = self._action_set(actions)
         played = checked_levels(level, levels, bool(draw_levels), sampler, size, action_set.turns)
+        action_set = action_set.with_moves(played.extent.moves)
         self.levels, self._extent = played.levels, played.extent
         self.num_envs = size or (1 if played.family else len(self.levels))
         self.render_mode = render_mode

@@ -178,6 +178,8 @@ def misfit(level: Level, extent: Extent, num_items: int, *, has_movers: bool) ->
         return f"it has {sizes[0]} cells, and the spaces {sizes[1]}"
     if len(level.items) > num_items:
         return f"it has {len(level.items)} items, and the spaces have {num_items}"
+    if own.moves != extent.moves:
+        return f"its robot moves in {own.moves} ways, and the actions are for {extent.moves}"
     if own.has_wind and not extent.has_wind:
         return "it has wind, and the spaces have none"
     if own.has_boxes and not extent.has_boxes:

@@ -239,7 +239,7 @@ def _num_actions(levels: Sequence[Level], actions: str) -> int:
     Raises:
         ValueError: not the same number in all levels.
     """
-    counts = sorted({ACTION_SETS[actions].num_actions_in(level) for level in levels})
+    counts = sorted({ACTION_SETS[actions].with_moves(level.moves).num_actions for level in levels})
     if len(counts) > 1:
         raise ValueError(
             f"an agent has as many actions in all levels, and these have {counts[0]} and "

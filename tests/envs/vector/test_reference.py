@@ -61,6 +61,16 @@ def test_it_walks_as_single_environments_do(
     assert_same_walk([level], mode, engine, seed, actions=actions, observation="index")
 
 
+@combined(1, mode=MODES, engine=ENGINES)
+@settings(max_examples=2, deadline=None)
+@given(level=levels(4, moves=8), seed=st.integers(0, 99))
+def test_it_moves_diagonally_as_single_environments_do(
+    mode: AutoresetMode, engine: str, level: Level, seed: int
+) -> None:
+    actions = ("valid", "moves")[seed % 2]
+    assert_same_walk([level], mode, engine, seed, 15, actions=actions, observation="vector")
+
+
 @combined(
     1,
     name=["final-maze", "frozen-lake", "all at once"],
