@@ -168,8 +168,9 @@ def exit_chances(solution: Solution) -> tuple[Ints, Floats, Floats]:
     own = np.zeros(model.size)
     own[ends] = expected_sums(chain.restrict(ends), chain.success[ends, 0], 1.0)
     starts = space.mdp.start[model.states] > 0
-    ending = np.where(model.next_state == model.size, model.probability, 0.0).sum(axis=2)
-    best = surely_ending(model, model.allowed & (model.success == ending))[0].astype(np.float64)
+    best = surely_ending(model, model.allowed & (model.success == model.ending))[0].astype(
+        np.float64
+    )
     if not best[starts].all():
         best = most_expected(model, model.success, space)
     return model.states[starts], own[starts], best[starts]

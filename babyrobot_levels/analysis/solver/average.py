@@ -224,7 +224,7 @@ def _iterated(model: Model) -> tuple[Ints, Floats, Floats, int]:
     """
     rows = np.arange(model.size)
     # What is best of a distant future is nearly best for ever, and found soon.
-    policy = iterate_policies(model, model.reward.argmax(axis=1), NEARLY_FOR_EVER).policy
+    policy = iterate_policies(model, NEARLY_FOR_EVER, start=model.reward.argmax(axis=1)).policy
     for rounds in range(1, MAX_ROUNDS + 1):
         gain, bias = averages(model.under(policy))
         ahead, now, slack = _gains_ahead(model, gain), gain, ROUNDING * _largest(model)

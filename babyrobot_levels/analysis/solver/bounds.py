@@ -37,9 +37,9 @@ def margins(model: Model, values: Floats, discount: float, largest: float) -> Fl
         The margins; 0 where values are infinite. Without a discount, inf where steps that cost
         nothing leave room for other solutions of the Bellman equation.
     """
-    is_finite = np.isfinite(values)
-    rows = model.allowed & ~model.leads_to(np.append(~is_finite, False))
-    rows &= is_finite[:, None]
+    is_finite, rows = np.isfinite(values), model.allowed
+    if not is_finite.all():
+        rows = rows & is_finite[:, None] & ~model.leads_to(np.append(~is_finite, False))
     if not rows.any():
         return np.zeros(model.size)
     excess = 2 * _violation(model, np.where(is_finite, values, 0.0), rows, discount, largest)
@@ -56,13 +56,12 @@ def _violation(
     """Return by how much values violate the Bellman equation at most, in whatever rounding."""
     rounding = (model.probability.shape[2] + ROUNDINGS) * UNIT
     if is_compiled(model.size):
-        from babyrobot_levels.analysis.solver.compiled import rows as kernel
         from babyrobot_levels.analysis.solver.compiled.tables import violation
 
         sizes = largest + (float(np.abs(values).max()) if discount < 1 else 0.0)
         reward = np.where(rows, model.reward, -np.inf)
-        given = *kernel_arrays(model), reward, values, discount, rounding, sizes
-        return max(violation(*given, *part) for part in kernel.parts(model.size))
+        known = np.append(values, 0.0)
+        return violation(*kernel_arrays(model), reward, known, discount, rounding, sizes)
     # By differences between neighbours: these are small, however large the values are.
     change = np.append(values, 0.0)[model.next_state] - values[:, None, None]
     gain = discount * np.einsum("sao,sao->sa", model.probability, change)
@@ -79,7 +78,7 @@ def _violation(
 
 def _most_steps(model: Model, values: Floats, rows: np.ndarray) -> tuple[Floats, float]:
     """Return how many steps may be left, `[n]`, and what each costs at least."""
-    ends = model.chances(model.end)
+    ends = model.ending
     inner, last = rows & (ends == 0), rows & (ends > 0)
     cost = float(-model.reward[inner].max(initial=-1.0 if not inner.any() else -np.inf))
     if not last.any() or cost <= 0:

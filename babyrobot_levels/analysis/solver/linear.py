@@ -1,12 +1,14 @@
 """Linear systems of Markov chains: expected sums until the end, and averages in the long run."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.model import Model, closed_classes, surely_ending
+from babyrobot_levels.analysis.solver.model import Model, attractor, closed_classes, surely_ending
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 from babyrobot_levels.analysis.solver.sweeps import raised, settled
@@ -273,32 +275,49 @@ IMPATIENCE = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Iterated:
-    """Optimal values, `[n]`, a policy that attains them, `[n]`, and how they were found."""
+    """Optimal values, `[n]`, how they were found, and a policy, which is found when asked for."""
 
     values: Floats
-    policy: Ints
+    find_policy: Callable[[], Ints]
     rounds: int
     method: str = "policy iteration"
 
+    @cached_property
+    def policy(self) -> Ints:
+        """A policy that attains the values, `[n]`."""
+        return self.find_policy()
 
-def iterate_policies(model: Model, policy: Ints, discount: float, slack: float = SLACK) -> Iterated:
+
+def iterate_policies(
+    model: Model, discount: float, slack: float = SLACK, start: Ints | None = None
+) -> Iterated:
     """Return optimal values and a policy.
 
-    Without a discount, `policy` must lead to the end with probability one, however late, and so
-    does the result: an action is replaced only by one that is strictly better, which creates no
-    loop unless its rewards are positive.
+    Without a discount, the policy to begin with must lead to the end with probability one, however
+    late, and so does the result: an action is replaced only by one that is strictly better, which
+    creates no loop unless its rewards are positive.
 
     Each round evaluates the policy exactly and then improves it by sweeps of value iteration, so
     that a change spreads over the whole level and not by one cell. The last round raises no value
     by more than rounding; values cannot rise for ever, so there is one.
 
     Large levels are solved by machine code instead.
+
+    Args:
+        model: the states and actions.
+        discount: the discount.
+        slack: improvements by no more than this share of the largest value do not count.
+        start: the policy to begin with, `[n]`; by default, one that is likely to come nearer to the
+            end, where that can be reached.
     """
-    found = settled(model, policy, discount)
+
+    def begin() -> Ints:
+        return towards_end(model) if start is None else start
+
+    found = settled(model, begin, discount)
     if found is not None:
         return Iterated(*found, SWEEPS)
-    if discount == 1:
-        policy = in_good_time(model, policy)
+    policy = in_good_time(model, begin()) if discount == 1 else begin()
     found = raised(model, policy, discount, slack)
     if found is not None:
         return Iterated(*found, SWEEPS)
@@ -307,12 +326,19 @@ def iterate_policies(model: Model, policy: Ints, discount: float, slack: float =
     while True:
         improved = _sweep(model, values, policy, discount, slack)
         if (improved == policy).all():
-            return Iterated(values, policy, rounds)
+            break
         risen = expected_sums(model.under(improved), _rewards(model, improved), discount)
         rounds += 1
         if not (risen > values + slack / 2 * scale_of(model, values)).any():
-            return Iterated(values, policy, rounds)
+            break
         values, policy = risen, improved
+    return Iterated(values, lambda: policy, rounds)
+
+
+def towards_end(model: Model) -> Ints:
+    """Return the actions most likely to come nearer to the end, `[n]`; else those that pay most."""
+    _, action = attractor(model, model.end, model.allowed)
+    return np.where(action >= 0, action, model.reward.argmax(axis=1))
 
 
 def _rewards(model: Model, policy: Ints) -> Floats:
@@ -353,12 +379,11 @@ def in_good_time(model: Model, policy: Ints) -> Ints:
         return policy
     # With a chance to give up at each step, any policy will do to start from. And a policy that
     # maximizes its chance to end never settles in a loop: there, it would have none.
-    ends = model.chances(model.end)
-    chances = model.with_rewards(np.where(model.allowed, ends, -np.inf))
+    chances = model.with_rewards(np.where(model.allowed, model.ending, -np.inf))
     own = expected_sums(chain, _rewards(chances, policy), 1.0 - IMPATIENCE)
     if own.min(initial=1.0) > 0.5:
         return policy
-    return iterate_policies(chances, policy, 1.0 - IMPATIENCE).policy
+    return iterate_policies(chances, 1.0 - IMPATIENCE, start=policy).policy
 
 
 def prefer_ending(
@@ -379,7 +404,7 @@ def prefer_ending(
     """
     ahead = model.action_values(values, discount)
     tie = TIE * scale_of(model, values)
-    sure, action, rows = surely_ending(model, ahead >= ahead.max(axis=1, keepdims=True) - tie)
+    sure, rows = surely_ending(model, ahead >= ahead.max(axis=1, keepdims=True) - tie)
     if not sure.any():
         return policy, None
     ending = model.restrict(sure, rows)
@@ -389,7 +414,7 @@ def prefer_ending(
             return policy, steps
     counting = ending.with_rewards(np.where(ending.allowed, -1.0, -np.inf))
     try:
-        found = iterate_policies(counting, action[sure], 1.0)
+        found = iterate_policies(counting, 1.0)
     except EpisodeTooLongError:
         return policy, None
     policy = policy.copy()
@@ -402,7 +427,7 @@ def _steps_by_values(model: Model, values: Floats) -> Floats | None:
 
     The last step may have another reward; all others are then as quick as the values say.
     """
-    ends = model.chances(model.end)
+    ends = model.ending
     inner, last = model.allowed & (ends == 0), model.allowed & (ends > 0)
     if not inner.any() or not last.any():
         return None

@@ -52,9 +52,14 @@ class Model:
         return np.asarray(self.reward > -np.inf, bool)
 
     @cached_property
+    def ending(self) -> Floats:
+        """How likely actions end the episode, `[n, actions]`."""
+        return self.chances(self.end)
+
+    @cached_property
     def inner(self) -> Flags:
         """Which of them have no chance to end the episode, `[n, actions]`."""
-        return self.allowed & ~self.leads_to(self.end)
+        return np.asarray(self.allowed & (self.ending == 0), bool)
 
     @cached_property
     def order(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
@@ -89,12 +94,13 @@ class Model:
 
     def action_values(self, values: Floats, discount: float) -> Floats:
         """Return the action values, `[n, actions]`, for finite state values `[n]`."""
+        known = np.append(values, 0.0)
         if is_compiled(self.size):
             from babyrobot_levels.analysis.solver.compiled import tables
 
             reward = np.ascontiguousarray(self.reward)
-            return tables.action_values(*kernel_arrays(self), reward, values, discount)
-        following = np.append(values, 0.0)[self.next_state]
+            return tables.action_values(*kernel_arrays(self), reward, known, discount)
+        following = known[self.next_state]
         ahead: Floats = np.einsum("sao,sao->sa", self.probability, following)
         return self.reward + discount * ahead
 
@@ -130,7 +136,7 @@ class Model:
             rows: the actions that may be taken, `[n, actions]`; by default, those that may be now.
         """
         if keep.all():
-            if rows is None or np.array_equal(rows, self.allowed):
+            if rows is None or rows is self.allowed or np.array_equal(rows, self.allowed):
                 return self
             return self.with_rewards(np.where(rows, self.reward, -np.inf))
         count = int(keep.sum())
@@ -206,7 +212,7 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
         from babyrobot_levels.analysis.solver.compiled import tables
 
         given = mdp.probability, mdp.next_state, mdp.reward, mdp.terminal
-        made = tables.of_model(states, number, exits, given, first_action)
+        made = tables.of_model(states, number, exits, *given, first_action)
         return Model(states, np.ascontiguousarray(probability), *made)
     following = mdp.next_state[rows, first_action:]
     ends = mdp.terminal[rows, first_action:]
@@ -280,26 +286,25 @@ def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
     return reached, np.where(reached & ~goals[:-1], progress.argmax(axis=1), -1)
 
 
-def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Ints, Flags]:
+def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Flags]:
     """Return where the end can be reached with probability one, by some of the actions.
 
     Returns:
-        These states, `[n]`; for each an action of one policy that does it, `[n]`, -1 elsewhere;
-        and the actions that lead to none but these states, `[n, actions]`.
+        These states, `[n]`, and the actions that lead to none but these states, `[n, actions]`.
     """
+    distance = distances(model, model.end, rows)
     if is_compiled(model.size):
         from babyrobot_levels.analysis.solver.compiled import tables
 
-        arrays = kernel_arrays(model)
-        rows, distance = tables.surely(*arrays, rows, distances(model, model.end, rows))
-        return distance[:-1] >= 0, tables.nearer(*arrays, rows, distance), rows
+        rows, distance = tables.surely(*kernel_arrays(model), rows, distance)
+        return distance[:-1] >= 0, rows
     while True:
-        lost = distances(model, model.end, rows) < 0
+        lost = distance < 0
         risky = rows & model.leads_to(lost) if lost.any() else lost
         if not risky.any():
-            reached, action = attractor(model, model.end, rows)
-            return reached, action, rows & reached[:, None]
+            return ~lost[:-1], rows & ~lost[:-1, None]
         rows = rows & ~risky
+        distance = distances(model, model.end, rows)
 
 
 def strong_components(size: int, source: Ints, target: Ints) -> Ints:

@@ -253,9 +253,7 @@ def optimum_of(model: Model, space: StateSpace, discount: float) -> Optimum:
 
 
 def _discounted(model: Model, discount: float) -> Optimum:
-    _, towards_end = attractor(model, model.end, model.allowed)
-    policy = np.where(towards_end >= 0, towards_end, model.reward.argmax(axis=1))
-    found = iterate_policies(model, policy, discount)
+    found = iterate_policies(model, discount)
 
     def ending() -> Ending:
         policy, steps = prefer_ending(model, found.values, found.policy, discount)
@@ -284,10 +282,10 @@ def undiscounted(model: Model, space: StateSpace, slack: float = SLACK) -> Optim
     # No action of the others leads there: it would make them unbounded too.
     others = np.flatnonzero(~unbounded)
     rest = model.restrict(~unbounded).with_stops(loops.idle[others])
-    sure, action, rows = surely_ending(rest, rest.allowed)
+    sure, rows = surely_ending(rest, rest.allowed)
     core = rest.restrict(sure, rows)
     inside = others[sure]
-    found = iterate_policies(core, action[sure], 1.0, slack)
+    found = iterate_policies(core, 1.0, slack)
     values = np.where(unbounded, np.inf, -np.inf)
     values[inside] = found.values
     unclear = values < loops.ceiling - TOLERANCE * np.maximum(1.0, np.abs(loops.ceiling))
@@ -367,7 +365,7 @@ def _to_exits(
     if (chances.action_values(success, 1.0).max(axis=1) > success + TOLERANCE).any():
         with suppress(EpisodeTooLongError):
             if np.isfinite(steps).all():
-                found = iterate_policies(chances, policy, 1.0, NEARLY)
+                found = iterate_policies(chances, 1.0, NEARLY, policy)
                 likely, likeliest = found.values, found.policy
             else:
                 optimum = undiscounted(chances, space, NEARLY)

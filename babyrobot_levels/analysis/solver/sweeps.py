@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from babyrobot_levels.analysis.solver.compiled import is_compiled
@@ -11,16 +14,16 @@ from babyrobot_levels.mdp.tables import Floats, Ints
 ROUNDING = 1e-14
 """Actions whose values differ by no more than this share of the largest one are equal."""
 
-Found = tuple[Floats, Ints, int]
-"""Optimal values, `[n]`, a policy that attains them, `[n]`, and the number of sweeps it took."""
+Found = tuple[Floats, Callable[[], Ints], int]
+"""Optimal values, `[n]`, what finds a policy that attains them, and how many sweeps it took."""
 
 
-def settled(model: Model, policy: Ints, discount: float) -> Found | None:
+def settled(model: Model, prefer: Callable[[], Ints], discount: float) -> Found | None:
     """Return the optimum of a large model by values that may begin anywhere.
 
     Args:
         model: the states and actions.
-        policy: the actions to prefer among equal ones, `[n]`.
+        prefer: returns the actions to prefer among equal ones, `[n]`.
         discount: the discount.
 
     Returns:
@@ -31,23 +34,23 @@ def settled(model: Model, policy: Ints, discount: float) -> Found | None:
         return None
     cheapest = np.inf
     if discount == 1:
-        cheapest = np.where(model.inner, -model.reward, np.inf).min(initial=np.inf)
+        cheapest = -model.reward[model.inner].max(initial=-np.inf)
         if cheapest <= 0:
             return None
-    from babyrobot_levels.analysis.solver.compiled import iteration, rows, tables
-
-    order, borders = rows.ordered(*model.order)
-    reward = np.ascontiguousarray(model.reward)
-    search = iteration.Search(rows.rows_of(order, *kernel_arrays(model), reward, discount))
+    search, order, borders = _search(model, discount)
     if not search.begin(borders) or not search.run():
         return None
     values, margin = np.empty(model.size), ROUNDING * search.scale
     if discount == 1 and cheapest <= margin:
         return None
-    values[order] = search.values
-    policy = policy.copy()
-    for part in rows.parts(model.size):
-        tables.keep_best(*kernel_arrays(model), reward, values, discount, margin, policy, *part)
+    values[order] = search.values[:-1]
+
+    def policy() -> Ints:
+        ahead, preferred = model.action_values(values, discount), prefer()
+        least = ahead.max(axis=1) - margin
+        best = (ahead >= least[:, None]).argmax(axis=1)
+        return np.where(ahead[np.arange(model.size), preferred] >= least, preferred, best)
+
     return values, policy, search.rounds
 
 
@@ -65,13 +68,19 @@ def raised(model: Model, policy: Ints, discount: float, slack: float) -> Found |
     """
     if not is_compiled(model.size):
         return None
-    from babyrobot_levels.analysis.solver.compiled import iteration, rows
-
-    order, _ = rows.ordered(*model.order)
-    reward = np.ascontiguousarray(model.reward)
-    search = iteration.Search(rows.rows_of(order, *kernel_arrays(model), reward, discount))
-    if not search.climb(search.rows.row_of(policy[order], reward.shape[1]), slack):
+    search, order, _ = _search(model, discount)
+    if not search.climb(policy[order], slack):
         return None
     values, chosen = np.empty(model.size), np.empty(model.size, np.int64)
-    values[order], chosen[order] = search.values, search.rows.action[search.chosen]
-    return values, chosen, search.rounds
+    values[order], chosen[order] = search.values[:-1], search.chosen
+    return values, lambda: chosen, search.rounds
+
+
+def _search(model: Model, discount: float) -> Any:
+    """Return a search in a model, the order of its states there, and the borders of distances."""
+    from babyrobot_levels.analysis.solver.compiled import iteration, rows
+
+    order, borders = rows.ordered(*model.order)
+    reward = np.ascontiguousarray(model.reward)
+    made = rows.rows_of(order, *kernel_arrays(model), reward, discount)
+    return iteration.Search(made), order, borders

@@ -18,7 +18,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.environments import make
 from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values
-from babyrobot_levels.analysis.solver.model import Model, surely_ending
+from babyrobot_levels.analysis.solver.model import Model, attractor, surely_ending
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.results import check_seed
@@ -176,7 +176,8 @@ def _without_risks(model: Model, weights: Floats) -> Floats:
 
     From -inf no action looks better than another if each has a chance to lead to -inf again.
     """
-    sure, action, rows = surely_ending(model, model.allowed)
+    sure, rows = surely_ending(model, model.allowed)
+    _, action = attractor(model, model.end, rows)
     safe = np.where(sure[:, None], weights * rows, weights)
     none = safe.sum(axis=1) == 0
     safe[none] = np.eye(weights.shape[1])[action[none]]

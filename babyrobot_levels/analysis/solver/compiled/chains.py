@@ -3,6 +3,10 @@
 A chain is a sparse matrix of probabilities with a killing probability for each state: a row says
 `(killing + sum of p) x_i - sum of p_j x_j = b_i`. No entry cancels another one, so that residuals
 are exact to rounding of the differences between neighbours, however large the values are.
+
+Systems are solved by BiCGSTAB (H. A. van der Vorst, 1992), preconditioned by an incomplete
+elimination in the order of distance from the end, which is exact where states form a tree, as in
+mazes.
 """
 
 from __future__ import annotations
@@ -11,7 +15,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.compiled.rows import Floats, Ints, Nodes, Rows, jit
+from babyrobot_levels.analysis.solver.compiled.rows import Floats, Ints, Nodes, Rows, inner, jit
+from babyrobot_levels.text import budget
+
+MOST_ITERATIONS = 300
+"""After so many iterations, what has been found is what is returned."""
+
+AT_A_TIME = 6
+"""So many of them are done by one call: between calls, signals are heard."""
 
 
 class Chain(NamedTuple):
@@ -38,95 +49,98 @@ class Chain(NamedTuple):
 
 
 @jit
-def follow(rows: Rows, chosen: Ints, chain: Chain, first: int, last: int) -> None:
-    """Fill the entries of some states, after those before them, with the rows that are chosen."""
-    for state in range(first, last):
-        at, row = chain.begin[state], chosen[state]
-        chain.killing[state] = rows.killing[row]
+def followed(rows: Rows, chosen: Ints) -> Chain:
+    """Return the chain of the rows that are chosen, one for each state, and eliminate in it."""
+    size, outcomes = chosen.size, rows.target.shape[2]
+    begin, middle = np.zeros(size + 1, np.int64), np.empty(size, np.int64)
+    target, weight = np.empty(size * outcomes, np.uint32), np.empty(size * outcomes)
+    killing, pivot, shift = np.empty(size), np.empty(size), np.empty(size)
+    at = 0
+    for state in range(size):
+        row = chosen[state]
+        killing[state] = rows.killing[state, row]
         for is_later in (False, True):
-            for outcome in range(rows.begin[row], rows.begin[row + 1]):
-                if (rows.target[outcome] > state) == is_later:
-                    chain.target[at] = rows.target[outcome]
-                    chain.weight[at] = rows.weight[outcome]
+            for outcome in range(outcomes):
+                other, chance = rows.target[state, row, outcome], rows.weight[state, row, outcome]
+                if chance > 0.0 and (other > state) == is_later:
+                    target[at], weight[at] = other, chance
                     at += 1
             if not is_later:
-                chain.middle[state] = at
-        chain.begin[state + 1] = at
+                middle[state] = at
+        begin[state + 1] = at
+    # From the last state on, filling nothing in.
+    for step in range(size):
+        state = size - 1 - step
+        diagonal = killing[state]
+        for at in range(begin[state], begin[state + 1]):
+            diagonal += weight[at]
+        left = diagonal
+        for at in range(middle[state], begin[state + 1]):
+            other = target[at]
+            for back in range(begin[other], middle[other]):
+                if target[back] == state:
+                    left -= weight[at] * weight[back] * pivot[other]
+                    break
+        left = left if left > 0.0 else 1.0
+        pivot[state], shift[state] = 1.0 / left, diagonal / left - 2.0
+    return Chain(begin, middle, target, weight, killing, pivot, shift)
 
 
 @jit
-def residual(chain: Chain, right: Floats, x: Floats, left: Floats, first: int, last: int) -> None:
-    """Set `left = right - A x`."""
-    for state in range(first, last):
+def residual(chain: Chain, right: Floats, x: Floats) -> Floats:
+    """Return `right - A x`."""
+    left = np.empty(right.size)
+    for state in range(right.size):
         own = x[state]
         total = right[state] - chain.killing[state] * own
         for at in range(chain.begin[state], chain.begin[state + 1]):
             total += chain.weight[at] * (x[chain.target[at]] - own)
         left[state] = total
+    return left
 
 
 @jit
-def eliminate(chain: Chain, first: int, last: int) -> None:
-    """Find the pivots of states from the last one on, of an elimination that fills nothing in."""
-    for step in range(last - first):
-        state = last - 1 - step
-        pivot = diagonal = chain.killing[state]
-        for at in range(chain.begin[state], chain.begin[state + 1]):
-            pivot += chain.weight[at]
-            diagonal += chain.weight[at]
-        for at in range(chain.middle[state], chain.begin[state + 1]):
-            other = chain.target[at]
-            for back in range(chain.begin[other], chain.middle[other]):
-                if chain.target[back] == state:
-                    pivot -= chain.weight[at] * chain.weight[back] * chain.pivot[other]
-                    break
-        pivot = pivot if pivot > 0.0 else 1.0
-        chain.pivot[state] = 1.0 / pivot
-        chain.shift[state] = diagonal / pivot - 2.0
-
-
-@jit
-def lower(chain: Chain, right: Floats, x: Floats, first: int, last: int) -> None:
+def lower(chain: Chain, right: Floats) -> Floats:
     """Solve `(pivots - entries behind the diagonal) x = right`, from the last state on."""
-    for step in range(last - first):
-        state = np.uint32(last - 1 - step)
+    x = np.empty(right.size)
+    for step in range(right.size):
+        state = np.uint32(right.size - 1 - step)
         total = right[state]
         for at in range(chain.middle[state], chain.begin[state + 1]):
             total += chain.weight[at] * x[chain.target[at]]
         x[state] = total * chain.pivot[state]
+    return x
 
 
-@jit
-def upper(chain: Chain, right: Floats, x: Floats, first: int, last: int) -> None:
+@inner
+def upper(chain: Chain, right: Floats, x: Floats) -> None:
     """Solve `(pivots - entries before the diagonal) x = pivots right`, from the first state on."""
-    for index in range(first, last):
-        state = np.uint32(index)
-        total = 0.0
+    for index in range(right.size):
+        state, total = np.uint32(index), 0.0
         for at in range(chain.begin[state], chain.middle[state]):
             total += chain.weight[at] * x[chain.target[at]]
         x[state] = right[state] + total * chain.pivot[state]
 
 
-@jit
-def between(chain: Chain, right: Floats, solved: Floats, x: Floats, first: int, last: int) -> None:
-    """Solve the lower system for what `A solved` is, where `solved` is `upper` of `right`.
+@inner
+def image_of(chain: Chain, right: Floats, solved: Floats, x: Floats) -> None:
+    """Set `x` to what elimination on both sides makes of the system times `right`.
 
-    The product comes for nothing (S. C. Eisenstat, 1981): all entries before the diagonal are those
-    of the upper system. What is found lacks `solved`, which is to be added.
+    `solved` is `upper` of `right`, and the lower system is solved for `A solved`. The product comes
+    for nothing (S. C. Eisenstat, 1981): all entries before the diagonal are those of the upper one.
     """
-    for step in range(last - first):
-        state = np.uint32(last - 1 - step)
-        total = 0.0
+    upper(chain, right, solved)
+    for step in range(right.size):
+        state, total = np.uint32(right.size - 1 - step), 0.0
         for at in range(chain.middle[state], chain.begin[state + 1]):
-            total += chain.weight[at] * x[chain.target[at]]
-        right_here = right[state] + chain.shift[state] * solved[state]
-        x[state] = right_here + total * chain.pivot[state]
+            other = chain.target[at]
+            total += chain.weight[at] * (x[other] - solved[other])
+        x[state] = (
+            right[state] + (chain.shift[state] + 1.0) * solved[state] + total * chain.pivot[state]
+        )
 
 
-# -- vectors ----------------------------------------------------------------------------------
-
-
-@jit
+@inner
 def dot(one: Floats, other: Floats) -> float:
     """Return the sum of products."""
     total = 0.0
@@ -136,14 +150,64 @@ def dot(one: Floats, other: Floats) -> float:
 
 
 @jit
-def add(x: Floats, factor: float, y: Floats) -> None:
-    """Add a multiple of one vector to another."""
-    for index in range(x.size):
-        x[index] += factor * y[index]
+def bicgstab(chain: Chain, left: Floats, vectors: Floats, numbers: Floats, goal: float) -> bool:
+    """Go on with iterations; return whether what is left has fallen to a goal, or will not.
+
+    Args:
+        chain: the chain.
+        left: what is left, `[n]`, of the system that elimination on both sides leaves; changed.
+        vectors: what is found, four more, and one without structure, `[6, n]`; changed.
+        numbers: three numbers, which are 1 at first; changed.
+        goal: the square of the norm.
+    """
+    x, direction, image = vectors[0], vectors[1], vectors[2]
+    second, solved, shadow = vectors[3], vectors[4], vectors[5]
+    rho, alpha, omega = numbers[0], numbers[1], numbers[2]
+    for _ in range(AT_A_TIME):
+        before, rho = rho, dot(shadow, left)
+        factor = rho / before * alpha / omega
+        for index in range(left.size):
+            direction[index] = left[index] + factor * (direction[index] - omega * image[index])
+        image_of(chain, direction, solved, image)
+        alpha = dot(shadow, image)
+        alpha = rho / (alpha if alpha != 0.0 else 1.0)
+        for index in range(left.size):
+            left[index] -= alpha * image[index]
+        image_of(chain, left, solved, second)
+        own = other = 0.0
+        for index in range(left.size):
+            own += second[index] * second[index]
+            other += second[index] * left[index]
+        omega, norm = other / (own if own != 0.0 else 1.0), 0.0
+        for index in range(left.size):
+            x[index] += alpha * direction[index] + omega * left[index]
+            left[index] -= omega * second[index]
+            norm += left[index] * left[index]
+        if not norm > goal or omega == 0.0:
+            return True
+    numbers[0], numbers[1], numbers[2] = rho, alpha, omega
+    return False
 
 
-@jit
-def turn(direction: Floats, image: Floats, left: Floats, factor: float, omega: float) -> None:
-    """Set `direction = left + factor (direction - omega image)`."""
-    for index in range(left.size):
-        direction[index] = left[index] + factor * (direction[index] - omega * image[index])
+def solved(chain: Chain, right: Floats, tolerance: float) -> tuple[Floats, float]:
+    """Return a solution of a chain's system, and the norm of what it leaves, as a share.
+
+    Args:
+        chain: the chain.
+        right: the right side, `[n]`.
+        tolerance: which share of its norm may be left, about.
+    """
+    size, norm = right.size, float(np.linalg.norm(right))
+    if not norm:
+        return np.zeros(size), 0.0
+    left, vectors, numbers = lower(chain, right), np.zeros((6, size)), np.ones(3)
+    # Of a vector with structure, a residual of few entries may be orthogonal to the next.
+    vectors[5] = np.random.default_rng(0).random(size)
+    goal = tolerance**2 * dot(left, left)
+    for _ in range(0, MOST_ITERATIONS, AT_A_TIME):
+        budget.spend(40 * AT_A_TIME * size)
+        if bicgstab(chain, left, vectors, numbers, goal):
+            break
+    found = vectors[1]
+    upper(chain, vectors[0], found)
+    return found, float(np.linalg.norm(residual(chain, right, found))) / norm

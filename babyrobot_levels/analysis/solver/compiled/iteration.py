@@ -1,6 +1,6 @@
 """Optimal values of large levels: sweeps in the order of distance, then Newton's method.
 
-Sweeps over a window of distances that moves away from the end (`march`) bring values near the
+Sweeps over a window of distances that moves away from the end (`advance`) bring values near the
 optimal ones: most of what a value owes to the end comes from states that are nearer. Where policies
 lead to the end against what pushes them back, further sweeps do the rest. Where chance spreads over
 long distances they would take as many rounds as the level is wide, or many more. There, each round
@@ -13,9 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from babyrobot_levels.analysis.solver.compiled import values as kernel
-from babyrobot_levels.analysis.solver.compiled.chains import residual
-from babyrobot_levels.analysis.solver.compiled.rows import AT_ONCE, Rows, backward_parts, parts
-from babyrobot_levels.analysis.solver.compiled.systems import Solver, followed, forward
+from babyrobot_levels.analysis.solver.compiled.chains import Chain, followed, residual, solved
+from babyrobot_levels.analysis.solver.compiled.rows import Rows
 from babyrobot_levels.mdp.tables import Ints
 from babyrobot_levels.text import budget
 
@@ -40,6 +39,9 @@ NEARLY = 1e-3
 SURELY = 100.0
 """An error that is expected to be so many times smaller than it has to be is not looked at."""
 
+SWEEPS = 1, -1, 1
+"""The directions of sweeps between linear systems."""
+
 CLIMBS = 30
 """Sweeps between two policies that are evaluated exactly. They only save time."""
 
@@ -52,25 +54,23 @@ class Search:
 
     def __init__(self, rows: Rows):
         self.rows, self.size = rows, rows.factor.size
-        self.chosen = rows.first[:-1].copy()
-        self.values = np.zeros(self.size)
+        self.chosen = np.zeros(self.size, np.int64)
+        # The last one is the end.
+        self.values = np.zeros(self.size + 1)
         self.rounds = 0
-        self._solver: Solver | None = None
+        self._chain: Chain | None = None
 
     @property
     def scale(self) -> float:
         """The largest size of a value."""
-        return float(np.abs(self.values).max(initial=0.0))
+        return float(max(self.values.max(), -self.values.min()))
 
     def begin(self, borders: Ints) -> bool:
         """Begin with a first guess, improved distance by distance."""
-        rows, values = self.rows, self.values
-        budget.spend((WIDTH + 1) * rows.target.size)
-        kernel.guess(rows, values, borders)
-        window, settled = np.zeros(2, np.int64), SETTLED * self.scale
-        while window[0] < borders.size - 1:
-            kernel.advance(rows, values, borders, window, AT_ONCE, WIDTH, settled)
-        return bool(np.isfinite(values).all())
+        budget.spend((WIDTH + 1) * self.rows.target.size)
+        kernel.guess(self.rows, self.values, borders)
+        kernel.advance(self.rows, self.values, borders, WIDTH, SETTLED * self.scale)
+        return bool(np.isfinite(self.values).all())
 
     def run(self) -> bool:
         """Find the values; return whether they have been found."""
@@ -78,20 +78,21 @@ class Search:
             return True
         last = np.inf
         for _ in range(MOST_ROUNDS):
-            changes = [self._sweep(step) for step in (1, -1, 1)]
-            if changes[-1] <= ROUNDING * self.scale:
+            sweeps = [self._sweep(step) for step in SWEEPS]
+            change, changed = sweeps[-1][0], any(count for _, count in sweeps)
+            if change <= ROUNDING * self.scale:
                 return True
-            changed = self._improve()
             # Once the policy has been found, the rest is solved at one go.
             goal = SETTLED * self.scale
             tolerance = NEARLY if changed else min(NEARLY, max(goal / last, NEARLY**3))
             error = self._step(tolerance)
             if not np.isfinite(error):
                 return False
-            if error * tolerance <= goal / SURELY:
-                return True
-            if error <= goal or (not changed and error > last / 2):
-                return bool(error <= 1e3 * SETTLED * self.scale)
+            if change <= goal or not changed:
+                if error <= max(goal, goal / SURELY / tolerance):
+                    return True
+                if error > last / 2:
+                    return bool(error <= 1e3 * goal)
             last = error
         return False
 
@@ -99,32 +100,26 @@ class Search:
         """Raise the values from those of some rows; return whether they have been found.
 
         Args:
-            chosen: the rows, one for each state; -1 is none.
+            chosen: the rows, one for each state.
             slack: what is better by no more than this share of the largest value does not count.
         """
-        if (chosen < 0).any():
+        is_row = np.isfinite(self.rows.reward)
+        if not is_row[np.arange(self.size), chosen].all():
             return False
-        self.chosen = chosen
+        self.chosen, largest = chosen, float(np.abs(self.rows.reward[is_row]).max())
         for _ in range(MOST_ROUNDS):
-            self._solver = None
+            self._chain = None
             if not self._evaluate():
                 return False
-            if not self._climb(slack * max(self.scale, float(np.abs(self.rows.reward).max()))):
+            if not self._climb(slack * max(self.scale, largest)):
                 return True
         return False
 
     def _climb(self, slack: float) -> bool:
         """Raise values by sweeps; return whether anything is better by more than `slack`."""
         for number in range(CLIMBS):
-            self.rounds += 1
-            budget.spend(2 * self.rows.target.size)
-            changed = sum(
-                kernel.climb(
-                    self.rows, self.values, self.chosen, slack, *part, 1 - 2 * (number % 2)
-                )
-                for part in parts(self.size)
-            )
-            if not changed:
+            self._spend()
+            if not kernel.climb(self.rows, self.values, self.chosen, slack, 1 - 2 * (number % 2)):
                 return number > 0
         return True
 
@@ -154,42 +149,34 @@ class Search:
 
     def _choose(self) -> float:
         """Sweep with the best rows, then some times with the same; return the largest change."""
-        self.rounds += AT_A_TIME
-        budget.spend(2 * self.rows.target.size)
-        moving, counts = np.empty(self.size + 1, np.uint32), np.zeros(1, np.int64)
-        given = self.rows, self.values, self.chosen, moving
-        calm = SETTLED / SURELY * self.scale
-        change = max(float(kernel.choose(*given, counts, calm, *part)) for part in parts(self.size))
-        for _ in range(AT_A_TIME - 1):
-            for part in parts(int(counts[0])):
-                kernel.follow(*given, *part)
-        return change
+        self._spend(AT_A_TIME)
+        moving = np.empty(self.size + 1, np.uint32)
+        given = self.rows, self.values, self.chosen
+        change, count = kernel.choose(*given, moving, SETTLED / SURELY * self.scale)
+        kernel.follow(*given, moving[:count], AT_A_TIME - 1)
+        return float(change)
 
-    def _sweep(self, step: int) -> float:
-        self.rounds += 1
-        budget.spend(2 * self.rows.target.size)
-        ranges = parts(self.size) if step > 0 else backward_parts(self.size)
-        return max(float(kernel.sweep(self.rows, self.values, *part, step)) for part in ranges)
-
-    def _improve(self) -> int:
-        """Choose the best rows; return for how many states they are better than those before."""
+    def _sweep(self, step: int) -> tuple[float, int]:
+        """Sweep, and choose rows; return the largest change, and how many are chosen anew."""
+        self._spend()
         slack = 4 * ROUNDING * self.scale
-        changed = sum(
-            kernel.improve(self.rows, self.values, self.chosen, slack, *part)
-            for part in parts(self.size)
-        )
-        if changed:
-            self._solver = None
-        return int(changed)
+        change, count = kernel.sweep(self.rows, self.values, self.chosen, slack, step)
+        if count:
+            self._chain = None
+        return change, count
+
+    def _spend(self, sweeps: int = 1) -> None:
+        self.rounds += sweeps
+        budget.spend(2 * self.rows.target.size)
 
     def _step(self, tolerance: float) -> float:
         """Change values nearly to those of the rows that are chosen; return the largest change."""
-        if self._solver is None:
-            self._solver = Solver(followed(self.rows, self.chosen))
-        left = np.empty(self.size)
-        forward(residual, self._solver.chain, self.rows.reward[self.chosen], self.values, left)
-        step, share = self._solver.solve(left, tolerance)
+        if self._chain is None:
+            self._chain = followed(self.rows, self.chosen)
+        reward = self.rows.reward[np.arange(self.size), self.chosen]
+        left = residual(self._chain, reward, self.values)
+        step, share = solved(self._chain, left, tolerance)
         if not share < 0.5 and left.any():
             return np.inf
-        self.values += step
+        self.values[:-1] += step
         return float(np.abs(step).max(initial=0.0))

@@ -1,12 +1,10 @@
 """A decision process in the order of distance from the end, as compiled loops read it.
 
-Imports Numba, as all that works on rows does. Loops do a part of the work for each call, so that
-whoever waits can interrupt between them.
+Imports Numba, as all that works on rows does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numba
@@ -16,10 +14,14 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Nodes = NDArray[np.uint32]
+Targets = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
-jit = numba.njit(cache=True, nogil=True, error_model="numpy")
-inner = numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+FUSED = {"contract"}
+"""What is not as IEEE 754 has it: a product that is added to something is rounded once."""
+
+jit = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FUSED)
+inner = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FUSED, forceinline=True)
 
 LEAST_LEAVING = 1e-12
 """An action that leaves its state with a smaller probability leads nowhere."""
@@ -27,83 +29,33 @@ LEAST_LEAVING = 1e-12
 MOST_RELAXED = 1.6
 """The largest factor by which changes of values are stretched."""
 
-AT_ONCE = 1 << 20
-"""So many states are worked on by one call: between calls, signals are heard."""
-
-
-def parts(size: int) -> Iterator[tuple[int, int]]:
-    """Yield the first number and the one after the last of parts of some states."""
-    for first in range(0, size, AT_ONCE):
-        yield first, min(first + AT_ONCE, size)
-
-
-def backward_parts(size: int) -> Iterator[tuple[int, int]]:
-    """Yield the same parts, the last one first."""
-    return reversed([*parts(size)])
-
 
 class Rows(NamedTuple):
-    """What may be done in each of `n` states, the nearest to the end first.
+    """What may be done in each of `n` states, the nearest to the end first; number `n` is the end.
 
     A row is an action as if it were taken again wherever it leads back to its own state, so that
     walls slow nothing down: `value = reward + sum of weight * value of target`. Its weights and
-    `killing` add up to 1.
+    `killing` add up to 1. All rows are equally long: loops that the processor can foresee take
+    half the time.
 
     Attributes:
-        first: where the rows of each state begin, `[n + 1]`.
-        action: the action of each row.
-        begin: where the outcomes of each row begin, `[rows + 1]`.
-        reward: the expected reward, `[rows]`.
-        killing: how likely a row ends the episode, or the discount does, `[rows]`.
-        target: another state, for each outcome.
-        weight: how likely it is, discounted.
+        reward: the expected reward, `[n, actions]`; -inf where an action leads nowhere.
+        killing: how likely a row ends the episode, or the discount does, `[n, actions]`.
+        target: another state, `[n, actions, outcomes]`; the end where there is none.
+        weight: how likely it is, discounted, `[n, actions, outcomes]`; 0 for the end.
         factor: by how much changes of a state's value are best stretched, `[n]`.
     """
 
-    first: Ints
-    action: NDArray[np.int8]
-    begin: Ints
     reward: Floats
     killing: Floats
     target: Nodes
     weight: Floats
     factor: Floats
 
-    def row_of(self, policy: Ints, actions: int) -> Ints:
-        """Return the row of each state's action, `[n]`; -1 where it leads nowhere."""
-        size = self.factor.size
-        table = np.full(size * actions, -1)
-        state = np.repeat(np.arange(size), np.diff(self.first))
-        table[state * actions + self.action] = np.arange(self.action.size)
-        found: Ints = table[np.arange(size) * actions + policy]
-        return found
 
-
-def ordered(
-    distance: NDArray[np.int32], order: NDArray[np.int32]
-) -> tuple[NDArray[np.int32], Ints]:
-    """Return the states of a process in the order of their distance from the end.
-
-    Args:
-        distance: how many steps the end is away, `[n + 1]`, -1 for never.
-        order: the nodes for which it is known, from the end on.
-
-    Returns:
-        The states, those that cannot reach the end last, and where those of each distance begin
-        among them, their number at last.
-    """
-    others = np.flatnonzero(distance < 0).astype(np.int32)
-    order = np.concatenate([order[1:], others])
-    steps = np.diff(distance[order], prepend=0)
-    return order, np.append(np.flatnonzero(steps), order.size)
-
-
+@jit
 def rows_of(
-    order: NDArray[np.int32],
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    reward: Floats,
-    discount: float,
+    order: Targets, next_state: Targets, probability: Floats, reward: Floats, discount: float
 ) -> Rows:
     """Return the rows of a process.
 
@@ -114,204 +66,54 @@ def rows_of(
         reward: `[n, actions]`, -inf for actions that may not be taken.
         discount: the discount.
     """
-    size, (actions, outcomes) = order.size, next_state.shape[1:]
-    number = np.empty(size + 1, np.int64)
-    number[order], number[size] = np.arange(size), size
-    most = size * actions
-    found = Rows(
-        first=np.zeros(size + 1, np.int64),
-        action=np.empty(most, np.int8),
-        begin=np.zeros(most + 1, np.int64),
-        reward=np.empty(most),
-        killing=np.empty(most),
-        target=np.empty(most * outcomes, np.uint32),
-        weight=np.empty(most * outcomes),
-        factor=np.empty(size),
+    size, actions, outcomes = next_state.shape
+    number = np.empty(size + 1, np.uint32)
+    number[size] = size
+    for index in range(size):
+        number[order[index]] = index
+    rows = Rows(
+        np.empty((size, actions)),
+        np.empty((size, actions)),
+        np.empty((size, actions, outcomes), np.uint32),
+        np.empty((size, actions, outcomes)),
+        np.empty(size),
     )
-    for part in parts(size):
-        fill(order, number, next_state, probability, reward, discount, found, *part)
-    count = int(found.first[-1])
-    filled = int(found.begin[count])
-    return Rows(
-        found.first,
-        found.action[:count],
-        found.begin[: count + 1],
-        found.reward[:count],
-        found.killing[:count],
-        found.target[:filled],
-        found.weight[:filled],
-        found.factor,
-    )
-
-
-@inner
-def leaving_of(
-    state: int,
-    action: int,
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    reward: Floats,
-    discount: float,
-) -> float:
-    """Return how likely an action leaves its state, the discount included; 0 if it is no row."""
-    if reward[state, action] == -np.inf:
-        return 0.0
-    back = 0.0
-    for outcome in range(next_state.shape[2]):
-        if next_state[state, action, outcome] == state:
-            back += discount * probability[state, action, outcome]
-    return 1.0 - back if 1.0 - back > LEAST_LEAVING else 0.0
-
-
-@jit
-def fill(
-    order: NDArray[np.int32],
-    number: Ints,
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    reward: Floats,
-    discount: float,
-    rows: Rows,
-    first: int,
-    last: int,
-) -> None:
-    """Fill the rows of some states, after those before them."""
-    size = order.size
-    for index in range(first, last):
-        state, row = order[index], rows.first[index]
-        nearest, rows.factor[index] = 0.0, 1.0
-        for action in range(reward.shape[1]):
-            leaving = leaving_of(state, action, next_state, probability, reward, discount)
-            if leaving == 0.0:
-                continue
-            at, near, far = rows.begin[row], 0.0, 0.0
-            rows.action[row] = action
-            rows.reward[row] = reward[state, action] / leaving
-            killing = 1.0 - discount
-            for outcome in range(next_state.shape[2]):
+    for index in range(size):
+        state, nearest, square = order[index], 0.0, 0.0
+        for action in range(actions):
+            back = 0.0
+            for outcome in range(outcomes):
+                is_back = next_state[state, action, outcome] == state
+                back += probability[state, action, outcome] if is_back else 0.0
+            leaving, near, far, ends = 1.0 - discount * back, 0.0, 0.0, 0.0
+            is_row = leaving > LEAST_LEAVING and reward[state, action] > -np.inf
+            share = 1.0 / leaving if is_row else 0.0
+            for outcome in range(outcomes):
                 target = next_state[state, action, outcome]
-                chance = discount * probability[state, action, outcome]
-                if target == state or chance <= 0.0:
-                    continue
-                if target == size:
-                    killing += chance
-                    continue
-                rows.target[at] = number[target]
-                rows.weight[at] = chance / leaving
-                near += rows.weight[at] if number[target] < index else 0.0
-                far += rows.weight[at] if number[target] > index else 0.0
-                at += 1
-            rows.killing[row] = killing / leaving
-            row += 1
-            rows.begin[row] = at
+                chance = discount * probability[state, action, outcome] * share
+                ends += chance if target == size else 0.0
+                is_other = is_row and target != state and target != size
+                other, weight = number[target] if is_other else size, chance if is_other else 0.0
+                rows.target[index, action, outcome] = other
+                rows.weight[index, action, outcome] = weight
+                near += weight if other < index else 0.0
+                far += weight if other > index else 0.0
+            rows.reward[index, action] = reward[state, action] * share if is_row else -np.inf
+            rows.killing[index, action] = (1.0 - discount) * share + ends
             if near > nearest:
-                nearest = near
-                square = min(4.0 * near * far, 1.0)
-                # D. M. Young's formula for successive over-relaxation of neighbours in a line.
-                rows.factor[index] = min(2.0 / (1.0 + np.sqrt(1.0 - square)), MOST_RELAXED)
-        rows.first[index + 1] = row
+                nearest, square = near, min(4.0 * near * far, 1.0)
+        # D. M. Young's formula for successive over-relaxation of neighbours in a line.
+        rows.factor[index] = min(2.0 / (1.0 + np.sqrt(1.0 - square)), MOST_RELAXED)
+    return rows
 
 
 # -- what leads where --------------------------------------------------------------------------
 
 
-@inner
-def successors(
-    state: int,
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    allowed: Flags,
-    found: NDArray[np.int32],
-) -> int:
-    """Note the other states to which a step may lead, each once; return how many."""
-    count = 0
-    for action in range(next_state.shape[1]):
-        if not allowed[state, action]:
-            continue
-        for outcome in range(next_state.shape[2]):
-            target = next_state[state, action, outcome]
-            if probability[state, action, outcome] <= 0.0 or target == state:
-                continue
-            is_new = True
-            for index in range(count):
-                is_new = is_new and found[index] != target
-            found[count] = target
-            count += is_new
-    return count
-
-
 @jit
-def count_edges(
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    allowed: Flags,
-    found: NDArray[np.int32],
-    begin: Ints,
-    first: int,
-    last: int,
-) -> None:
-    """Count for each state, and the end, from how many others a step may lead there."""
-    for state in range(first, last):
-        for index in range(successors(state, next_state, probability, allowed, found)):
-            begin[found[index]] += 1
-
-
-@jit
-def note_edges(
-    next_state: NDArray[np.int32],
-    probability: Floats,
-    allowed: Flags,
-    found: NDArray[np.int32],
-    begin: Ints,
-    before: NDArray[np.int32],
-    first: int,
-    last: int,
-) -> None:
-    """Note these others; `begin`, where those of each state end, moves to where they begin."""
-    for state in range(first, last):
-        for index in range(successors(state, next_state, probability, allowed, found)):
-            node = found[index]
-            begin[node] -= 1
-            before[begin[node]] = state
-
-
-@jit
-def search(
-    begin: Ints,
-    before: NDArray[np.int32],
-    distance: NDArray[np.int32],
-    order: NDArray[np.int32],
-    progress: Ints,
-    most: int,
-) -> None:
-    """Go on with a breadth-first search backwards from nodes that are known.
-
-    Args:
-        begin: where the states before each node begin.
-        before: these states.
-        distance: the distance of each node, -1 where it is unknown; changed.
-        order: the known ones, in the order of their distance; changed.
-        progress: from how many of these the search has gone on, and how many are known; changed.
-        most: from how many to go on now.
-    """
-    done, known = progress[0], progress[1]
-    for _ in range(most):
-        if done == known:
-            break
-        node = order[done]
-        done += 1
-        for edge in range(begin[node], begin[node + 1]):
-            state = before[edge]
-            if distance[state] < 0:
-                distance[state] = distance[node] + 1
-                order[known] = state
-                known += 1
-    progress[0], progress[1] = done, known
-
-
 def distances(
-    next_state: NDArray[np.int32], probability: Floats, allowed: Flags, goals: Flags
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    next_state: Targets, probability: Floats, allowed: Flags, goals: Flags
+) -> tuple[Targets, Targets]:
     """Return how many steps a goal is away at least, -1 for never, and the nodes in that order.
 
     Args:
@@ -320,19 +122,69 @@ def distances(
         allowed: the actions that may be taken, `[n, actions]`.
         goals: the goals among states and the end, `[n + 1]`.
     """
-    size = goals.size - 1
-    given = next_state, probability, allowed, np.empty(next_state[0].size + 1, np.int32)
-    begin = np.zeros(size + 2, np.int64)
-    for part in parts(size):
-        count_edges(*given, begin, *part)
-    np.cumsum(begin, out=begin)
-    before = np.empty(begin[-1], np.int32)
-    for part in parts(size):
-        note_edges(*given, begin, before, *part)
+    size, actions, outcomes = next_state.shape
+    # Edges, each once, grouped by where they begin, and then by where they end.
+    target, behind = np.empty(next_state.size, np.int32), np.empty(size, np.int64)
+    last, begin = np.full(size + 1, -1, np.int32), np.zeros(size + 2, np.int64)
+    count = 0
+    for state in range(size):
+        for action in range(actions):
+            for outcome in range(outcomes if allowed[state, action] else 0):
+                node = next_state[state, action, outcome]
+                if last[node] != state and probability[state, action, outcome] > 0.0:
+                    last[node] = state
+                    target[count] = node
+                    begin[node] += 1
+                    count += 1
+        behind[state] = count
+    for node in range(size + 1):
+        begin[node + 1] += begin[node]
+    before, at = np.empty(count, np.int32), 0
+    for state in range(size):
+        while at < behind[state]:
+            begin[target[at]] -= 1
+            before[begin[target[at]]] = state
+            at += 1
     distance, order = np.full(size + 1, -1, np.int32), np.empty(size + 1, np.int32)
-    ends = np.flatnonzero(goals)
-    distance[ends], order[: ends.size] = 0, ends
-    progress = np.array([0, ends.size])
-    while progress[0] < progress[1]:
-        search(begin, before, distance, order, progress, AT_ONCE)
-    return distance, order[: progress[1]]
+    done = known = 0
+    for node in range(size + 1):
+        if goals[node]:
+            distance[node], order[known] = 0, node
+            known += 1
+    while done < known:
+        node = order[done]
+        done += 1
+        for at in range(begin[node], begin[node + 1]):
+            state = before[at]
+            if distance[state] < 0:
+                distance[state], order[known] = distance[node] + 1, state
+                known += 1
+    return distance, order[:known]
+
+
+@jit
+def ordered(distance: Targets, order: Targets) -> tuple[Targets, Ints]:
+    """Return the states of a process in the order of their distance from the end.
+
+    Args:
+        distance: how many steps the end is away, `[n + 1]`, -1 for never.
+        order: the nodes for which it is known, from the end on.
+
+    Returns:
+        The states, those that cannot reach the end last, and where those of each distance begin
+        among them, their number at last.
+    """
+    size = distance.size - 1
+    found, borders = np.empty(size, np.int32), np.empty(size + 2, np.int64)
+    found[: order.size - 1] = order[1:]
+    count, levels, known = order.size - 1, 0, 0
+    for state in range(size):
+        if distance[state] < 0:
+            found[count] = state
+            count += 1
+    for index in range(size):
+        if distance[found[index]] != known:
+            known, borders[levels] = distance[found[index]], index
+            levels += 1
+    borders[levels] = size
+    return found, borders[: levels + 1]

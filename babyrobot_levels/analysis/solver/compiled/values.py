@@ -19,11 +19,11 @@ NARROW = 8
 
 
 @inner
-def row_value(rows: Rows, row: Any, values: Floats) -> float:
+def row_value(rows: Rows, state: Any, action: Any, values: Floats) -> float:
     """Return what a row is worth."""
-    total = rows.reward[row]
-    for at in range(rows.begin[row], rows.begin[row + 1]):
-        total += rows.weight[at] * values[rows.target[at]]
+    total = rows.reward[state, action]
+    for outcome in range(rows.target.shape[2]):
+        total += rows.weight[state, action, outcome] * values[rows.target[state, action, outcome]]
     return float(total)
 
 
@@ -31,78 +31,82 @@ def row_value(rows: Rows, row: Any, values: Floats) -> float:
 def best_value(rows: Rows, state: Any, values: Floats) -> float:
     """Return what the best row of a state is worth."""
     best = -np.inf
-    for row in range(rows.first[state], rows.first[state + 1]):
-        value = row_value(rows, row, values)
+    for action in range(rows.reward.shape[1]):
+        value = row_value(rows, state, np.uint32(action), values)
         best = value if value > best else best
     return best
 
 
 @jit
-def sweep(rows: Rows, values: Floats, first: int, last: int, step: int) -> float:
-    """Update the values of some states, onward (`step` 1) or back (-1).
+def sweep(rows: Rows, values: Floats, chosen: Ints, slack: float, step: int) -> tuple[float, int]:
+    """Update the values of all states, onward (`step` 1) or back (-1), and choose their best rows.
+
+    Args:
+        rows: the process.
+        values: the values, and that of the end, `[n + 1]`; changed.
+        chosen: the chosen row of each state; changed where another is better by more than `slack`.
+        slack: how much better it has to be.
+        step: 1 or -1.
 
     Returns:
-        The largest change.
+        The largest change of a value, and how many rows have been chosen anew.
     """
-    most, begin = 0.0, first if step > 0 else last - 1
-    for count in range(last - first):
-        state = np.uint32(begin + step * count)
-        change = best_value(rows, state, values) - values[state]
-        values[state] += change
-        most = abs(change) if abs(change) > most else most
-    return most
+    size, most, changed = rows.factor.size, 0.0, 0
+    for count in range(size):
+        state = np.uint32(count if step > 0 else size - 1 - count)
+        best, own, found, now = -np.inf, -np.inf, 0, chosen[state]
+        for action in range(rows.reward.shape[1]):
+            value = row_value(rows, state, np.uint32(action), values)
+            own = value if action == now else own
+            found = action if value > best else found
+            best = value if value > best else best
+        if best > own + slack:
+            chosen[state] = found
+            changed += 1
+        most = max(most, abs(best - values[state]))
+        values[state] = best
+    return most, changed
 
 
 @jit
 def choose(
-    rows: Rows,
-    values: Floats,
-    chosen: Ints,
-    moving: Nodes,
-    counts: Ints,
-    calm: float,
-    first: int,
-    last: int,
-) -> float:
-    """Update the values of some states, and choose their best rows.
+    rows: Rows, values: Floats, chosen: Ints, moving: Nodes, calm: float
+) -> tuple[float, int]:
+    """Update the values of all states, and choose their best rows.
 
     Args:
         rows: the process.
         values: the values; changed, by more than they should at once, so that they settle sooner.
         chosen: the best row of each state; changed.
-        moving: the states whose values change by more than `calm`; changed.
-        counts: how many there are; changed.
+        moving: the states whose values change by more than `calm`, `[n + 1]`; changed.
         calm: a change that does not matter to others.
-        first: the first state.
-        last: the one after the last.
 
     Returns:
-        The largest change.
+        The largest change, and how many states move.
     """
-    most, count = 0.0, counts[0]
-    for index in range(first, last):
+    most, count = 0.0, 0
+    for index in range(rows.factor.size):
         state = np.uint32(index)
-        best = -np.inf
-        for row in range(rows.first[state], rows.first[state + 1]):
-            value = row_value(rows, row, values)
-            if value > best:
-                best, chosen[state] = value, row
-        change = best - values[state]
+        best, found = -np.inf, 0
+        for action in range(rows.reward.shape[1]):
+            value = row_value(rows, state, np.uint32(action), values)
+            found = action if value > best else found
+            best = value if value > best else best
+        change, chosen[state] = best - values[state], found
         values[state] += change * rows.factor[state]
         moving[count] = state
         count += abs(change) > calm
         most = max(most, abs(change))
-    counts[0] = count
-    return most
+    return most, count
 
 
 @jit
-def follow(rows: Rows, values: Floats, chosen: Ints, moving: Nodes, first: int, last: int) -> None:
-    """Update the values of some of the states that move by the rows that are chosen."""
-    for index in range(first, last):
-        state = moving[index]
-        change = row_value(rows, chosen[state], values) - values[state]
-        values[state] += change * rows.factor[state]
+def follow(rows: Rows, values: Floats, chosen: Ints, moving: Nodes, times: int) -> None:
+    """Update the values of the states that move some times, by the rows that are chosen."""
+    for _ in range(times):
+        for state in moving:
+            change = row_value(rows, state, np.uint32(chosen[state]), values) - values[state]
+            values[state] += change * rows.factor[state]
 
 
 @jit
@@ -113,46 +117,44 @@ def guess(rows: Rows, values: Floats, borders: Ints) -> None:
     """
     for distance in range(borders.size - 1):
         known = borders[distance]
-        for state in range(known, borders[distance + 1]):
-            best = -np.inf
-            for row in range(rows.first[state], rows.first[state + 1]):
-                best = max(best, row_guess(rows, row, values, known))
+        for index in range(known, borders[distance + 1]):
+            state, best = np.uint32(index), -np.inf
+            for action in range(rows.reward.shape[1]):
+                best = max(best, row_guess(rows, state, np.uint32(action), values, known))
             values[state] = best
 
 
 @inner
-def row_guess(rows: Rows, row: int, values: Floats, known: int) -> float:
+def row_guess(rows: Rows, state: Any, action: Any, values: Floats, known: int) -> float:
     """Return what a row may be worth, -inf if it leads to none of the states that are known."""
-    near, away, total = rows.killing[row], 0.0, 0.0
-    for at in range(rows.begin[row], rows.begin[row + 1]):
-        if rows.target[at] < known:
-            near += rows.weight[at]
-            total += rows.weight[at] * values[rows.target[at]]
+    near, away, total = rows.killing[state, action], 0.0, 0.0
+    for outcome in range(rows.target.shape[2]):
+        target, weight = rows.target[state, action, outcome], rows.weight[state, action, outcome]
+        if target < known:
+            near += weight
+            total += weight * values[target]
         else:
-            away += rows.weight[at]
+            away += weight
     if near <= 0.0:
         return -np.inf
-    fall = min(rows.reward[row], 0.0) * PESSIMISM + max(rows.reward[row], 0.0)
+    reward = rows.reward[state, action]
+    fall = min(reward, 0.0) * PESSIMISM + max(reward, 0.0)
     return float(total / near + fall / max(near - away, LEAST_ADVANCE * near))
 
 
 @jit
-def advance(
-    rows: Rows, values: Floats, borders: Ints, window: Ints, most: int, width: int, settled: float
-) -> None:
+def advance(rows: Rows, values: Floats, borders: Ints, width: int, settled: float) -> None:
     """Sweep over a window of distances that moves away from the end.
 
     Args:
         rows: the process.
         values: the values, guessed.
         borders: where the states of each distance begin.
-        window: the first distance of the window, and the one after the last; changed.
-        most: how many states may be updated in this call.
-        width: the most distances in it.
+        width: the most distances in the window.
         settled: distances whose values change by no more leave the window, nearest first.
     """
-    levels, low, high = borders.size - 1, window[0], window[1]
-    while low < levels and most > 0:
+    levels, low, high = borders.size - 1, 0, 0
+    while low < levels:
         if high < levels:
             high += 1
             low = max(low, high - width)
@@ -165,35 +167,14 @@ def advance(
                 state = np.uint32(index)
                 change = best_value(rows, state, values) - values[state]
                 values[state] += change
-                changed = abs(change) if abs(change) > changed else changed
-            most -= borders[level + 1] - borders[level]
+                changed = max(changed, abs(change))
             is_settled = is_settled and changed <= settled
             if is_settled and (high == levels or high - level > NARROW):
                 low = level + 1
-    window[0], window[1] = low, high
 
 
 @jit
-def improve(rows: Rows, values: Floats, chosen: Ints, slack: float, first: int, last: int) -> int:
-    """Choose for states the row that is best by more than `slack`; return how many changed."""
-    changed = 0
-    for index in range(first, last):
-        state = np.uint32(index)
-        before = chosen[state]
-        bar = row_value(rows, before, values) + slack
-        for row in range(rows.first[state], rows.first[state + 1]):
-            value = row_value(rows, row, values)
-            if value > bar:
-                bar = value
-                chosen[state] = row
-        changed += chosen[state] != before
-    return changed
-
-
-@jit
-def climb(
-    rows: Rows, values: Floats, chosen: Ints, slack: float, first: int, last: int, step: int
-) -> int:
+def climb(rows: Rows, values: Floats, chosen: Ints, slack: float, step: int) -> int:
     """Choose for states what is better by more than `slack`, and raise their values at once.
 
     Values that are no higher than those of what is chosen remain so: rows of a loop are never all
@@ -202,16 +183,16 @@ def climb(
     Returns:
         How many states have been changed.
     """
-    changed, begin = 0, first if step > 0 else last - 1
-    for count in range(last - first):
-        state = np.uint32(begin + step * count)
-        bar = max(values[state], row_value(rows, chosen[state], values))
+    size, changed = rows.factor.size, 0
+    for count in range(size):
+        state = np.uint32(count if step > 0 else size - 1 - count)
+        bar = max(values[state], row_value(rows, state, np.uint32(chosen[state]), values))
         values[state] = bar
         best, found = bar + slack, -1
-        for row in range(rows.first[state], rows.first[state + 1]):
-            value = row_value(rows, row, values)
+        for action in range(rows.reward.shape[1]):
+            value = row_value(rows, state, np.uint32(action), values)
             if value > best:
-                best, found = value, row
+                best, found = value, action
         if found >= 0:
             values[state], chosen[state] = best, found
             changed += 1
