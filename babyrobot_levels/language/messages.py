@@ -8,7 +8,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, Forms
-from babyrobot_levels.language.cells import Puddle, PuddleType
+from babyrobot_levels.language.cells import Puddle, PuddleType, RandomReward
 from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
 from babyrobot_levels.language.names import FUNCTION, SLUG, VERSION, slug
@@ -332,6 +332,11 @@ def _special_help(
         if COLOR_CHECK in _parts(fields.get(field)):
             return "put quotes around a colour that begins with `#`, or remove the field"
         return "give it a value, or remove the field"
+    if isinstance(value, list) and RandomReward in _parts(fields.get(field)):
+        is_drawn = takes(RandomReward, "values", value)
+        values, weights = (value, [1] * len(value)) if is_drawn else ([-1, 5], [3, 1])
+        drawn = f"{{values: {flow(values)}, weights: {flow(weights)}}}"
+        return f"write `{field}: {drawn}` for a reward that is drawn"
     if names[:1] == ["legend"] and len(names) == 2:
         return _elsewhere(str(value), ("switch",)) or (
             f"write `{field}: {{item: key}}`, with what the character stands for"
