@@ -14,16 +14,19 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.metrics import Metrics
 from babyrobot_levels.analysis.paths import neighbours
+from babyrobot_levels.generation.boxes import pulled
 from babyrobot_levels.generation.locks import Counts, Placer
-from babyrobot_levels.language.cells import Maze, Puddle, Wind
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.cells import Maze, Opening, Puddle, Wind
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
-from babyrobot_levels.language.things import Hit, hit_reward
+from babyrobot_levels.language.things import Box, Hit, Target, hit_reward
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph, Successors, distances
+from babyrobot_levels.mdp.grid import BIT
 from babyrobot_levels.mdp.gridworld import changed
 from babyrobot_levels.mdp.mazes.lattice import below
 
@@ -264,6 +267,47 @@ class Candidate:
         return distances([self.start], ahead)
 
 
+class Boxed(Candidate):
+    """A candidate with boxes, which ends where all targets are covered, and not at an exit."""
+
+    is_surely_won = False
+    has_room = True
+    detour = 0
+
+    def __init__(
+        self, maker: Maker, name: str, rng: random.Random, grown: Level, start: int
+    ) -> None:
+        super().__init__(maker, name, rng, _opened(grown, rng), start, -1)
+
+    @property
+    def path_length(self) -> int:
+        """The fewest steps in which all targets are covered."""
+        return self.metrics.path_length or -1
+
+    @cached_property
+    def is_playable(self) -> bool:
+        """Whether its boxes and targets could be placed."""
+        return self._boxes is not None
+
+    @cached_property
+    def _boxes(self) -> tuple[list[int], list[int]] | None:
+        count = _between(self._rng, *bounds(self._maker.suite.boxes))
+        return pulled(self._grown.grid(), self.start, count, self._rng)
+
+    @cached_property
+    def level(self) -> Level:
+        """The level, as a drawing."""
+        assert self._boxes is not None
+        width = self.size[0]
+        boxes, targets = ([(cell % width, cell // width) for cell in each] for each in self._boxes)
+        fields: dict[str, Any] = {
+            "name": self._name,
+            "boxes": tuple(Box(at=cell) for cell in boxes),
+            "targets": tuple(Target(at=cell) for cell in targets),
+        }
+        return self._maker.drawn(changed(self._grown, **fields))
+
+
 class Maker:
     """Draws the levels of a suite.
 
@@ -313,6 +357,8 @@ class Maker:
         if suite.start == "random":
             start = _another(rng, cells, exit_ if suite.exit == "corner" else None)
         grown = _grown(self._blank(width, height), maze, start)
+        if bounds(suite.boxes)[1]:
+            return Boxed(self, self.name(number), rng, grown, start)
         if suite.exit == "random":
             sides = [bits.bit_count() for bits in grown.grid().open_bits]
             ends = [cell for cell in range(cells) if sides[cell] == 1 and cell != start]
@@ -356,6 +402,8 @@ class Maker:
         """
         given = level.to_dict()
         kept = {field: given[field] for field in ("name", *PLACED, *SHARED) if field in given}
+        for drawn in ("boxes", "targets"):
+            kept.pop(drawn, None)
         return Level.from_fields({"version": 1, "map": level.draw(), **kept}, folder=self.folder)
 
 
@@ -370,6 +418,20 @@ def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
         if plain_maze.grid().open_bits == level.grid().open_bits:
             return plain_maze
     return level
+
+
+def _opened(level: Level, rng: random.Random) -> Level:
+    """Return a level without half of the walls of its maze: boxes need room to be pushed around."""
+    grid, width = level.grid(), level.size[0]
+    openings = tuple(
+        Opening(at=(cell % width, cell // width), side=side)
+        for cell, bits in enumerate(grid.open_bits)
+        for side in SIDES[1:3]
+        if not bits & BIT[side] and grid.neighbour(cell, side) is not None and rng.getrandbits(1)
+    )
+    opened = changed(level, openings=openings)
+    opened.__dict__.pop("_grid", None)
+    return opened
 
 
 def _draw_puddles(

@@ -240,6 +240,9 @@ class Tally:
             )
             return UnsatisfiableError(self._placed(), "", reason, 1.5)
         if rarest is None or not self.playable:
+            if bounds(self.suite.boxes)[1]:
+                reason = f"in none of {self.tries:,} candidates was there room to push all of them"
+                return UnsatisfiableError("boxes", "", reason, 1.5)
             reason = (
                 f"in all of {self.tries:,} candidates it is next to the start or cuts off cells"
             )

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from functools import cache
+from math import comb
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
@@ -21,7 +22,7 @@ from babyrobot_levels.language.ranges import (
     bounds,
     empty_ranges,
 )
-from babyrobot_levels.language.things import Hit
+from babyrobot_levels.language.things import MAX_BOXED_STATES, Hit
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import InvalidDocument
 
@@ -103,6 +104,8 @@ class SuiteFields(SuiteTexts):
     """How many coins there are, or a range."""
     guards: PuddleCounts = 0
     """How many guards walk up and down, or a range."""
+    boxes: PuddleCounts = 0
+    """How many boxes there are, or a range, each with a target. Levels with boxes have no exit."""
     hit: Hit | None = None
     """What it means to meet a guard; by default the end, at a cost above any way to the exit."""
     detour: Counts | None = None
@@ -160,9 +163,13 @@ def _misfits(suite: SuiteFields) -> Iterator[Issue]:
         message = f"the smallest level has only {width + height} rows and columns"
         yield Issue("BR205", ("wind",), message)
     yield from _too_many_things(suite, cells)
+    if bounds(suite.boxes)[1]:
+        yield from _with_boxes(suite)
     if suite.expect is not None:
         yield from suite.expect.faulty_ranges()
-        may_have = any(bounds(getattr(suite, name))[1] for name in ("keys", "coins", "guards"))
+        may_have = any(
+            bounds(getattr(suite, name))[1] for name in ("keys", "coins", "guards", "boxes")
+        )
         for name in suite.expect.stated if not may_have else ():
             if name in (*THINGS, *NEEDS):
                 message = f"only levels with things have `{name}`, and these have none"
@@ -175,7 +182,7 @@ def _misfits(suite: SuiteFields) -> Iterator[Issue]:
         yield Issue("BR205", ("start",), message, "use `exit: farthest` instead")
 
 
-MOST_THINGS = {"keys": 8, "doors": 32, "coins": 10, "guards": 4}
+MOST_THINGS = {"keys": 8, "doors": 32, "coins": 10, "guards": 4, "boxes": 8}
 """The most of each kind in a level."""
 
 
@@ -202,6 +209,27 @@ def _too_many_things(suite: SuiteFields, cells: int) -> Iterator[Issue]:
     if needed > cells - 2 and bounds(suite.puddles)[1] <= cells - 2:
         message = f"the smallest level has only {cells - 2} cells besides start and exit"
         yield Issue("BR205", ("keys" if most_keys else "coins",), message)
+
+
+def _with_boxes(suite: SuiteFields) -> Iterator[Issue]:
+    """Yield what levels with boxes do not have, or have too much of."""
+    for name in ("puddles", "wind", "keys", "coins", "guards"):
+        if bounds(getattr(suite, name))[1]:
+            yield Issue("BR205", (name,), f"levels with boxes are made without {name}")
+    if suite.exit != "corner":
+        yield Issue("BR205", ("exit",), "levels with boxes have no exit")
+    if suite.start == "farthest":
+        yield Issue("BR205", ("start",), "levels with boxes have no exit to be far from")
+    least, most = bounds(suite.boxes)
+    if not least:
+        message = "there must be a box at least, or none in any level"
+        yield Issue("BR205", ("boxes",), message, f"use `1..{most}`")
+    cells = suite.largest[0] * suite.largest[1]
+    states = cells * comb(cells, most)
+    if states > MAX_BOXED_STATES:
+        message = f"{most} boxes in {cells} cells have {states:,} states, and"
+        message += f" {MAX_BOXED_STATES:,} are allowed"
+        yield Issue("BR205", ("boxes",), message, "use fewer boxes, or a smaller size")
 
 
 def impossible(suite: SuiteFields) -> Iterator[Issue]:

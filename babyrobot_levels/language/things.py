@@ -111,6 +111,10 @@ class Switch(Model):
         return "switch"
 
 
+MAX_BOXED_STATES = 5_000_000
+"""The most states of a level with boxes."""
+
+
 class Box(Model):
     """A box, which the robot pushes; all boxes are alike."""
 

@@ -16,6 +16,7 @@ from typing import Any
 from babyrobot_levels.language.cells import RandomReward, gusts
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell, blocked_cells
+from babyrobot_levels.language.things import MAX_BOXED_STATES
 from babyrobot_levels.text import budget
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
@@ -416,9 +417,6 @@ def largest_radices(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, 
 
 MAX_STATES = 2_000_000
 """The most states of a level with things; without, its size has a limit."""
-
-MAX_BOXED_STATES = 5_000_000
-"""The most states of a level with boxes."""
 
 MAX_OUTCOMES = 64
 """The most outcomes of one state and action of a level with things."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import prod
+from math import comb, prod
 from pathlib import Path
 from typing import Any, Self
 
@@ -121,6 +121,10 @@ class GrownLevels:
             *(phases for _ in range(guards)),
         )
         configurations = min(prod(radices), MAX_STATES // prod(bounds(fields.size)[0]))
+        boxes, cells = int(bounds(fields.boxes)[1]), prod(fields.largest)
+        if boxes:
+            # In a level with fewer boxes, targets come earlier.
+            radices, configurations = (cells,) * boxes + (2,) * boxes, comb(cells, boxes)
         return Bounds(
             fields.largest,
             radices,
@@ -128,6 +132,7 @@ class GrownLevels:
             num_items=most,
             has_movers=guards > 0,
             has_wind=bounds(fields.wind)[1] > 0,
+            has_boxes=boxes > 0,
         )
 
     @property

@@ -63,6 +63,7 @@ _CONDITIONS: dict[str, tuple[Any, str | None, str]] = {
     "doors": (str, RANGE, "Number of locked doors.  [default: one for each key]"),
     "coins": (str, RANGE, "Number of coins: 3, 0..4."),
     "guards": (str, RANGE, "Number of guards on patrol: 1, 0..2."),
+    "boxes": (str, RANGE, "Number of boxes, each with a target, in place of an exit: 2, 1..3."),
     "detour": (
         str,
         RANGE,

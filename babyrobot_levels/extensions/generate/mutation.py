@@ -65,8 +65,8 @@ def mutate(
         seed: a whole number.
         edits: how many edits; a range such as `"1..5"` draws how many.
         kinds: what is edited, all equally often, by the names `wall`, `puddle`, `wind`, `item`,
-            `door`, `mover`, `start`, `exit`, and beside these defaults `switch`, `warp`, `blocked`,
-            and `area`, which are only moved and removed.
+            `door`, `mover`, `start`, `exit`, and beside these defaults `switch`, `box`, `target`,
+            `warp`, `blocked`, and `area`, which are only moved and removed.
         solvable: whether the optimal policy must reach the exit with probability 1, unless `expect`
             has another `success`. Levels without an exit have none to reach.
         expect: what must be true of the metrics, as in `expect` of level files: `{"best_steps":

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.things import MAX_BOXED_STATES
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.layers import TooManyStates, distinct
@@ -35,7 +36,7 @@ from babyrobot_levels.mdp.compiler.outcomes import (
 )
 from babyrobot_levels.mdp.compiler.terrain import build_warps, obstructions
 from babyrobot_levels.mdp.compiler.yards import Yard, build_yard
-from babyrobot_levels.mdp.configurations import MAX_BOXED_STATES, Things, check_room, most_columns
+from babyrobot_levels.mdp.configurations import Things, check_room, most_columns
 from babyrobot_levels.mdp.graph import expanded
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
 from babyrobot_levels.mdp.tables import FREE, Flags, Floats, Ints, Mdp
