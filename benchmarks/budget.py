@@ -1,4 +1,4 @@
-"""What hostile levels cost: each command, the tools for assistants and the editor, on 61 files.
+"""What hostile levels cost: each command, the tools for assistants and the editor, on 62 files.
 
     python benchmarks/budget.py [--only COMMAND] [--level NAME] [--package FOLDER] [-o FILE]
 

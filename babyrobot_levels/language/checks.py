@@ -50,7 +50,9 @@ def _common(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
 
 def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
     """Yield the errors of starts and exits. `blocked` tells whether a cell is blocked."""
-    left = {warp.at for warp in level.warps if warp.when == "enter"}
+    warps = reversed([*enumerate(level.warps)])
+    left = {warp.at: number for number, warp in warps if warp.when == "enter"}
+    exits = frozenset(level.exits)
     ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
     for field in ("start", "exit"):
         seen: set[Cell] = set()
@@ -71,7 +73,7 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
             elif cell in seen:
                 if not level.robots or (field == "start" and level.team.meet != "pass"):
                     yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
-            elif field == "start" and cell in _exits_from(level, cell):
+            elif field == "start" and cell in (_exits_from(level, cell) if level.robots else exits):
                 yield Issue(
                     "BR303",
                     _given(level, route, ("exit",)),
@@ -81,10 +83,9 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                     else "move one of them, or use `exit: none` for a level without an exit",
                 )
             elif field == "start" and cell in left:
-                number = next(n for n, warp in enumerate(level.warps) if warp.at == cell)
                 yield Issue(
                     "BR309",
-                    _given(level, route, ("warps", number, "at")),
+                    _given(level, route, ("warps", left[cell], "at")),
                     f"the start {show_cell(cell)} is on a warp that acts on entering",
                     "move the start, or use `when: leave` for the warp",
                 )
@@ -99,9 +100,7 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
 
 
 def _exits_from(level: LevelFields, start: Cell) -> tuple[Cell, ...]:
-    """Return the exits of those who begin in a cell."""
-    if not level.robots:
-        return level.exits
+    """Return the exits of those of several robots who begin in a cell."""
     return tuple(
         cell for robot, at in level.team_starts if at == start for cell in level.exits_of(robot)
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
@@ -14,6 +15,7 @@ from support.work import counted_calls
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.editor.protocol import answer
 from babyrobot_levels.extensions.editor.session import Session
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.checking import formatted
 from babyrobot_levels.text.budget import COMMAND, OverBudgetError, within
@@ -65,6 +67,30 @@ def test_no_list_takes_time_with_the_square_of_its_length(field: str, look: str)
         calls.append(work.calls)
     # What is quadratic would take 16 times as many. Some things begin from a size on.
     assert calls[1] < 1.5 * TIMES * calls[0] + 20_000
+
+
+@pytest.mark.parametrize(
+    "look", [brl.validate, of_level(lambda level: level.to_svg(coordinates=True))]
+)
+def test_exits_are_not_listed_again_for_each_cell(
+    look: Callable[[str], Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listed, given = list[LevelFields](), LevelFields.exits.fget
+    assert given is not None
+
+    def exits_of(level: LevelFields) -> Any:
+        listed.append(level)
+        return given(level)
+
+    monkeypatch.setattr(LevelFields, "exits", property(exits_of))
+    times = []
+    for count in (5, 20):
+        listed.clear()
+        starts, exits = ([[x, y] for x in range(count)] for y in range(2))
+        level = {"version": 1, "size": [count, 3], "start": starts, "exit": exits}
+        look(json.dumps(level))
+        times.append(len(listed))
+    assert times[0] == times[1] > 0
 
 
 def test_the_measure_sees_what_is_quadratic() -> None:

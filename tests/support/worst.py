@@ -145,6 +145,14 @@ def _worst() -> Iterator[tuple[str, Callable[[], bytes]]]:
     )
     yield ("16,000 starts", grid(1024, start=[*scattered(1024, 1024, 16_000)]))
     yield (
+        "16,000 starts and 16,000 exits",
+        grid(
+            1024,
+            start=[cell(1024, n) for n in range(16_000)],
+            exit=[cell(1024, n) for n in range(500_000, 516_000)],
+        ),
+    )
+    yield (
         "16,000 exits, and shaping",
         grid(1024, exit=[*scattered(1024, 1024, 16_000)], rewards={"closer": 1, "farther": -2}),
     )

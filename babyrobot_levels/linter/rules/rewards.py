@@ -117,9 +117,10 @@ def _is_surely_given(context: LintContext, name: str) -> bool:
         return False
     if name == "exit":
         # Only a warp takes precedence over the exit.
-        exits = {context.state(cell) for cell in level.exits}
-        if any(cell in level.exits for warp in level.warps for cell in level.targets_of(warp)):
+        cells = frozenset(level.exits)
+        if any(not cells.isdisjoint(level.targets_of(warp)) for warp in level.warps):
             return False
+        exits = {*map(context.state, cells)}
         return any(not exits.isdisjoint(others) for others in successors)
     if name in ("bump", "stay"):
         # Only a warp takes precedence where the robot stays on a cell that is no exit.

@@ -33,7 +33,8 @@ def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]
     colors, display, grounds = level.resolved_theme.colors, level.display, CellGrounds(level)
     exits = level.exits if level.exit_one_of is None else ()
     # Where one of several robots begins, another may leave; a frame tells whose exit it is.
-    starts = [cell for cell in level.starts if cell not in exits]
+    left = frozenset(exits)
+    starts = [cell for cell in level.starts if cell not in left]
     own = {robot.exit for robot in level.robots}
     exits = tuple(cell for cell in exits if cell not in own)
     for word, cells, shown, fill in (
@@ -114,7 +115,7 @@ def coordinate_texts(
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     busy, grounds = busy_cells(level, layout, slots).union(crossed), CellGrounds(level)
-    fills = dict.fromkeys(level.starts, colors.start_text)
+    fills, exits = dict.fromkeys(level.starts, colors.start_text), frozenset(level.exits)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
@@ -123,7 +124,7 @@ def coordinate_texts(
             box = place.moved(*layout.corner(x, y))
             text = f"{x},{y}"
             is_end = slots.is_small((x, y)) and (x, y) in fills
-            on_flag = (x, y) in level.exits and len(text) > 3
+            on_flag = (x, y) in exits and len(text) > 3
             below = colors_of((x, y)) if colors_of and not is_end else (grounds[x, y],)
             if on_plates or is_end or on_flag or (x, y) in busy or len(below) > 1:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
