@@ -350,20 +350,12 @@ class _Page:
 
     def _filled(self, fill: str | None, opacity: float, stroke: str | None = None) -> bool:
         """Set colours and opacities; return whether anything is seen."""
-        alphas = []
-        for what, color, gray, full in (("fill", fill, "g", "rg"), ("stroke", stroke, "G", "RG")):
-            *channels, alpha = rgba(color) if color is not None else (0, 0, 0, 0.0)
-            alphas.append(alpha * opacity)
-            if alphas[-1]:
-                # Greys in one number are printed in black ink alone.
-                parts = channels[:1] if len({*channels}) == 1 else channels
-                shares = " ".join(f"{part / 255:.3g}" for part in parts)
-                self._set(what, f"{shares} {gray if len(parts) == 1 else full}")
-        if not any(alphas):
-            return False
-        key = f"{alphas[0]:.3g}", f"{alphas[1] if stroke is not None else alphas[0]:.3g}"
-        self._set("state", f"/{self.states.setdefault(key, f'S{len(self.states)}')} gs")
-        return True
+        operators, alphas = _colored(fill, stroke, opacity)
+        for what, operator in operators:
+            self._set(what, operator)
+        if operators:
+            self._set("state", f"/{self.states.setdefault(alphas, f'S{len(self.states)}')} gs")
+        return bool(operators)
 
     def _path(self, path: Path) -> None:
         if not path.commands or not self._filled(path.fill, path.opacity, path.stroke):
@@ -379,10 +371,13 @@ class _Page:
 
     def _text(self, text: Text) -> Iterator[str]:
         """Yield the operators of a text: runs of characters in one font each."""
-        width = width_of(text.text, text.size, bold=text.bold)
-        western = _WESTERN[text.bold]
-        left = text.x - {"start": 0.0, "middle": width / 2, "end": width}[text.anchor]
+        left = text.x
+        if text.anchor != "start":
+            width = width_of(text.text, text.size, bold=text.bold)
+            left -= width / 2 if text.anchor == "middle" else width
+        western, before = _WESTERN[text.bold], ""
         for run in _runs(text.text):
+            left, before = left + width_of(before, text.size, bold=text.bold), run
             at = f"{number(text.size)} Tf 1 0 0 -1 {number(left)} {number(text.y)} Tm"
             if run in CODES or len(run) > 1:
                 yield f"/{self._font(western)} {at} <{_encoded(run)}> Tj"
@@ -390,7 +385,6 @@ class _Page:
                 yield from self._composed(run, text, left)
             else:
                 yield f"/{self._font(_eastern(run, text.text))} {at} <{_utf16(run)}> Tj"
-            left += width_of(run, text.size, bold=text.bold)
 
     def _composed(self, character: str, text: Text, left: float) -> Iterator[str]:
         """Yield the operators of a letter and its accents, which are found and copied as one."""
@@ -408,6 +402,23 @@ class _Page:
     def _font(self, key: str) -> str:
         self.fonts.add(key)
         return key
+
+
+@lru_cache(maxsize=1024)
+def _colored(
+    fill: str | None, stroke: str | None, opacity: float
+) -> tuple[list[tuple[str, str]], tuple[str, str]]:
+    """Return what sets the colours that are seen, and the opacities of fill and stroke."""
+    alphas, operators = [], []
+    for what, color, gray, full in (("fill", fill, "g", "rg"), ("stroke", stroke, "G", "RG")):
+        *channels, alpha = rgba(color) if color is not None else (0, 0, 0, 0.0)
+        alphas.append(alpha * opacity)
+        if alphas[-1]:
+            # Greys in one number are printed in black ink alone.
+            parts = channels[:1] if len({*channels}) == 1 else channels
+            shares = " ".join(f"{part / 255:.3g}" for part in parts)
+            operators.append((what, f"{shares} {gray if len(parts) == 1 else full}"))
+    return operators, (f"{alphas[0]:.3g}", f"{alphas[stroke is not None]:.3g}")
 
 
 def _runs(text: str) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import escape
 from zlib import crc32
 
 from babyrobot_levels.render.colors import rgba
@@ -81,11 +81,12 @@ def _element(shape: Shape) -> str:
     name, content = type(shape).__name__.lower(), ""
     if isinstance(shape, Text):
         content = escaped(shape.text)
-    attributes = " ".join(f"{key}={quoteattr(value)}" for key, value in _attributes(shape))
+    attributes = " ".join(f'{key}="{value}"' for key, value in _attributes(shape))
     return f"<{name} {attributes}>{content}</{name}>" if content else f"<{name} {attributes}/>"
 
 
 def _attributes(shape: Shape) -> Iterator[tuple[str, str]]:
+    """Yield names and values: numbers, letters and colours, of which none needs to be escaped."""
     match shape:
         case Rect():
             yield "x", number(shape.x)
