@@ -22,7 +22,6 @@ from babyrobot_levels.analysis.picture_options import (
 )
 from babyrobot_levels.registry.entries import Entries
 from babyrobot_levels.registry.own import own
-from babyrobot_levels.text import budget
 from babyrobot_levels.text.errors import warn
 from babyrobot_levels.text.words import BEST, RANDOM
 
@@ -132,6 +131,7 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     """
     from babyrobot_levels.render.scene.build import build_scene
     from babyrobot_levels.render.scene.layout import Overlay
+    from babyrobot_levels.render.scene.shapes import told_as_shapes
 
     policy, held = shown.get("policy"), shown.get("held")
     if isinstance(policy, str) and policy == RANDOM:
@@ -148,12 +148,8 @@ def still(level: GridWorld, **shown: Unpack[StillOptions]) -> Scene:
     if shown.get("lost"):
         overlay = replace((overlay or Overlay()).at(configuration), lost=lost_of(level))
     overlay = _with_rules(overlay) if shown.get("rules") else overlay
-    try:
+    with told_as_shapes():
         return build_scene(level, configuration=configuration, robot=robot, overlay=overlay)
-    except budget.OverBudgetError as error:
-        raise budget.OverBudgetError(
-            "the picture of the level has too many shapes", f"show it as text, or {error.help}"
-        ) from error
 
 
 def _with_rules(overlay: Overlay | None) -> Overlay:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from itertools import pairwise
+from itertools import chain, islice, pairwise
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
@@ -25,7 +25,9 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     Text,
     cubic,
+    told_as_shapes,
 )
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
@@ -55,8 +57,14 @@ _REPORTED = 256
 _FINEST_DASH = 1.5
 """The shortest dashes that are painted one by one, in pixels."""
 
+_STEP = 500
+"""The work that a step of a path counts as, which takes longer than to write it down."""
+
 _MASK_COST, _MASK_MARGIN = 4000, 4
 """What a mask costs besides its pixels, in pixels, and how far apart two of them must be."""
+
+_MANY = 10_000
+"""The number of translucent lines from which on they have one mask: to part them takes longer."""
 
 _MAX_PARTS = 64
 """The most lines that a curve becomes."""
@@ -159,6 +167,9 @@ def _paint(
             f"a picture of {width} x {height} pixels is too large; "
             f"the limit is {MAX_PIXELS:,} pixels"
         )
+    steps = sum(len(shape.commands) if isinstance(shape, Path) else 1 for shape in scene.shapes)
+    with told_as_shapes():
+        budget.spend(_STEP * steps)
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
     painter = Painter(image, scene, samples)
@@ -217,23 +228,22 @@ class Painter:
         self._ink(ellipse.fill, ellipse.opacity, box, lambda pen: pen.ellipse(x, y, rx, ry))
 
     def _path(self, path: Path) -> None:
-        lines = [
-            ([(x * self._x, y * self._y) for x, y in points], closed)
-            for points, closed in polylines(path.commands, self._length)
-        ]
-        if not lines:
-            return
         if path.fill is not None:
 
-            def fill(lines: list[Polyline], pen: Pen) -> None:
+            def fill(lines: Iterable[Polyline], pen: Pen) -> None:
                 for points, _ in lines:
                     pen.polygon(points)
 
-            self._ink_lines(path.fill, path.opacity, lines, 1, fill)
+            self._ink_lines(path.fill, path.opacity, self._lines(path), 1, fill)
         if path.stroke is not None:
-            self._stroke(path, path.stroke, lines)
+            self._stroke(path, path.stroke, self._lines(path))
 
-    def _stroke(self, path: Path, color: str, lines: list[Polyline]) -> None:
+    def _lines(self, path: Path) -> Iterator[Polyline]:
+        """Yield the pieces of a path, in pixels."""
+        for points, closed in polylines(path.commands, self._length):
+            yield [(x * self._x, y * self._y) for x, y in points], closed
+
+    def _stroke(self, path: Path, color: str, lines: Iterator[Polyline]) -> None:
         width, opacity = path.width * self._length, path.opacity
         if path.dash is not None:
             dash, gap = (self._length * length for length in path.dash)
@@ -241,11 +251,11 @@ class Painter:
                 # Fine dashes look like a fainter line, and a large level has hundreds of thousands.
                 opacity *= dash / (dash + gap)
             else:
-                lines = [part for line in lines for part in dashes(line, dash, gap)]
+                lines = (part for line in lines for part in dashes(line, dash, gap))
         # A line thinner than a pixel is a fainter line of one pixel.
         opacity, width = opacity * min(width, 1.0), max(width, 1.0)
 
-        def stroke(lines: list[Polyline], pen: Pen) -> None:
+        def stroke(lines: Iterable[Polyline], pen: Pen) -> None:
             for line in lines:
                 pen.stroke(line, width, round_caps=path.cap == "round")
 
@@ -269,13 +279,17 @@ class Painter:
         self,
         color: str,
         opacity: float,
-        lines: list[Polyline],
+        lines: Iterator[Polyline],
         reach: float,
-        draw: Callable[[list[Polyline], Pen], None],
+        draw: Callable[[Iterable[Polyline], Pen], None],
     ) -> None:
-        """Draw lines in a colour; translucent ones that are far apart in several masks."""
-        is_opaque = rgba(color)[3] * opacity >= 1
-        for group in [lines] if is_opaque else _apart(lines, reach):
+        """Draw lines in a colour; a few translucent ones that are far apart in several masks."""
+        first = [*islice(lines, _MANY)]
+        if rgba(color)[3] * opacity >= 1 or len(first) == _MANY:
+            whole = 0, 0, *self._image.size
+            self._ink(color, opacity, whole, partial(draw, chain(first, lines)))
+            return
+        for group in _apart(first, reach) if first else ():
             self._ink(color, opacity, _bounds(group, reach), partial(draw, group))
 
     def _ink(self, color: str, opacity: float, box: Box, draw: Callable[[Pen], None]) -> None:
@@ -430,20 +444,23 @@ def _font(size: float) -> ImageFont.FreeTypeFont:
 # -- paths as straight lines ------------------------------------------------------------------
 
 
-def polylines(commands: Commands, scale: float = 1.0) -> list[Polyline]:
-    """Return the pieces of a path as polylines; curves look smooth at `scale`."""
-    pieces: list[Polyline] = []
+def polylines(commands: Commands, scale: float = 1.0) -> Iterator[Polyline]:
+    """Yield the pieces of a path as polylines; curves look smooth at `scale`."""
+    points: list[Point] = []
+    closed = False
     for letter, numbers in commands:
         if letter == "M":
-            pieces.append(([(numbers[0], numbers[1])], False))
+            if points:
+                yield points, closed
+            points, closed = [(numbers[0], numbers[1])], False
         elif letter == "Z":
-            pieces[-1] = pieces[-1][0], True
+            closed = True
         elif letter == "L":
-            pieces[-1][0].append((numbers[0], numbers[1]))
+            points.append((numbers[0], numbers[1]))
         else:
-            points = pieces[-1][0]
             points += _cubic(points[-1], numbers, scale)
-    return pieces
+    if points:
+        yield points, closed
 
 
 def _cubic(start: Point, numbers: tuple[float, ...], scale: float) -> Iterator[Point]:

@@ -52,6 +52,17 @@ def test_shapes_count_as_work(fields: str, steps: int) -> None:
     assert caught.value.help == "show it as text, or use a smaller level"
 
 
+def test_to_paint_pixels_counts_as_work_of_its_own() -> None:
+    level = brl.loads("version: 1\nsize: [9, 9]\nwind: {north: [1, 1, 1, 1, 1, 1, 1, 1, 1]}\n")
+    with within(replace(COMMAND, steps=300_000)):
+        assert level.to_svg()
+    with (
+        within(replace(COMMAND, steps=300_000)),
+        pytest.raises(OverBudgetError, match="too many shapes"),
+    ):
+        level.to_png(scale=0.1)
+
+
 # -- the same as the command line --------------------------------------------------------------
 
 SAME: list[tuple[str, str, str, dict[str, Any]]] = [

@@ -188,6 +188,15 @@ def test_translucent_lines_that_are_apart_are_painted_as_if_they_were_together(
     assert apart.any() == (width > 0)
 
 
+def test_many_translucent_lines_have_one_mask(monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = [polyline([(x, y), (x + 5, y + 5)]) for x in (8, 40, 72) for y in (8, 40, 72)]
+    path = Path(tuple(command for line in lines for command in line), stroke="red", opacity=0.5)
+    apart = painted(path, side=400)
+    monkeypatch.setattr(raster, "_MANY", 4)
+    monkeypatch.setattr(raster, "_apart", None)
+    assert (painted(path, side=400) == apart).all()
+
+
 @pytest.mark.parametrize("anchor", ["start", "middle", "end"])
 def test_a_minus_sign_is_a_bar_that_the_font_lacks(anchor: Any) -> None:
     def ink(text: str) -> np.ndarray[Any, Any]:

@@ -14,6 +14,7 @@ from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.mdp.tables import hits_of
 from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.raster import polylines
+from babyrobot_levels.render.scene import marks
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL, Overlay
@@ -268,6 +269,21 @@ def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
     ]
     assert points
     assert not [(x, y) for x, y in points if 24 < x < 40 and 24 < y < 40]
+
+
+def test_wind_has_a_chevron_for_each_cell_it_pushes_and_in_large_levels_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    world = level(wind={"north": [1, 2, 3, 4, 5]})
+
+    def chevrons() -> int:
+        wind = next(shape for shape in added(world, level()) if isinstance(shape, Path))
+        return len([*polylines(wind.commands)])
+
+    winds = effects_of(world).winds
+    assert chevrons() == sum(min(-south, 3) for _, south in winds.values()) > len(winds)
+    monkeypatch.setattr(marks, "_MANY", len(winds))
+    assert chevrons() == len(winds)
 
 
 # -- warps ---------------------------------------------------------------------------------

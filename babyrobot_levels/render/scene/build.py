@@ -30,6 +30,7 @@ from babyrobot_levels.render.scene.shapes import (
     Scene,
     Shape,
     circle,
+    counted,
     polygon,
     polyline,
     toned,
@@ -50,7 +51,6 @@ from babyrobot_levels.render.scene.texts import (
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 from babyrobot_levels.render.situation import STANDING, Pose, effects_of, place_of, situation_of
-from babyrobot_levels.text import budget
 
 LAYERS = ("base", "heat", "grid", "things", "underlay", "robot", "movers", "overlay", "text")
 """The layers of a picture, from the bottom up."""
@@ -81,10 +81,6 @@ class SceneOptions(TypedDict, total=False):
     overlay: Overlay | None
 
 
-_SHAPE = 700
-"""The work that a shape counts as, for the memory that it takes until the picture is written."""
-
-
 def build_scene(level: GridWorld, **shown: Unpack[SceneOptions]) -> Scene:
     """Return the picture of a level, 64 pixels a cell.
 
@@ -101,7 +97,6 @@ def build_scene(level: GridWorld, **shown: Unpack[SceneOptions]) -> Scene:
 
     layers, state = build_layers(level, **shown), shown.get("state")
     shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
-    budget.spend(_SHAPE * len(shapes))
     robot = shown.get("robot", True) and (state is not None or level.display.robot.show)
     return replace(layers["base"], shapes=shapes, description=describe(level, state, robot=robot))
 
@@ -131,10 +126,10 @@ def build_layers(
     slots = Slots(level, layout, overlay)
     coordinates = level.display.coordinates and not overlay.has_colors
     layers: dict[str, tuple[Shape, ...]] = {
-        "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
+        "base": tuple(counted(_base_shapes(level, overlay, layout, cells_only=cells_only))),
         "grid": (
-            *floor_shapes(level, layout, slots),
-            *sign_shapes(level, layout, slots, coordinates),
+            *counted(floor_shapes(level, layout, slots)),
+            *counted(sign_shapes(level, layout, slots, coordinates)),
         ),
         "robot": (),
     }
@@ -149,11 +144,10 @@ def build_layers(
         small = slots.is_crowded
         layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose, small=small)
     situation = situation_of(level, configuration)
-    layers["things"] = tuple(
-        shape for piece in pieces(level, layout, situation, slots) for shape in piece.shapes
-    )
+    placed = pieces(level, layout, situation, slots)
+    layers["things"] = tuple(counted(shape for piece in placed for shape in piece.shapes))
     movers = moving_pieces(level, layout, situation, cell, crowded=overlay.fills_cells)
-    layers["movers"] = tuple(shape for _, piece in movers for shape in piece.shapes)
+    layers["movers"] = tuple(counted(shape for _, piece in movers for shape in piece.shapes))
     part = overlay.at(configuration, pose.heading)
     layers |= overlay_shapes(level, part, layout, slots)._asdict()
     title = level.title or level.name or "Level"
@@ -232,18 +226,20 @@ def overlay_shapes(
     texts: list[Shape] = []
     # On a heat map, the level's own are written in the inks of their tiles.
     if overlay.has_colors if level.display.coordinates else overlay.coordinates:
-        texts += coordinate_texts(level, layout, slots, heat.colors_of, crossed=overlay.never)
+        texts += counted(
+            coordinate_texts(level, layout, slots, heat.colors_of, crossed=overlay.never)
+        )
     texts += note_shapes(level, overlay.notes, layout)
     texts += panel_texts(level, overlay, layout)
     return OverlayShapes(
         # Rims of walls lie on the hatching.
-        (*never_shapes(level, overlay, layout), *heat.shapes),
+        (*counted(never_shapes(level, overlay, layout)), *counted(heat.shapes)),
         # Starts and boxes are crossed, too.
         (
             *lost_shapes(heat),
             *arrow_shapes(arrow_lengths(overlay, slots, layout), slots, layout, colors.arrows),
         ),
-        tuple(number_labels(level, heat)),
+        tuple(counted(number_labels(level, heat))),
         tuple(texts),
     )
 

@@ -240,7 +240,7 @@ _SMALL_GLINTS = 0.45, 41.0, 4.0
 """How many times as large they are beside answers, and where they begin."""
 
 _MANY = 10_000
-"""The number of slippery cells from which on each has a single glint: all are tiny."""
+"""The number of slippery or windy cells from which on each has a single sign: all are tiny."""
 
 _GLINT_SHADE = "#2b5d8c"
 
@@ -527,26 +527,29 @@ def _outlined(shaft: Commands, head: Commands, color: str, rim: str, dash: Dash)
 def wind_shapes(winds: Mapping[Cell, tuple[int, int]], slots: Slots, color: str) -> Iterator[Shape]:
     """Yield chevrons where the wind blows: one for each cell that it pushes, at most three.
 
+    In large levels there is one in each cell.
+
     Args:
         winds: how far the wind pushes in each cell, east and south.
         slots: where the chevrons are.
         color: their colour.
     """
+    most = _MAX_CHEVRONS if len(winds) < _MANY else 1
     by_size: dict[float, list[Command]] = {}
     for cell, (east, south) in winds.items():
         box = slots.icon(cell)
         commands = by_size.setdefault(_scale(box), [])
-        commands += _chevrons(box.centre, _scale(box), east, south)
+        commands += _chevrons(box.centre, _scale(box), east, south, most)
     for size, commands in by_size.items():
         lines, width = tuple(commands), 3.4 * size
         yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round")
         yield Path(lines, stroke=color, width=width, cap="round")
 
 
-def _chevrons(centre: Point, size: float, east: int, south: int) -> Iterator[Command]:
+def _chevrons(centre: Point, size: float, east: int, south: int, most: int) -> Iterator[Command]:
     strength = math.hypot(east, south)
     along_x, along_y = size * east / strength, size * south / strength
-    count = min(max(abs(east), abs(south)), _MAX_CHEVRONS)
+    count = min(max(abs(east), abs(south)), most)
     for index in range(count):
         middle = 10 * (index - (count - 1) / 2)
         yield from polyline(

@@ -7,6 +7,7 @@ colour's own alpha.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import wraps
 from typing import Literal, ParamSpec
@@ -97,8 +98,9 @@ class Scene:
     description: str = ""
 
 
-_STEP, _NUMBER = 250, 80
-"""The work that a step of a path counts as, and each of its numbers, for the memory they take."""
+_SHAPE, _STEP, _NUMBER = 700, 250, 80
+"""The work that a shape counts as, a step of a path, and each of its numbers, for the memory that
+they take until the picture is written."""
 
 P = ParamSpec("P")
 
@@ -114,6 +116,24 @@ def _counted(made: Callable[P, Commands]) -> Callable[P, Commands]:
         return commands
 
     return make
+
+
+def counted(shapes: Iterable[Shape]) -> Iterator[Shape]:
+    """Yield shapes; each of them counts as work before the next one is made."""
+    for shape in shapes:
+        budget.spend(_SHAPE)
+        yield shape
+
+
+@contextmanager
+def told_as_shapes() -> Iterator[None]:
+    """Say of too much work that the picture has too many shapes."""
+    try:
+        yield
+    except budget.OverBudgetError as error:
+        raise budget.OverBudgetError(
+            "the picture of the level has too many shapes", f"show it as text, or {error.help}"
+        ) from error
 
 
 def mapped(commands: Iterable[Command], at: Callable[[float, float], Point]) -> Commands:
