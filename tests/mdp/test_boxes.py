@@ -115,3 +115,15 @@ def test_a_level_with_too_many_states_says_what_costs_most() -> None:
 def test_a_level_with_boxes_is_not_too_large() -> None:
     with pytest.raises(brl.LevelError, match="with boxes the limit is 16,384"):
         level(size=[129, 128], boxes=[{"at": [1, 1]}])
+
+
+def test_configurations_of_many_boxes_are_told_apart() -> None:
+    # Sixteen boxes that nobody reaches make keys of configurations longer than a word.
+    fields = {"version": 1, "size": [16, 5], "exit": "none", "start": [0, 0]}
+    fields |= {"blocked": [{"at": [0, 3], "size": [16, 1]}], "targets": [{"at": [6, 1]}]}
+    far = [{"at": [x, 4]} for x in range(16)]
+    one, many = (
+        brl.load({**fields, "boxes": [{"at": [4, 1]}, *more]}).compile() for more in ([], far)
+    )
+    assert many.num_configurations == one.num_configurations > 30
+    assert np.array_equal(many.next_state, one.next_state)

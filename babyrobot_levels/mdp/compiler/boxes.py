@@ -35,7 +35,7 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     plain_branches,
 )
 from babyrobot_levels.mdp.compiler.terrain import build_warps, obstructions
-from babyrobot_levels.mdp.compiler.yards import Yard, build_yard
+from babyrobot_levels.mdp.compiler.yards import Yard, build_yard, stands_on
 from babyrobot_levels.mdp.configurations import Things, check_room, most_columns
 from babyrobot_levels.mdp.graph import expanded
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
@@ -114,13 +114,11 @@ class Boxes:
         self._changes = [*self._changing()]
         self._yards: dict[tuple[tuple[bool, ...], int], int] = {}
         self.yards: list[Yard] = []
-        self._known: dict[Any, int] = {}
         radices = things.radices[: things.static]
-        self._strides = None
-        if prod(radices) < 1 << 62:
-            self._strides = np.array(
-                [prod(radices[n + 1 :]) for n in range(len(radices))], np.int64
-            )
+        # The values of a layer are digits of its key, which may be longer than a word.
+        kind: Any = np.int64 if prod(radices) < 1 << 62 else object
+        self._strides = np.array([prod(radices[n + 1 :]) for n in range(len(radices))], kind)
+        self._keys, self._numbers = np.zeros(0, kind), np.zeros(0, np.int64)
         self.count = self.occurring = 0
         self.values = np.zeros((0, things.static), np.int16)
         self.yard, self.is_open, self.is_solved = (np.zeros(0, kind) for kind in (int, bool, bool))
@@ -144,21 +142,19 @@ class Boxes:
 
     def layers(self, rows: NDArray[np.int16]) -> Ints:
         """Return the numbers of the layers with some values, `[rows, things]`."""
-        if self._strides is None:
-            rows, which = np.unique(rows, axis=0, return_inverse=True)
-            keys: list[Any] = [row.tobytes() for row in rows]
-        else:
-            packed, first, which = np.unique(
-                rows @ self._strides, return_index=True, return_inverse=True
-            )
-            rows, keys = rows[first], packed.tolist()
-        numbers = np.array([self._known.get(key, -1) for key in keys])
-        new = np.flatnonzero(numbers < 0)
+        keys, first, which = np.unique(rows @ self._strides, return_index=True, return_inverse=True)
+        place = np.searchsorted(self._keys, keys)
+        is_new = np.ones(keys.size, bool)
+        there = place < self._keys.size
+        is_new[there] = self._keys[place[there]] != keys[there]
+        new, before = place[is_new], self.count
         if new.size:
-            numbers[new] = np.arange(self.count, self.count + new.size)
-            self._known.update((keys[at], self.count + n) for n, at in enumerate(new.tolist()))
-            self._add(rows[new])
-        found: Ints = numbers[which.ravel()]
+            self._add(rows[first[is_new]])
+            self._keys = np.insert(self._keys, new, keys[is_new])
+            self._numbers = np.insert(self._numbers, new, np.arange(before, self.count))
+            # Each is behind the new ones before it.
+            place += np.cumsum(is_new) - is_new
+        found: Ints = self._numbers[place][which.ravel()]
         return found
 
     def _add(self, rows: NDArray[np.int16]) -> None:
@@ -252,7 +248,7 @@ class Boxes:
         place, cell = np.divmod(pairs, self.size)
         layer, joint = np.divmod(place, self.joints)
         cell = cell.astype(np.int32)
-        boxes = self.values[layer, self._boxes].astype(np.int32)
+        boxes = self.values[layer, self._boxes].astype(np.int32, order="F")
         air = yard.air(cell, boxes)
         terrain, warps = yard.left_from(cell)
         arrivals = Arrivals(self.level.rewards, terrain, warps, cell, NUM_ACTIONS)
@@ -333,7 +329,7 @@ class Boxes:
         boxes = np.sort(np.where(boxes == ahead, ahead + delta[:, None], boxes), axis=1)
         rows[:, self._boxes] = boxes
         for number, target in enumerate(self._target_cells):
-            rows[:, self._targets.start + number] = (boxes == target).any(axis=1)
+            rows[:, self._targets.start + number] = stands_on(boxes, target)
         after[which] = self.layers(rows)
         return after, item
 

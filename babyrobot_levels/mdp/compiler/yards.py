@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -206,7 +207,9 @@ def build_yard(level: LevelFields, grid: Grid, exits: tuple[Cell, ...], ways: Wa
     )
 
 
-def stands_on(boxes: NDArray[np.int32], cell: NDArray[np.int32]) -> Flags:
-    """Return whether one of the boxes `[pairs, boxes]` stands in a cell of each pair."""
-    stands: Flags = (boxes == cell[:, None]).any(axis=1)
+def stands_on(boxes: NDArray[Any], cell: NDArray[np.int32] | int) -> Flags:
+    """Return whether one of the boxes `[pairs, boxes]` stands in a cell of each pair, or of all."""
+    stands = np.zeros(len(boxes), bool)
+    for each in boxes.T:
+        stands |= each == cell
     return stands
