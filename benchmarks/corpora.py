@@ -370,7 +370,7 @@ Six levels of each collection whose licence allows it.
 | maze-dataset | moves and shortest paths, where the package is installed | in tests |
 | Overcooked-AI | the steps of two players, by its rule for meetings | in tests |
 | gym-maze | the moves out of each cell, by its own class | here: {moves:,}, all equal |
-| gym-sokoban | its actions, in 7 levels of Boxoban | `benchmarks/sokoban.py`: 26,233, all equal |
+| gym-sokoban | its actions, in 27 levels | `benchmarks/sokoban.py`: 91,904, all equal |
 
 ## What the levels are
 

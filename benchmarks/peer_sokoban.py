@@ -2,10 +2,12 @@
 """gym-sokoban, asked by `sokoban.py`. Runs in an environment of its own; see `peers.py`."""
 
 import json
+import random
 import sys
 from typing import Any
 
 import numpy as np
+from gym_sokoban.envs.room_utils import generate_room
 from gym_sokoban.envs.sokoban_env import SokobanEnv
 
 WALL, FLOOR, TARGET, ON_TARGET, BOX, PLAYER = range(6)
@@ -45,10 +47,29 @@ class Room(SokobanEnv):
         return [player, sorted(others), float(reward), bool(done)]
 
 
+def drawn(seed: int) -> list[str]:
+    """Return a room of the package's own generator, as lines of characters: 7 by 7, two boxes."""
+    random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002
+    while True:
+        try:
+            fixed, state, *_ = generate_room(dim=(7, 7), num_steps=25, num_boxes=2)
+            break
+        except RuntimeWarning:
+            # No box could be pulled: the environment draws again as well.
+            continue
+    # A player hides the target beneath.
+    state = np.where((fixed == TARGET) & (state == PLAYER), PLAYER + 1, state)
+    return ["".join("# .*$@+"[kind] for kind in row) for row in state]
+
+
 def main() -> None:
     """Answer questions until there are none."""
     for line in sys.stdin:
         question = json.loads(line)
+        if "seed" in question:
+            print(json.dumps(drawn(question["seed"])), flush=True)
+            continue
         room, answers = Room(question["fields"]), []
         for robot, boxes, actions in question["plays"]:
             room.put(robot, boxes)

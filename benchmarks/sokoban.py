@@ -1,11 +1,12 @@
 """Levels of Boxoban beside gym-sokoban: whether each step is the same there.
 
-    python benchmarks/sokoban.py FILE... [--count N] [--states N]
+    python benchmarks/sokoban.py [FILE...] [--count N] [--drawn N] [--states N]
 
-The files are those of `boxoban.py`; of each, the first N levels are taken. In each level, the
-states nearest to the start are tried with all nine actions of gym-sokoban; then come plays from the
-start: five of random actions, and an optimal one, which covers all targets. Robot, boxes, reward
-and end of each step must be equal.
+The files are those of `boxoban.py`; of each, the first N levels are taken. `--drawn` adds levels of
+gym-sokoban's own generator, with seeds from 0 on. In each level, the states nearest to the start
+are tried with all nine actions of gym-sokoban; then come plays from the start: five of random
+actions, and an optimal one, which covers all targets. Robot, boxes, reward and end of each step
+must be equal.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import argparse
 import random
 import sys
 from collections.abc import Iterator
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -101,17 +102,19 @@ def compared(peer: Peer, fields: dict[str, Any], states: int, seed: int) -> tupl
 def main() -> None:
     """Compare, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("files", nargs="+", type=Path)
+    parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--count", type=int, default=7)
+    parser.add_argument("--drawn", type=int, default=0)
     parser.add_argument("--states", type=int, default=500)
     options = parser.parse_args()
     peer = Peer("gym-sokoban", "peer_sokoban.py")
     print("| level | steps | differ |\n|---|---|---|")
     total: list[tuple[int, int]] = []
-    for path in options.files:
-        for name, drawn in islice(maps(path), options.count):
-            total.append(compared(peer, fields_of(drawn), options.states, len(total)))
-            print(f"| {name} | {total[-1][0]:,} | {total[-1][1]} |", flush=True)
+    read = (level for path in options.files for level in islice(maps(path), options.count))
+    own = ((f"seed {seed}", peer.ask(seed=seed)) for seed in range(options.drawn))
+    for name, rows in chain(read, own):
+        total.append(compared(peer, fields_of(rows), options.states, len(total)))
+        print(f"| {name} | {total[-1][0]:,} | {total[-1][1]} |", flush=True)
     peer.close()
     steps, differ = map(sum, zip(*total, strict=True))
     print(f"\n{len(total)} levels, {steps:,} steps; {differ} differ; {peer.version}")
