@@ -20,7 +20,7 @@ from babyrobot_levels.analysis.paths import (
 )
 from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
-from babyrobot_levels.analysis.solver.model import too_large_to_add_up
+from babyrobot_levels.analysis.solver.model import largest_reward, too_large_to_add_up
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
@@ -148,7 +148,7 @@ class Metrics(Shown, public=True):
             return "the optimal return is infinite"
         if name == "pushes" and self.solution is not None:
             return "the optimal policy may never end"
-        return too_large_to_add_up(self.level.compile()) or (
+        return too_large_to_add_up(largest_reward(self.level.compile())) or (
             "undefined, or episodes are too long to compute"
         )
 

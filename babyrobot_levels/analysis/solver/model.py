@@ -205,8 +205,7 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
     number = np.full(mdp.num_states, states.size, np.int32)
     number[states] = np.arange(states.size)
     # Where nothing lies between them, the tables need no copy.
-    is_whole = states.size > 0 and states[-1] - states[0] + 1 == states.size
-    rows = slice(states[0], states[-1] + 1) if is_whole else states
+    rows = places(states)
     probability = mdp.probability[rows, first_action:]
     if is_compiled(states.size):
         from babyrobot_levels.analysis.solver.compiled import tables
@@ -225,14 +224,19 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
     )
 
 
+def places(states: Ints) -> Ints | slice:
+    """Return what picks some states, which rise: a slice where nothing lies between them."""
+    is_whole = states.size > 0 and states[-1] - states[0] + 1 == states.size
+    return slice(states[0], states[-1] + 1) if is_whole else states
+
+
 def largest_reward(mdp: Mdp) -> float:
     """Return the largest reward of a step, or cost, of a level's tables."""
     return float(max(mdp.reward.max(initial=0.0), -mdp.reward.min(initial=0.0)))
 
 
-def too_large_to_add_up(mdp: Mdp) -> str | None:
-    """Return why the rewards of a level's tables cannot be added up, in words; None if they can."""
-    largest = largest_reward(mdp)
+def too_large_to_add_up(largest: float) -> str | None:
+    """Return why such rewards cannot be added up, in words; None if they can."""
     if largest <= MAX_REWARD:
         return None
     return f"rewards of up to {largest:g} are too large to add up; use at most {MAX_REWARD:g}"

@@ -34,7 +34,6 @@ from babyrobot_levels.analysis.solver.model import (
     attractor,
     closed_classes,
     end_components,
-    largest_reward,
     surely_ending,
 )
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
@@ -163,7 +162,7 @@ def solve(
         if exact:
             raise ValueError("exact values are those without a limit of steps; leave `within` out")
         return solve_within(space, discount, limit)
-    model, mdp = space.model(), space.mdp
+    model = space.model()
     optimum = optimum_of(model, space, discount)
     found, expected = optimum.found, space.at_start(model, optimum.found.values)
     ahead = action_values(model, found.values, discount)
@@ -181,7 +180,7 @@ def solve(
         method=found.method,
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
-        margin=space.spread(model, margins(model, found.values, discount, largest_reward(mdp))),
+        margin=space.spread(model, margins(model, found.values, discount, space.largest_reward)),
         level=level,
     )
     if not np.isfinite(expected):

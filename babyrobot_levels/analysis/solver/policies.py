@@ -12,7 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels import mdp as room
-from babyrobot_levels.analysis.solver.model import Model, build_model, too_large_to_add_up
+from babyrobot_levels.analysis.solver.model import (
+    Model,
+    build_model,
+    largest_reward,
+    places,
+    too_large_to_add_up,
+)
 from babyrobot_levels.analysis.solver.results import (
     TURNS,
     EpisodeTooLongError,
@@ -254,6 +260,11 @@ class StateSpace:
             none |= ~reached
         return none
 
+    @cached_property
+    def largest_reward(self) -> float:
+        """The largest reward of a step, or cost."""
+        return largest_reward(self.mdp)
+
     @property
     def reached(self) -> Ints:
         """The states that go on, and in which episodes start or to which another one leads."""
@@ -295,9 +306,14 @@ class StateSpace:
             OverBudgetError: there are more states than the budget at hand allows.
         """
         budget.spend(GRAPHS * self.mdp.probability.size)
-        if reason := too_large_to_add_up(self.mdp):
+        if reason := too_large_to_add_up(self.largest_reward):
             raise EpisodeTooLongError(reason)
         return build_model(self.mdp, self.exits, self.first_action)
+
+    @cached_property
+    def _none(self) -> Floats:
+        """What terminal states and those without value have for one, `[states]`."""
+        return np.where(self.without_value, np.nan, 0.0)
 
     def spread(self, model: Model, values: Floats) -> Floats:
         """Return values of a model's states, `[n, …]`, as an array over all states.
@@ -305,15 +321,15 @@ class StateSpace:
         It is shaped as `mdp.shape`, then as the values of a state: 0 in terminal states, nan in
         states without value.
         """
-        none = np.where(self.without_value, np.nan, 0.0)
-        table: Floats = self.of_states(model, values, none.reshape(-1, *[1] * (values.ndim - 1)))
+        none = self._none.reshape(-1, *[1] * (values.ndim - 1))
+        table: Floats = self.of_states(model, values, none)
         return table
 
     def of_states(self, model: Model, values: NDArray[Any], others: Any) -> NDArray[Any]:
         """Return the same with other values, `[states]` or one for all, for all other states."""
         table = np.empty((self.mdp.num_states, *values.shape[1:]), values.dtype)
         table[:] = others
-        table[model.states] = values
+        table[places(model.states)] = values
         return table.reshape(*self.mdp.shape, *values.shape[1:])
 
     def at_start(self, model: Model, values: Floats) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.solver.bounds import ROUNDINGS, UNIT
 from babyrobot_levels.analysis.solver.horizon import EXACT, FIRST_LOOK, after, induction
-from babyrobot_levels.analysis.solver.model import Model, largest_reward
+from babyrobot_levels.analysis.solver.model import Model
 from babyrobot_levels.analysis.solver.policies import StateSpace, read_policy
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
@@ -106,7 +106,7 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
         iterations=rounds,
         residual=float(np.abs(now[:, 0] - values.max(axis=1)).max(initial=0.0)),
         margin=space.spread(
-            model, _margins(model, now[:, 0], (steps, rounds), largest_reward(mdp))
+            model, _margins(model, now[:, 0], (steps, rounds), space.largest_reward)
         ),
     )
 

@@ -334,11 +334,11 @@ def unbounded_return(context: LintContext) -> Iterator[Finding]:
       - {at: [1, 1], color: gold, reward: 5, ends: true}
     ```
     """
-    from babyrobot_levels.analysis.solver.model import too_large_to_add_up
+    from babyrobot_levels.analysis.solver.model import largest_reward, too_large_to_add_up
     from babyrobot_levels.linter.optimal_policy import endless_loop, surely_terminates
 
     level, reach = context.level, context.reach
-    if reason := too_large_to_add_up(context.mdp):
+    if reason := too_large_to_add_up(largest_reward(context.mdp)):
         yield Finding(("rewards",), reason)
         return
     if not any(reach.to_end[state] >= 0 for state in context.starts):

@@ -10,12 +10,14 @@ equation: M. L. Puterman and S. L. Brumelle, 1979), nearly, as far as the policy
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from babyrobot_levels.analysis.solver.compiled import values as kernel
 from babyrobot_levels.analysis.solver.compiled.chains import Chain, followed, residual, solved
 from babyrobot_levels.analysis.solver.compiled.rows import Rows
-from babyrobot_levels.mdp.tables import Ints
+from babyrobot_levels.mdp.tables import Floats, Ints
 from babyrobot_levels.text import budget
 
 ROUNDING = 2.0**-52
@@ -39,7 +41,7 @@ NEARLY = 1e-3
 SURELY = 100.0
 """An error that is expected to be so many times smaller than it has to be is not looked at."""
 
-SWEEPS = 1, -1, 1
+SWEEPS = -1, 1
 """The directions of sweeps between linear systems."""
 
 CLIMBS = 30
@@ -59,6 +61,10 @@ class Search:
         self.values = np.zeros(self.size + 1)
         self.rounds = 0
         self._chain: Chain | None = None
+
+    @cached_property
+    def _shadow(self) -> Floats:
+        return np.random.default_rng(0).random(self.size)
 
     @property
     def scale(self) -> float:
@@ -175,7 +181,7 @@ class Search:
             self._chain = followed(self.rows, self.chosen)
         reward = self.rows.reward[np.arange(self.size), self.chosen]
         left = residual(self._chain, reward, self.values)
-        step, share = solved(self._chain, left, tolerance)
+        step, share = solved(self._chain, left, self._shadow, tolerance)
         if not share < 0.5 and left.any():
             return np.inf
         self.values[:-1] += step

@@ -23,6 +23,11 @@ FUSED = {"contract"}
 jit = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FUSED)
 inner = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FUSED, forceinline=True)
 
+summing = numba.njit(
+    cache=True, nogil=True, error_model="numpy", fastmath={*FUSED, "reassoc"}, forceinline=True
+)
+"""Compiles a sum whose order does not matter: that of the machine at hand is four times as fast."""
+
 LEAST_LEAVING = 1e-12
 """An action that leaves its state with a smaller probability leads nowhere."""
 
