@@ -311,6 +311,19 @@ def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Flags]:
         distance = distances(model, model.end, rows)
 
 
+def going_on(model: Model, rows: Flags) -> Flags:
+    """Return those of some actions that never lead to where there are none of them."""
+    if is_compiled(model.size):
+        from babyrobot_levels.analysis.solver.compiled import tables
+
+        return tables.going_on(*kernel_arrays(model), rows)
+    while True:
+        risky = rows & model.leads_to(np.append(~rows.any(axis=1), False))
+        if not risky.any():
+            return rows
+        rows = rows & ~risky
+
+
 def strong_components(size: int, source: Ints, target: Ints) -> Ints:
     """Return a label for each of `size` states: equal where each can reach the other."""
     if size <= DENSE_STATES and "scipy.sparse" not in sys.modules:
@@ -346,7 +359,11 @@ def end_components(model: Model, rows: Flags) -> tuple[Ints, Flags]:
     """
     inside = rows & ~model.leads_to(model.end)
     actions, outcomes = model.probability.shape[1:]
+    elsewhere = model.next_state != np.arange(model.size)[:, None, None]
+    still = inside & ~((model.probability > 0) & elsewhere).any(axis=2)
     while True:
+        # Most actions go this way, at once, and not layer by layer as components are found again.
+        inside = still | going_on(model, inside & ~still)
         edges = np.flatnonzero((model.probability > 0) & inside[:, :, None])
         source = edges // (actions * outcomes)
         label = strong_components(model.size, source, model.next_state.ravel()[edges])

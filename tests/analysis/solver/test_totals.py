@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
 from support.chains import world
 from support.worlds import World
 
+from babyrobot_levels.analysis.solver import model
 from babyrobot_levels.analysis.solver.evaluation import evaluate, evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
@@ -230,3 +232,20 @@ def test_ways_that_are_too_long_for_floating_point() -> None:
     with pytest.raises(EpisodeTooLongError):
         solve(level)
     assert solve(level, 0.9).residual < 1e-10
+
+
+def test_layers_around_the_end_are_not_peeled_off_one_by_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where steps cost nothing, whoever moves on may end: there is no loop but to stay."""
+    found = []
+
+    def counted(*given: Any) -> Any:
+        found.append(given)
+        return strong_components(*given)
+
+    strong_components = model.strong_components
+    monkeypatch.setattr(model, "strong_components", counted)
+    free = {"version": 1, "size": [12, 12], "skid": 0.4, "rewards": {"step": 0, "exit": 1}}
+    assert solve(free).expected_return == pytest.approx(1)
+    assert len(found) <= 4

@@ -35,6 +35,9 @@ AT_A_TIME = 4
 FAST = 0.74
 """Where errors shrink by more than that in each sweep, sweeps are faster than linear systems."""
 
+HOPELESS = 0.9
+"""Where they shrink by less at first, sweeps are given up at once."""
+
 NEARLY = 1e-3
 """To which share of what is left linear systems are solved: policies change meanwhile."""
 
@@ -139,7 +142,7 @@ class Search:
             last = error
 
     def _settles(self) -> bool:
-        """Sweep as long as that is fast; return whether values have settled, or undo it."""
+        """Sweep as long as that is fast; return whether values have settled."""
         before, last, number = self.values.copy(), np.inf, 0
         while True:
             change, scale = self._choose(), self.scale
@@ -148,8 +151,9 @@ class Search:
                 return True
             if number and change * rate <= SETTLED * scale * (1 - rate):
                 return True
-            if number > 1 and not rate < FAST:
-                self.values = before
+            if number and not rate < (FAST if number > 1 else HOPELESS):
+                # What over-relaxation has made worse is no good beginning.
+                self.values = self.values if rate < 1 else before
                 return False
             last, number = change, number + 1
 

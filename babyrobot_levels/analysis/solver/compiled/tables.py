@@ -169,6 +169,17 @@ def rows_before(next_state: Targets, probability: Floats, rows: Flags) -> tuple[
     return begin, before
 
 
+def going_on(next_state: Targets, probability: Floats, rows: Flags) -> Flags:
+    """Return those of some actions that never lead to where there are none of them."""
+    left, rows = rows.sum(axis=1, dtype=np.int32), rows.copy()
+    lost = np.flatnonzero(left == 0)
+    if lost.size:
+        waiting, counts = np.empty(len(left), np.int32), np.array([0, lost.size])
+        waiting[: lost.size], left[lost] = lost, -1
+        lose(*rows_before(next_state, probability, rows), rows, left, waiting, counts)
+    return rows
+
+
 def surely(
     next_state: Targets, probability: Floats, rows: Flags, distance: Targets
 ) -> tuple[Flags, Targets]:
