@@ -84,6 +84,16 @@ def test_a_phone_shows_all_that_is_needed(
         assert page.evaluate("() => document.documentElement.scrollWidth") == size[0]
 
 
+def test_an_upright_tablet_shows_the_picture_above_what_is_learned_with(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with phone(browser, tmp_path, (820, 1180)) as ground:
+        ground.open(WORLD, guide=guide(WORLD))
+        ground.press("e")
+        _, top, _, bottom = box(ground.page.locator("#stage"))
+        assert 0 < top < bottom < box(ground.page.locator("#learn"))[1]
+
+
 def test_messages_move_nothing(browser: Browser, tmp_path: Path) -> None:
     with phone(browser, tmp_path, PORTRAIT) as ground:
         ground.open(WORLD, guide=guide(WORLD))
