@@ -15,12 +15,7 @@ export class LinkError extends Error {}
 
 export const NOT_A_LEVEL = "This link is damaged: its content is not a level.";
 
-/**
- * Throw a LinkError unless a condition holds.
- *
- * @param {boolean} holds
- * @returns {asserts holds}
- */
+/** Throw a LinkError unless a condition holds. @param {boolean} holds @returns {asserts holds} */
 export function need(holds) {
   if (!holds) throw new LinkError(NOT_A_LEVEL);
 }
@@ -38,43 +33,25 @@ export function whole(value, least = -FARTHEST, most = FARTHEST) {
   return value;
 }
 
-/**
- * @param {any} value
- * @param {number} [most]
- * @param {number} [least]
- * @returns {any[]}
- */
+/** @param {any} value @param {number} [most] @param {number} [least] @returns {any[]} */
 export function list(value, most = Infinity, least = 0) {
   need(Array.isArray(value) && value.length >= least && value.length <= most);
   return value;
 }
 
-/**
- * @param {any} value
- * @returns {string}
- */
+/** @param {any} value @returns {string} */
 export function text(value) {
   need(typeof value === "string");
   return value;
 }
 
-/**
- * Return a colour of six or eight hexadecimal digits.
- *
- * @param {any} value
- * @returns {string}
- */
+/** Return a colour of six or eight hexadecimal digits. @param {any} value @returns {string} */
 export function color(value) {
   need(/^#[0-9a-f]{6}(?:[0-9a-f]{2})?$/.test(text(value)));
   return value;
 }
 
-/**
- * Return the data of a level that can be played.
- *
- * @param {any} data
- * @returns {LevelData}
- */
+/** Return the data of a level that can be played. @param {any} data @returns {LevelData} */
 export function checked(data) {
   need(data !== null && typeof data === "object");
   checkTexts(data);
@@ -280,11 +257,7 @@ function checkReturns(returns, states) {
   }
 }
 
-/**
- * @param {any} numbers
- * @param {number} count
- * @param {number} most
- */
+/** @param {any} numbers @param {number} count @param {number} most */
 function checkNumbers(numbers, count, most) {
   if (numbers === null) return;
   for (const number of list(numbers, count, count)) whole(number, -1, most);

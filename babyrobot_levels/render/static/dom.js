@@ -1,11 +1,6 @@
 // Elements of pages.
 
-/**
- * Return the element with an id, which the page has.
- *
- * @param {string} id
- * @returns {any}
- */
+/** Return the element with an id, which the page has. @param {string} id @returns {any} */
 export function byId(id) {
   return document.getElementById(id);
 }
@@ -65,21 +60,12 @@ export function keepText(name, text) {
   }
 }
 
-/**
- * Return three signs, of which some are full stars.
- *
- * @param {number} stars
- */
+/** Return three signs, of which some are full stars. @param {number} stars */
 export function starSigns(stars) {
   return "\u2605".repeat(stars).padEnd(3, "\u2606");
 }
 
-/**
- * Show how many of three stars were given.
- *
- * @param {HTMLElement} place
- * @param {number} stars
- */
+/** Show how many of three stars were given. @param {HTMLElement} place @param {number} stars */
 export function showStars(place, stars) {
   place.textContent = starSigns(stars);
   place.setAttribute("aria-label", `${stars} of 3 stars`);

@@ -14,10 +14,7 @@ const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and th
 
 /** One robot in one level, without a picture. */
 export class Game {
-  /**
-   * @param {LevelData} data
-   * @param {boolean} [isTurning]
-   */
+  /** @param {LevelData} data @param {boolean} [isTurning] */
   constructor(data, isTurning = false) {
     this.data = data;
     this.cells = data.width * data.height;
@@ -30,11 +27,7 @@ export class Game {
     this.begin(data.seed);
   }
 
-  /**
-   * Start the episode of a seed: as text, a whole number.
-   *
-   * @param {string} seed
-   */
+  /** Start the episode of a seed: as text, a whole number. @param {string} seed */
   begin(seed) {
     this.seed = seed;
     this.random = new Generator(seed);
@@ -65,11 +58,7 @@ export class Game {
     return String((BigInt(this.seed) + 1n) % 10n ** 40n);
   }
 
-  /**
-   * What is known about the robot as it moves: the whole data, or those of one that turns.
-   *
-   * @returns {Answers}
-   */
+  /** What is known about the robot as it moves: the whole data, or those of one that turns. @returns {Answers} */
   get known() {
     return this.isTurning ? this.data.turns : this.data;
   }
@@ -126,12 +115,7 @@ export class Game {
     return marks?.[name]?.slice(first, first + this.cells) ?? [];
   }
 
-  /**
-   * The action of the level that an action of the robot comes to.
-   *
-   * @param {number} action
-   * @returns {number}
-   */
+  /** The action of the level that an action of the robot comes to. @param {number} action @returns {number} */
   moveOf(action) {
     if (!this.isTurning) return action;
     return action === FORWARD ? this.heading + 1 : 0;
@@ -162,10 +146,7 @@ export class Game {
     return [this.data.robot[0]];
   }
 
-  /**
-   * @param {number} state
-   * @returns {Cell[]}
-   */
+  /** @param {number} state @returns {Cell[]} */
   places(state) {
     return [this.place(state)];
   }
@@ -216,11 +197,7 @@ export class Game {
     return this.isTurning ? COMMON.headings[0][this.heading] : 0;
   }
 
-  /**
-   * Return the action of the watched policy here; -1 if it has none.
-   *
-   * @returns {number}
-   */
+  /** Return the action of the watched policy here; -1 if it has none. @returns {number} */
   advice() {
     if (this.walker === "best") return this.best;
     if (this.walker === "agent") return this.chosen;
@@ -230,11 +207,7 @@ export class Game {
     return possible[this.policyRandom.integer(possible.length)];
   }
 
-  /**
-   * The action of the optimal policy here; -1 if there is none.
-   *
-   * @returns {number}
-   */
+  /** The action of the optimal policy here; -1 if there is none. @returns {number} */
   get best() {
     return this.end === null ? optimalAction(this) : -1;
   }
@@ -258,12 +231,7 @@ export class Game {
     return action;
   }
 
-  /**
-   * Take an action and return the outcome.
-   *
-   * @param {number} action
-   * @returns {Step}
-   */
+  /** Take an action and return the outcome. @param {number} action @returns {Step} */
   step(action) {
     const { state: from, heading, steps, total } = this;
     this.past.push({ state: from, heading, steps, total, place: this.random.place, known: this.sight?.now });
@@ -333,10 +301,7 @@ export class Game {
     return this.things.exitsOf(configuration).includes(state % this.cells) || this.things.isSolved(configuration);
   }
 
-  /**
-   * @param {number} state
-   * @returns {Cell}
-   */
+  /** @param {number} state @returns {Cell} */
   place(state) {
     const cell = state % this.cells;
     return [cell % this.data.width, Math.floor(cell / this.data.width)];
@@ -354,11 +319,7 @@ export class Game {
     return [left, top];
   }
 
-  /**
-   * Describe the outcome of a step.
-   *
-   * @param {Step} step
-   */
+  /** Describe the outcome of a step. @param {Step} step */
   describeStep({ from, action, move, next, reward, event, hit }) {
     const place = `[${this.place(next).join(", ")}]`;
     const side = SIDES[move];
@@ -380,11 +341,7 @@ export class Game {
     return [step, ...(hit === null || this.end === "hit" ? [] : [`Hit by the ${hit.name}`]), ...changes].join(". ");
   }
 
-  /**
-   * Describe an action as a piece of advice.
-   *
-   * @param {number} action
-   */
+  /** Describe an action as a piece of advice. @param {number} action */
   describeHint(action) {
     const turns = ["turn left", "turn right", "move forward"];
     return `Hint: ${this.isTurning ? turns[action] : action ? `move ${SIDES[action]}` : "stay"}.`;
@@ -458,22 +415,14 @@ export class Game {
   }
 }
 
-/**
- * Return a number with two decimals, or two digits where it is small.
- *
- * @param {number} number
- */
+/** Return a number with two decimals, or two digits where it is small. @param {number} number */
 export function rounded(number) {
   const size = Math.abs(number);
   if (size >= 0.1) return Math.round(number * 100) / 100;
   return size < 1e-6 ? 0 : Number(number.toPrecision(2));
 }
 
-/**
- * Return a rounded number as text, with a minus sign.
- *
- * @param {number} number
- */
+/** Return a rounded number as text, with a minus sign. @param {number} number */
 export function formatted(number) {
   return String(rounded(number)).replace("-", "\u2212");
 }
@@ -483,12 +432,7 @@ export function capital(words) {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/**
- * Return the number of the side to which a pointer swiped, 0 for a tap.
- *
- * @param {number} dx
- * @param {number} dy
- */
+/** Return the number of the side to which a pointer swiped, 0 for a tap. @param {number} dx @param {number} dy */
 export function swiped(dx, dy) {
   if (Math.max(Math.abs(dx), Math.abs(dy)) < SWIPE) return 0;
   if (Math.abs(dx) > Math.abs(dy)) return dx > 0 ? 2 : 4;

@@ -36,11 +36,7 @@ export function seedAfter(before, next) {
   return BigInt(before) >= first && BigInt(before) < first + OWN_SEEDS ? next : String(first);
 }
 
-/**
- * Keep an episode that has ended; return how many there are in the level.
- *
- * @param {Game} game
- */
+/** Keep an episode that has ended; return how many there are in the level. @param {Game} game */
 export function keepPlay(game) {
   const play = playOf(game);
   if (play === null) return 0;
@@ -66,11 +62,7 @@ function playsOf(game) {
   return [...kept.values()].filter(({ digest }) => digest === playOf(game).digest);
 }
 
-/**
- * Save the episodes of the level that have ended as a file, under the name of the player.
- *
- * @param {Game} game
- */
+/** Save the episodes of the level that have ended as a file, under the name of the player. @param {Game} game */
 export function downloadPlays(game) {
   const name = playerName();
   const lines = playsOf(game).map((play) => signedBy(name, play));

@@ -210,13 +210,7 @@ export function chart(title, numbers, unit, changes, goal) {
   );
 }
 
-/**
- * Tell an update with its numbers.
- *
- * @param {Game} game
- * @param {any} learner
- * @param {any} update
- */
+/** Tell an update with its numbers. @param {Game} game @param {any} learner @param {any} update */
 export function toldUpdate(game, { problem, options, actions, isPrediction, number }, update) {
   const { names } = problem;
   const { state, action, step, parts, rewards, visits, changed } = update;
@@ -250,12 +244,7 @@ export function toldUpdate(game, { problem, options, actions, isPrediction, numb
   return `${begin} · (${reward} + ${formatted(problem.discount)} · ${times} ${end}${planned}`;
 }
 
-/**
- * Return the program that gives a run's numbers in Python.
- *
- * @param {LevelData} data
- * @param {any} learner
- */
+/** Return the program that gives a run's numbers in Python. @param {LevelData} data @param {any} learner */
 export function inPython({ code, title }, { options, number, unit, isPrediction }) {
   const { algorithm, discount, actions, policy, seed } = options;
   const count = Math.max(1, number);

@@ -288,10 +288,7 @@ const slotOf = ({ state, action }) => SIDES.length * state + action;
 
 /** One run of an algorithm on a level. */
 export class Learner {
-  /**
-   * @param {LevelData} data
-   * @param {Partial<typeof USUAL>} options
-   */
+  /** @param {LevelData} data @param {Partial<typeof USUAL>} options */
   constructor(data, options) {
     this.options = { ...USUAL, ...options };
     const { algorithm } = this.options;

@@ -51,10 +51,7 @@ export async function linkedLevel(fragment) {
   return level;
 }
 
-/**
- * @param {string} version
- * @param {number[]} ours
- */
+/** @param {string} version @param {number[]} ours */
 function needVersion(version, ours) {
   if (ours.includes(Number(version))) return;
   const known = `version${ours.length > 1 ? "s" : ""} ${ours.join(" and ")}`;
@@ -64,12 +61,7 @@ function needVersion(version, ours) {
   );
 }
 
-/**
- * Return the bytes of base64url; null if it is invalid.
- *
- * @param {string} body
- * @returns {Uint8Array | null}
- */
+/** Return the bytes of base64url; null if it is invalid. @param {string} body @returns {Uint8Array | null} */
 function bytesOf(body) {
   if (!/^[A-Za-z0-9_-]*$/.test(body) || body.length % 4 === 1) return null;
   const letters = atob(body.replace(/-/g, "+").replace(/_/g, "/"));

@@ -24,21 +24,14 @@ export function element(name, attributes, ...children) {
   return made;
 }
 
-/**
- * Return tenths of a pixel as pixels.
- *
- * @param {number} tenths
- */
+/** Return tenths of a pixel as pixels. @param {number} tenths */
 export function pixels(tenths) {
   return Math.round(tenths * 10) / 100;
 }
 
 /** Paints the layers of one picture. */
 export class Painter {
-  /**
-   * @param {string[]} palette
-   * @param {string[]} [scale]
-   */
+  /** @param {string[]} palette @param {string[]} [scale] */
   constructor(palette, scale = []) {
     this.palette = palette;
     this.scale = scale;
@@ -46,12 +39,7 @@ export class Painter {
     this.places = 0;
   }
 
-  /**
-   * Return the shapes of a layer as elements.
-   *
-   * @param {any} groups
-   * @returns {SVGElement[]}
-   */
+  /** Return the shapes of a layer as elements. @param {any} groups @returns {SVGElement[]} */
   layer(groups) {
     return list(groups).flatMap((group) => {
       const [x, y, shapes] = list(group, 3, 3);
@@ -166,13 +154,7 @@ export class Painter {
     );
   }
 
-  /**
-   * @param {string} fill
-   * @param {number} scale
-   * @param {number} x
-   * @param {number} y
-   * @param {number} [opacity]
-   */
+  /** @param {string} fill @param {number} scale @param {number} x @param {number} y @param {number} [opacity] */
   again(fill, scale, x, y, opacity) {
     need(this.outline !== null);
     const middle = [this.x + whole(x), this.y + whole(y)];
@@ -212,10 +194,7 @@ export class Painter {
     );
   }
 
-  /**
-   * @param {number} place
-   * @returns {string}
-   */
+  /** @param {number} place @returns {string} */
   color(place) {
     if (place === -1) return "none";
     whole(place, -1 - this.scale.length, this.palette.length - 1);
@@ -240,21 +219,13 @@ export class Painter {
   }
 }
 
-/**
- * Return the painter of a level's picture.
- *
- * @param {PictureData} picture
- */
+/** Return the painter of a level's picture. @param {PictureData} picture */
 export function painterOf({ palette, scale = [] }) {
   list(palette, 100000).forEach(color);
   return new Painter(palette, list(scale, 20).length > 1 ? colorsOf(scale) : []);
 }
 
-/**
- * Return the colours of a scale, evenly between its stops.
- *
- * @param {string[]} stops
- */
+/** Return the colours of a scale, evenly between its stops. @param {string[]} stops */
 function colorsOf(stops) {
   const channels = stops.map((stop) => channelsOf(color(stop)));
   return Array.from({ length: COMMON.steps + 1 }, (_, step) => {
@@ -264,11 +235,7 @@ function colorsOf(stops) {
   });
 }
 
-/**
- * Return red, green and blue of a colour.
- *
- * @param {string} given
- */
+/** Return red, green and blue of a colour. @param {string} given */
 export function channelsOf(given) {
   return given
     .match(/[0-9a-f]{2}/g)
@@ -281,11 +248,7 @@ function extent(tenths) {
   return pixels(whole(tenths, 0));
 }
 
-/**
- * Return percent as a fraction; undefined for 100.
- *
- * @param {number} [percents]
- */
+/** Return percent as a fraction; undefined for 100. @param {number} [percents] */
 function share(percents = 100) {
   return whole(percents, 0, 100) === 100 ? undefined : percents / 100;
 }

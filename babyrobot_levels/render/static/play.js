@@ -2,11 +2,7 @@
 
 import { COMMON } from "./common.js";
 
-/**
- * Return the episode as a play; null if the page lacks the share code of its level.
- *
- * @param {Game} game
- */
+/** Return the episode as a play; null if the page lacks the share code of its level. @param {Game} game */
 export function playOf(game) {
   const { data, isTurning, seed, taken, total, end, hints, undone, watched, number } = game;
   const fact = (name) => data.facts.find(([each]) => each === name)?.[1] ?? null;

@@ -4,11 +4,7 @@ import { byId, html, showStars } from "./dom.js";
 
 export const STORE = "babyrobot:progress";
 
-/**
- * Return the progress in all levels; nothing if there is none, or no storage.
- *
- * @returns {Record<string, any>}
- */
+/** Return the progress in all levels; nothing if there is none, or no storage. @returns {Record<string, any>} */
 export function storedProgress() {
   try {
     const found = JSON.parse(localStorage.getItem(STORE));
@@ -18,11 +14,7 @@ export function storedProgress() {
   }
 }
 
-/**
- * Keep the progress in all levels; without storage, this fails.
- *
- * @param {Record<string, any>} progress
- */
+/** Keep the progress in all levels; without storage, this fails. @param {Record<string, any>} progress */
 export function storeProgress(progress) {
   localStorage.setItem(STORE, JSON.stringify(progress));
 }

@@ -13,11 +13,7 @@ export class Generator {
     this.half = null;
   }
 
-  /**
-   * What `restore` takes to draw the same numbers again.
-   *
-   * @returns {[bigint, bigint | null]}
-   */
+  /** What `restore` takes to draw the same numbers again. @returns {[bigint, bigint | null]} */
   get place() {
     return [this.state, this.half];
   }
@@ -53,12 +49,7 @@ export class Generator {
     return Number(this.next64() >> 11n) / 2 ** 53;
   }
 
-  /**
-   * Return an integer below `count`; 1 draws nothing.
-   *
-   * @param {number} count
-   * @returns {number}
-   */
+  /** Return an integer below `count`; 1 draws nothing. @param {number} count @returns {number} */
   integer(count) {
     if (count === 1) return 0;
     const size = BigInt(count);

@@ -92,11 +92,7 @@ class Values {
 
 const KNOWN = new WeakMap();
 
-/**
- * Return the values of a game; null where they are not known, or take too long.
- *
- * @param {Game} game
- */
+/** Return the values of a game; null where they are not known, or take too long. @param {Game} game */
 function valuesOf(game) {
   const { data, known } = game;
   if (known.returns === undefined || (data.max_steps === null && known.returns.values === undefined)) return null;

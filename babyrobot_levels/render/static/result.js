@@ -26,11 +26,7 @@ export function starsOf(game) {
   return Number(game.isGood);
 }
 
-/**
- * Say how good the decisions of a good episode were; null if that is not known.
- *
- * @param {Game} game
- */
+/** Say how good the decisions of a good episode were; null if that is not known. @param {Game} game */
 export function verdictOf(game) {
   if (!game.isGood || starsOf(game) === null) return null;
   const { cost } = decisionsOf(game);
@@ -44,11 +40,7 @@ export function verdictOf(game) {
   return `${steps} step${steps > 1 ? "s" : ""} more than needed`;
 }
 
-/**
- * Describe how stars are given.
- *
- * @param {Game} game
- */
+/** Describe how stars are given. @param {Game} game */
 export function ruleOf({ known }) {
   const { best, random } = known.returns;
   const most = random === null ? 0 : SHARE_OF_TWO_STARS * (best - random);
@@ -60,11 +52,7 @@ export function ruleOf({ known }) {
   );
 }
 
-/**
- * Describe what helped the player; the empty text for nothing.
- *
- * @param {Game} game
- */
+/** Describe what helped the player; the empty text for nothing. @param {Game} game */
 function helpOf({ hints, undone, watched }) {
   /** @type {(number: number, name: string) => string[]} */
   const count = (number, name) => (number ? [`${number} ${name}${number > 1 ? "s" : ""}`] : []);

@@ -13,11 +13,7 @@ export class Sight {
     this.known = data.sight;
   }
 
-  /**
-   * Begin an episode.
-   *
-   * @param {number} state
-   */
+  /** Begin an episode. @param {number} state */
   begin(state) {
     const starts = this.data.starts.map((start) => [start, 1]);
     this.now = { agent: null, seen: new Set(), before: new Set() };
@@ -127,11 +123,7 @@ export class Sight {
     return `What you saw leaves ${chances.length} possibilities; you can be ${inPercent(most)} sure of the likeliest.`;
   }
 
-  /**
-   * Return the action of the best agent; -1 where it has none.
-   *
-   * @param {{ random: () => number }} random
-   */
+  /** Return the action of the best agent; -1 where it has none. @param {{ random: () => number }} random */
   advice(random) {
     const { nodes, agents } = this.known;
     const { node, agent, belief } = this.now;
@@ -143,11 +135,7 @@ export class Sight {
   }
 }
 
-/**
- * Return a probability that is neither 0 nor 1 in percent.
- *
- * @param {number} chance
- */
+/** Return a probability that is neither 0 nor 1 in percent. @param {number} chance */
 export function inPercent(chance) {
   if (chance > 0.995) return "over 99 %";
   return chance < 0.005 ? "under 1 %" : `${Math.round(100 * chance)} %`;

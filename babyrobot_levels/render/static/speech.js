@@ -5,22 +5,14 @@ import { listed } from "./things.js";
 
 const MOST_EXITS = 3;
 
-/**
- * Return which sides of the robot's cell are closed.
- *
- * @param {Game} game
- */
+/** Return which sides of the robot's cell are closed. @param {Game} game */
 export function closedSides(game) {
   const sides = [...Array(game.actions).keys()].filter((move) => !game.isOpen(move));
   if (sides.length === 0) return "No side is closed.";
   return `Closed: ${listed(sides.map((side) => SIDES[side]))}.`;
 }
 
-/**
- * Return where the robot is, what is around it, and where the exits lie.
- *
- * @param {Game} game
- */
+/** Return where the robot is, what is around it, and where the exits lie. @param {Game} game */
 export function surroundings(game) {
   const { width, height } = game.data;
   const [[x, y]] = game.places(game.state);
@@ -38,12 +30,7 @@ export function surroundings(game) {
   ].join(" ");
 }
 
-/**
- * Return a distance in words.
- *
- * @param {number} dx
- * @param {number} dy
- */
+/** Return a distance in words. @param {number} dx @param {number} dy */
 function direction(dx, dy) {
   /** @type {[number, string, string][]} */
   const distances = [

@@ -198,10 +198,7 @@ class TeamGame extends Game {
 
 /** The choice of which robots the player moves. */
 export class Hands {
-  /**
-   * @param {HTMLElement} place
-   * @param {() => void} changed
-   */
+  /** @param {HTMLElement} place @param {() => void} changed */
   constructor(place, changed) {
     this.place = place;
     place.addEventListener("change", ({ target }) => {

@@ -4,11 +4,7 @@ import { list } from "./checks.js";
 import { COMMON } from "./common.js";
 import { element } from "./paint.js";
 
-/**
- * Return a list in words.
- *
- * @param {string[]} words
- */
+/** Return a list in words. @param {string[]} words */
 export function listed(words) {
   return words.join(", ").replace(/, ([^,]*)$/, " and $1");
 }
@@ -21,12 +17,7 @@ export class Things {
     this.exits = exits;
   }
 
-  /**
-   * Return the things of a kind.
-   *
-   * @param {string} kind
-   * @returns {Thing[]}
-   */
+  /** Return the things of a kind. @param {string} kind @returns {Thing[]} */
   of(kind) {
     return this.all.filter((thing) => thing.kind === kind);
   }
@@ -45,11 +36,7 @@ export class Things {
     });
   }
 
-  /**
-   * Return what is held and on in a configuration, in words.
-   *
-   * @param {number} configuration
-   */
+  /** Return what is held and on in a configuration, in words. @param {number} configuration */
   words(configuration) {
     const met = this.met(configuration).flatMap(([state, found]) =>
       found.map(({ name }) => (state === "held" ? name : `${name} ${state}`)),
@@ -71,12 +58,7 @@ export class Things {
     return new Map([...found].sort((one, other) => count(one[0]) - count(other[0]) || one[1] - other[1]));
   }
 
-  /**
-   * Return the cells that end an episode as exits.
-   *
-   * @param {number} configuration
-   * @returns {number[]}
-   */
+  /** Return the cells that end an episode as exits. @param {number} configuration @returns {number[]} */
   exitsOf(configuration) {
     const [exit] = this.of("exit");
     return exit === undefined ? this.exits : exit.exits[exit.values[configuration]];
@@ -93,32 +75,18 @@ export class Things {
     return !hasExits && targets.length > 0 && targets.every((target) => isLast(target, configuration));
   }
 
-  /**
-   * Return the cells in which things lie that can be held, or on.
-   *
-   * @param {number} configuration
-   * @returns {number[]}
-   */
+  /** Return the cells in which things lie that can be held, or on. @param {number} configuration @returns {number[]} */
   lying(configuration) {
     const needed = this.all.filter(({ kind }) => kind in COMMON.needed);
     return needed.flatMap(({ cells, values }) => cells[values[configuration]]);
   }
 
-  /**
-   * Return the things in a cell.
-   *
-   * @param {number} configuration
-   * @param {number} cell
-   */
+  /** Return the things in a cell. @param {number} configuration @param {number} cell */
   at(configuration, cell) {
     return this.all.filter(({ cells, values }) => cells?.[values[configuration]].includes(cell));
   }
 
-  /**
-   * Describe what the exits need while they are locked.
-   *
-   * @param {number} configuration
-   */
+  /** Describe what the exits need while they are locked. @param {number} configuration */
   needs(configuration) {
     const [exit] = this.of("exit");
     if (exit === undefined || this.exitsOf(configuration).length > 0) return "";
@@ -174,21 +142,14 @@ function isLast({ values, looks }, configuration) {
   return values[configuration] === looks.length - 1;
 }
 
-/**
- * Return whether a thing moves from cell to cell: a mover, or a robot beside the first one.
- *
- * @param {Thing} thing
- */
+/** Return whether a thing moves from cell to cell: a mover, or a robot beside the first one. @param {Thing} thing */
 function moves({ kind }) {
   return kind === "mover" || kind === "robot";
 }
 
 /** The pictures of things in a level's picture. */
 export class ThingsLayer {
-  /**
-   * @param {Game} game
-   * @param {SVGElement} svg
-   */
+  /** @param {Game} game @param {SVGElement} svg */
   constructor(game, svg) {
     this.game = game;
     this.movers = game.things.all.filter(moves);
@@ -198,11 +159,7 @@ export class ThingsLayer {
     this.shown = this.others.map(() => null);
   }
 
-  /**
-   * Show the things of a state.
-   *
-   * @param {number} state
-   */
+  /** Show the things of a state. @param {number} state */
   stand(state) {
     const configuration = this.game.configurationOf(state);
     this.others.forEach(({ values, looks }, index) => {
@@ -218,12 +175,7 @@ export class ThingsLayer {
     this.spots(state).forEach((spot, index) => this.put(index, spot));
   }
 
-  /**
-   * Show a mover: the corner of its cell, and there its figure.
-   *
-   * @param {number} index
-   * @param {number[]} spot
-   */
+  /** Show a mover: the corner of its cell, and there its figure. @param {number} index @param {number[]} spot */
   put(index, [left, top, x, y, scale]) {
     const group = this.moving[index];
     group.setAttribute("transform", `translate(${left} ${top})`);
@@ -305,10 +257,7 @@ export function thingElements({ things = [], picture }, painter) {
 
 /** The values and optimal actions in a level's picture: of the configuration at hand. */
 export class MarksLayer {
-  /**
-   * @param {Game} game
-   * @param {SVGElement} svg
-   */
+  /** @param {Game} game @param {SVGElement} svg */
   constructor(game, svg) {
     this.game = game;
     this.shapes = [...svg.querySelector("#marks").children];
@@ -333,12 +282,7 @@ export class MarksLayer {
     });
   }
 
-  /**
-   * @param {Element} layer
-   * @param {number} index
-   * @param {number} cell
-   * @param {number} mark
-   */
+  /** @param {Element} layer @param {number} index @param {number} cell @param {number} mark */
   put(layer, index, cell, mark) {
     const shown = this.shown[index];
     if ((shown[cell]?.mark ?? -1) === mark) return;

@@ -11,10 +11,7 @@ const LIGHT = "Dark arrows: the agent's actions where they are not optimal. Ligh
 
 /** The choice of what is shown, and the table of the states in which the agent differs. */
 export class Views {
-  /**
-   * @param {() => void} show Shows what is chosen.
-   * @param {(cells: number[]) => void} outline
-   */
+  /** @param {() => void} show Shows what is chosen. @param {(cells: number[]) => void} outline */
   constructor(show, outline) {
     this.place = byId("views");
     this.table = byId("differences");

@@ -1,12 +1,6 @@
 // What has changed in the state: see `editor/differences.py`.
 
-/**
- * Return a value with changes; what they leave is shared.
- *
- * @param {any} value
- * @param {any} changes
- * @returns {any}
- */
+/** Return a value with changes; what they leave is shared. @param {any} value @param {any} changes @returns {any} */
 export function changed(value, changes) {
   if (Array.isArray(changes)) {
     if (changes.length === 1) return changes[0];

@@ -7,11 +7,7 @@ import { button } from "./html.js";
 
 const MOST_SEEDS = 10000; // Dice give short seeds.
 
-/**
- * Return how many entries open walls of the maze; null without a maze.
- *
- * @param {EditorState} state
- */
+/** Return how many entries open walls of the maze; null without a maze. @param {EditorState} state */
 function openingsOf({ fields = {}, places = [] }) {
   return fields.maze === undefined ? null : places.filter(({ kind }) => kind === "opening").length;
 }

@@ -37,33 +37,18 @@ export function spotAt([x, y], [width, height], reach = REACH) {
   };
 }
 
-/**
- * Return the spot of a cell, or of one of its sides.
- *
- * @param {Cell} cell
- * @param {Side | null} [side]
- * @returns {Spot}
- */
+/** Return the spot of a cell, or of one of its sides. @param {Cell} cell @param {Side | null} [side] @returns {Spot} */
 export function spotOf([x, y], side = null) {
   const [dx, dy] = SIDE_SHIFTS[side] ?? [0, 0];
   return { at: [x + 0.5 + dx / 2, y + 0.5 + dy / 2], cell: [x, y], side, rim: null };
 }
 
-/**
- * Return the cell beyond a side of a cell.
- *
- * @param {Cell} cell
- * @param {Side} side
- * @returns {Cell}
- */
+/** Return the cell beyond a side of a cell. @param {Cell} cell @param {Side} side @returns {Cell} */
 export function beyond([x, y], side) {
   return [x + SIDE_SHIFTS[side][0], y + SIDE_SHIFTS[side][1]];
 }
 
-/**
- * @param {Cell} one
- * @param {Cell} other
- */
+/** @param {Cell} one @param {Cell} other */
 export function isSameCell(one, other) {
   return one[0] === other[0] && one[1] === other[1];
 }
@@ -142,12 +127,7 @@ export function runAlong(spots, [width, height]) {
   return { at, side, length: Math.abs(ends[1] - ends[0]) + 1 };
 }
 
-/**
- * Return the sides of a run, each as a cell and its side.
- *
- * @param {Run} run
- * @returns {[Cell, Side][]}
- */
+/** Return the sides of a run, each as a cell and its side. @param {Run} run @returns {[Cell, Side][]} */
 export function sidesOfRun({ at: [x, y], side, length = 1 }) {
   const isHorizontal = "NS".includes(side);
   return Array.from({ length }, (_, step) => [[x + (isHorizontal ? step : 0), y + (isHorizontal ? 0 : step)], side]);

@@ -96,12 +96,7 @@ export class Stage {
     return this.view.size[0] / this.view.wide;
   }
 
-  /**
-   * Return a point of the window as a point in cells.
-   *
-   * @param {PointerEvent} event
-   * @returns {any}
-   */
+  /** Return a point of the window as a point in cells. @param {PointerEvent} event @returns {any} */
   pointAt({ clientX, clientY }) {
     const { left, top } = this.view.svg.getBoundingClientRect();
     const { margin } = this.editor.game.data;

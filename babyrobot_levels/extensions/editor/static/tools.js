@@ -6,11 +6,7 @@ import { COMMON } from "../../../render/static/common.js";
 import { copy } from "./region.js";
 import { beyond, cellsAlong, isSameCell, runAlong, sidesOfRun, spotOf, usualSide } from "./spots.js";
 
-/**
- * The tools in the order of the rail. `key` is the key that chooses it.
- *
- * @type {Tool[]}
- */
+/** The tools in the order of the rail. `key` is the key that chooses it. @type {Tool[]} */
 export const TOOLS = [
   {
     name: "walls",
@@ -186,11 +182,7 @@ export const TOOLS = [
   },
 ];
 
-/**
- * What is drawn with a tool besides its place; the strip of options changes it.
- *
- * @type {Record<string, any>}
- */
+/** What is drawn with a tool besides its place; the strip of options changes it. @type {Record<string, any>} */
 export const DEFAULT_OPTIONS = {
   glass: { pass: 0.5 },
   area: { color: "#8fb996" },
@@ -319,10 +311,7 @@ function copied(editor, tool, spots) {
   return { do: "lift", cells: cornersBetween(editor, spots) };
 }
 
-/**
- * @param {Editor} editor
- * @returns {[number, number]}
- */
+/** @param {Editor} editor @returns {[number, number]} */
 export function sizeOf({ game: { data } }) {
   return [data.width, data.height];
 }

@@ -67,11 +67,7 @@ export class Fingers {
     place.scrollBy(from[0] - to[0], from[1] - to[1]);
   }
 
-  /**
-   * Return the middle of two fingers, and how far they are apart.
-   *
-   * @returns {[[number, number], number]}
-   */
+  /** Return the middle of two fingers, and how far they are apart. @returns {[[number, number], number]} */
   pair() {
     const [[ax, ay], [bx, by]] = [...this.fingers.values()];
     return [[(ax + bx) / 2, (ay + by) / 2], Math.hypot(bx - ax, by - ay)];

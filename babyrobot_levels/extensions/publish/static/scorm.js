@@ -10,11 +10,7 @@ const system = systemOf(window) ?? systemOf(window.opener);
 const frame = /** @type {HTMLIFrameElement} */ (document.querySelector("iframe"));
 const begun = Date.now();
 
-/**
- * Return the school's side of SCORM: an object of this window, or of one around it.
- *
- * @param {any} place
- */
+/** Return the school's side of SCORM: an object of this window, or of one around it. @param {any} place */
 function systemOf(place) {
   try {
     for (let left = WINDOWS; place && left > 0; left--) {
@@ -35,11 +31,7 @@ function best() {
   return { score: Number.isNaN(score) ? -1 : score, total };
 }
 
-/**
- * Tell of an episode, if it is the best one.
- *
- * @param {any} game
- */
+/** Tell of an episode, if it is the best one. @param {any} game */
 function tell(game) {
   const play = /** @type {any} */ (frame.contentWindow).playLine(game)?.trim() ?? "";
   const score = game.isGood ? 100 : 0;
