@@ -84,7 +84,7 @@ def test_the_tools_are_those_of_the_editor() -> None:
     tools = [
         tuple(re.search(rf'\b{field}: "([^"]+)"', entry)[1] for field in ("key", "title"))  # type: ignore[index]
         for name in ("tools.js", "rail.js")
-        for entry in static(f"extensions/editor/static/{name}").split("    name: ")[1:]
+        for entry in static(f"extensions/editor/static/{name}").split(" name: ")[1:]
     ]
     shown = [
         pair

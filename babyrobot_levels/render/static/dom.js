@@ -51,12 +51,13 @@ export function recallText(name) {
   }
 }
 
-/** Keep a text under a name; without storage, it is forgotten with the page. */
+/** Keep a text under a name; without storage, it is forgotten with the page. Returns whether it is kept. */
 export function keepText(name, text) {
   try {
     localStorage.setItem(name, text);
+    return true;
   } catch {
-    // As above.
+    return false;
   }
 }
 

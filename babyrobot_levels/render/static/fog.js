@@ -47,17 +47,12 @@ export class Fog {
   }
 
   squares(cells) {
-    const side = COMMON.cell;
-    return cells.map((cell) => `M${this.corner(cell).join(" ")}h${side}v${side}h${-side}z`).join("");
-  }
-
-  corner(cell) {
-    return this.game.corner(...this.game.place(cell));
+    return this.game.squares(cells.map((cell) => this.game.place(cell)));
   }
 
   /** Return the shades of a cell in which things may be: of each, its name and its probability. */
   shade(cell, found) {
-    const [x, y] = this.corner(cell);
+    const [x, y] = this.game.corner(...this.game.place(cell));
     const side = COMMON.cell;
     const most = Math.max(...found.map(([, , chance]) => chance));
     const lines = found.flatMap(([name, , chance]) => [name, inPercent(chance)]).slice(-MOST_LINES);

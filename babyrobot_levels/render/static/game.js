@@ -319,6 +319,13 @@ export class Game {
     return [left, top];
   }
 
+  /** Return the squares of cells in the picture as a path; the cells by their places. */
+  squares(places, inset = 0) {
+    const side = COMMON.cell - 2 * inset;
+    const corner = ([x, y]) => this.corner(x, y).map((at) => at + inset);
+    return places.map((place) => `M${corner(place).join(" ")}h${side}v${side}h${-side}z`).join("");
+  }
+
   /** Describe the outcome of a step. @param {Step} step */
   describeStep({ from, action, move, next, reward, event, hit }) {
     const place = `[${this.place(next).join(", ")}]`;

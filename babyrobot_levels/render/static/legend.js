@@ -88,15 +88,10 @@ export class Legend {
 
   /** Outline cells in the picture. */
   outline(cells) {
-    const side = COMMON.cell;
     const { sight } = this.game;
     const shown =
       sight === null ? cells : cells.filter((cell) => sight.now.seen.has(cell) || sight.now.before.has(cell));
-    const squares = shown.map((cell) => {
-      const corner = this.game.corner(...this.game.place(cell));
-      return `M${corner.join(" ")}h${side}v${side}h${-side}z`;
-    });
-    this.outlines.setAttribute("d", squares.join(""));
+    this.outlines.setAttribute("d", this.game.squares(shown.map((cell) => this.game.place(cell))));
   }
 }
 

@@ -403,6 +403,7 @@ const CONTROLS = {
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),
 };
 
+/** What keys do, and those that buttons show. */
 const KEYS = {
   arrowup: "north",
   arrowright: "east",
@@ -417,17 +418,6 @@ const KEYS = {
   1: "south-west",
   7: "north-west",
   " ": "stay",
-  z: "undo",
-  h: "hint",
-  r: "retry",
-  n: "new-luck",
-  p: "watch",
-  v: "values",
-  b: "policy",
-  k: "belief",
-  t: "turning",
-  e: "learn",
-  l: "look",
   escape: "stop",
   enter: "onwards",
   0: "fit",
@@ -435,6 +425,9 @@ const KEYS = {
   "=": "larger",
   "-": "smaller",
 };
+
+for (const key of document.querySelectorAll("[data-control] > kbd"))
+  KEYS[key.textContent.toLowerCase()] = key.parentElement.dataset.control;
 
 /** What the keys and swipes of moves do while the robot turns; the others do nothing. */
 const TURN_KEYS = { north: "forward", east: "right", west: "left" };

@@ -1,22 +1,19 @@
 // What the visitor has reached: kept in the browser, for all levels by their digests.
 
-import { byId, html, showStars } from "./dom.js";
+import { byId, html, keepText, showStars } from "./dom.js";
+import { recalled } from "./recalled.js";
 
 export const STORE = "babyrobot:progress";
 
 /** Return the progress in all levels; nothing if there is none, or no storage. @returns {Record<string, any>} */
 export function storedProgress() {
-  try {
-    const found = JSON.parse(localStorage.getItem(STORE));
-    return found !== null && typeof found === "object" && !Array.isArray(found) ? found : {};
-  } catch {
-    return {};
-  }
+  const found = recalled(STORE);
+  return found !== null && typeof found === "object" && !Array.isArray(found) ? found : {};
 }
 
-/** Keep the progress in all levels; without storage, this fails. @param {Record<string, any>} progress */
+/** Keep the progress in all levels; without storage, it is shown until the page is left. */
 export function storeProgress(progress) {
-  localStorage.setItem(STORE, JSON.stringify(progress));
+  keepText(STORE, JSON.stringify(progress));
 }
 
 /**
@@ -38,13 +35,9 @@ export function reachedIn(digest, line) {
       best: Math.max(game.total, Number.isFinite(reached?.best) ? reached.best : -Infinity),
       ...(stars !== null && { stars: Math.max(stars, reached?.stars ?? 0) }),
     };
-    try {
-      // The last one that was reached stands last.
-      const { [digest]: _, ...others } = storedProgress();
-      storeProgress({ ...others, [digest]: reached });
-    } catch {
-      // Without storage, the result is shown until the page is left.
-    }
+    // The last one that was reached stands last.
+    const { [digest]: _, ...others } = storedProgress();
+    storeProgress({ ...others, [digest]: reached });
     showReached(line, reached);
   };
 }

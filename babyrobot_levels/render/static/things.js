@@ -238,11 +238,7 @@ export function thingElements({ things = [], picture }, painter) {
   const side = COMMON.cell;
   // Each reaches under the next ones: nothing shines through between them.
   const tiles = list(picture.tiles ?? []).map((tile) =>
-    element("rect", {
-      width: side + 0.5,
-      height: side + 0.5,
-      fill: painter.color(tile),
-    }),
+    element("rect", { width: side + 0.5, height: side + 0.5, fill: painter.color(tile) }),
   );
   const still = things.filter((thing) => !moves(thing)).map(() => element("g", {}));
   const moving = things

@@ -1,7 +1,7 @@
 // The optimum of the level: its return, what the last change did to it, and what the picture shows.
 
 import { html } from "../../../render/static/dom.js";
-import { formatted } from "../../../render/static/game.js";
+import { capital, formatted } from "../../../render/static/game.js";
 import { ShownSets } from "../../../render/static/shown.js";
 import { button } from "./html.js";
 
@@ -67,7 +67,7 @@ export class Answers {
     this.best.classList.toggle("pending", isPending);
     this.change.textContent = isPending ? "is computed when you pause" : changeInWords(answers);
     this.change.dataset.way = wayOf(answers);
-    this.reason.textContent = answers.reason && `${answers.reason[0].toUpperCase()}${answers.reason.slice(1)}.`;
+    this.reason.textContent = answers.reason && `${capital(answers.reason)}.`;
     this.reason.hidden = answers.reason === "";
     const isLearning = this.editor.learning?.isSeen; // Then the picture shows what is learned.
     for (const [at, each] of this.switches.entries()) {

@@ -1,6 +1,7 @@
 // The bar: what is open and whether it is saved, undo and redo, and the mode.
 
 import { html } from "../../../render/static/dom.js";
+import { listenToArrows } from "../../../render/static/steps.js";
 import { toolButton } from "./rail.js";
 
 const MODES = [
@@ -64,7 +65,7 @@ export class Panels {
       return tab;
     });
     tabs.append(...this.tabs);
-    tabs.addEventListener("keydown", (event) => this.step(event));
+    listenToArrows(tabs, (tab) => tab.click());
     editor.on("panel", () => this.show());
     editor.on("selection", () => {
       if (editor.selection !== null && !OWN_PANELS.includes(editor.panel)) editor.set("panel", { panel: "inspector" });
@@ -85,16 +86,5 @@ export class Panels {
       tab.tabIndex = isShown ? 0 : -1;
       this.panels.querySelector(`:scope > .${tab.dataset.panel}`).classList.toggle("shown", isShown);
     }
-  }
-
-  step(event) {
-    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (way === undefined) return;
-    event.preventDefault();
-    event.stopPropagation();
-    const seen = this.tabs.filter((tab) => tab.checkVisibility());
-    const next = seen[(seen.indexOf(event.target) + way + seen.length) % seen.length];
-    next.focus();
-    next.click();
   }
 }

@@ -1,7 +1,7 @@
 // Dialogs: what a level is opened from, the forms in which it is handed on, and its file.
 
 import { html, prose, saveFile } from "../../../render/static/dom.js";
-import { button } from "./html.js";
+import { button, buttonRow } from "./html.js";
 import { toolButton } from "./rail.js";
 
 /** Return a modal dialog with a title; it closes with Escape, and by a button. */
@@ -106,9 +106,7 @@ class OpenDialog {
       this.file,
       html("h3", {}, "From a text"),
       this.source,
-      html(
-        "p",
-        { class: "buttons" },
+      buttonRow(
         this.format,
         button("Open the text", { class: "chief", onclick: () => this.open(this.source.value, this.format.value) }),
       ),
@@ -189,13 +187,7 @@ class CopyDialog {
       this.shown,
       this.error,
       this.help,
-      html(
-        "p",
-        { class: "buttons" },
-        button("Copy", { class: "chief", onclick: () => this.copy() }),
-        this.download,
-        this.copied,
-      ),
+      buttonRow(button("Copy", { class: "chief", onclick: () => this.copy() }), this.download, this.copied),
     );
   }
 
@@ -250,9 +242,7 @@ class ConflictDialog {
       "The file has changed",
       this.message,
       this.both,
-      html(
-        "p",
-        { class: "buttons" },
+      buttonRow(
         button("Overwrite the file", { class: "chief", onclick: () => this.decide({ do: "save", force: true }) }),
         this.reload,
         this.compare,
@@ -286,9 +276,7 @@ class LeaveDialog {
     this.dialog = dialogElement(
       "End the editor?",
       html("p", {}, "The level has changes that are not saved."),
-      html(
-        "p",
-        { class: "buttons" },
+      buttonRow(
         button("Save and end", { class: "chief", onclick: () => this.saveAndEnd() }),
         button("End without saving", { onclick: () => editor.send({ do: "quit", force: true }) }),
         button("Go on editing", { onclick: () => this.dialog.close() }),

@@ -1,6 +1,7 @@
 // What is wrong with the level, or could be better: a list that leads to the places.
 
 import { html, prose } from "../../../render/static/dom.js";
+import { button } from "./html.js";
 
 const SIGNS = { error: "✕", warning: "!", info: "i" };
 
@@ -53,29 +54,18 @@ export class Findings {
       html("span", { class: "finding-code" }, `${code} · line ${line}`),
     );
     const sign = html("span", { class: "sign", role: "img", "aria-label": severity }, SIGNS[severity]);
-    const place = html(
-      "button",
-      { type: "button", class: "finding", title, onclick: () => this.goTo(finding) },
-      sign,
-      said,
-    );
+    const place = button(sign, { class: "finding", title, onclick: () => this.goTo(finding) });
+    place.append(said);
     const state = finding.is_outdated ? `${severity} outdated` : severity;
     return html("li", { class: state }, place, finding.fix === null ? null : this.fixButton(finding));
   }
 
   fixButton({ code, line, column, fix: { message, safe } }) {
-    return html(
-      "button",
-      {
-        type: "button",
-        class: "fix",
-        title: message,
-        "aria-label": `Fix: ${message}${safe ? "" : " (changes the level)"}`,
-        onclick: () => this.editor.send({ do: "fix", code, line, column }),
-      },
-      "Fix",
-      safe ? null : html("small", {}, "changes the level"),
-    );
+    const label = `Fix: ${message}${safe ? "" : " (changes the level)"}`;
+    const onclick = () => this.editor.send({ do: "fix", code, line, column });
+    const made = button("Fix", { class: "fix", title: message, "aria-label": label, onclick });
+    if (!safe) made.append(html("small", {}, "changes the level"));
+    return made;
   }
 
   /** Show the cell of a finding in the picture, and its place in the text. */

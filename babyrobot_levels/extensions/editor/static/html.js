@@ -13,6 +13,16 @@ export function button(shown, attributes) {
   return html("button", { type: "button", ...attributes }, shown);
 }
 
+/** Return a row of buttons. */
+export function buttonRow(...children) {
+  return html("p", { class: "buttons" }, ...children);
+}
+
+/** Return pairs of a name and a value as the items of a list. */
+export function factRows(facts) {
+  return facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value)));
+}
+
 /** Return words for what one has at hand: one taps with a finger. */
 export function tapped(words) {
   return matchMedia("(hover: none)").matches ? words.replaceAll("Click", "Tap").replaceAll("click", "tap") : words;

@@ -1,6 +1,7 @@
 // The fields of what is selected.
 
 import { html } from "../../../render/static/dom.js";
+import { capital } from "../../../render/static/game.js";
 import { CONTROLS } from "./controls.js";
 import { FieldRow, thingNames } from "./field_row.js";
 import { Greeting } from "./greeting.js";
@@ -71,5 +72,5 @@ export class Inspector {
 function titleOfPlace({ label, cells, sides }) {
   const [[x, y, side] = []] = [...sides, ...cells];
   const where = x === undefined ? "" : ` at [${x}, ${y}]${side === undefined ? "" : ` ${side}`}`;
-  return `${label[0].toUpperCase()}${label.slice(1)}${where}`;
+  return capital(label) + where;
 }

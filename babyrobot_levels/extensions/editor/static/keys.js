@@ -16,6 +16,11 @@ function arrows(held, action) {
   );
 }
 
+/** Return an action for each of some keys. */
+function on(keys, action) {
+  return Object.fromEntries(keys.split(" ").map((key) => [key, action]));
+}
+
 /** Return the name of a pressed key, such as "Ctrl+Shift+Z". Signs are named without Shift. */
 function keyOf({ key, ctrlKey, metaKey, altKey, shiftKey }) {
   const isSign = key.length === 1 && key !== " " && key.toLowerCase() === key.toUpperCase();
@@ -59,14 +64,7 @@ export const KEYS = [
     title: "Drawing",
     mode: "edit",
     keys: [
-      [
-        "Space, Enter",
-        "use the tool in the cell",
-        {
-          Space: (keyboard) => keyboard.use(),
-          Enter: (keyboard) => keyboard.use(),
-        },
-      ],
+      ["Space, Enter", "use the tool in the cell", on("Space Enter", (keyboard) => keyboard.use())],
       [
         "Shift + arrow",
         "build or remove a wall at that side, or glass or a door with its tool; with the tool of wind, blow to it",
@@ -82,14 +80,7 @@ export const KEYS = [
         "use the tool in the rectangle between where the drag began and the cursor",
         { "Shift+Space": (keyboard) => keyboard.useStraight({ rectangle: true }) },
       ],
-      [
-        "Delete",
-        "erase the cell, or remove what is selected",
-        {
-          Delete: (keyboard) => keyboard.erase(),
-          Backspace: (keyboard) => keyboard.erase(),
-        },
-      ],
+      ["Delete", "erase the cell, or remove what is selected", on("Delete Backspace", (keyboard) => keyboard.erase())],
       [
         "Ctrl + C",
         "copy what is selected, or the cell; C, M and Space copy a rectangle",
@@ -152,19 +143,9 @@ export const KEYS = [
       [
         "Space, Enter",
         "give the cell the next action",
-        {
-          Space: ({ editor }) => editor.policy.turn(editor.cursor.cell),
-          Enter: ({ editor }) => editor.policy.turn(editor.cursor.cell),
-        },
+        on("Space Enter", ({ editor }) => editor.policy.turn(editor.cursor.cell)),
       ],
-      [
-        "Delete",
-        "clear the cell",
-        {
-          Delete: ({ editor }) => editor.policy.erase(editor.cursor.cell),
-          Backspace: ({ editor }) => editor.policy.erase(editor.cursor.cell),
-        },
-      ],
+      ["Delete", "clear the cell", on("Delete Backspace", ({ editor }) => editor.policy.erase(editor.cursor.cell))],
       ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
     ],
   },
@@ -189,14 +170,7 @@ export const KEYS = [
     title: "Anywhere",
     keys: [
       ["Ctrl + Z", "undo", { "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }) }],
-      [
-        "Ctrl + Y, Ctrl + Shift + Z",
-        "redo",
-        {
-          "Ctrl+Y": ({ editor }) => editor.send({ do: "redo" }),
-          "Ctrl+Shift+Z": ({ editor }) => editor.send({ do: "redo" }),
-        },
-      ],
+      ["Ctrl + Y, Ctrl + Shift + Z", "redo", on("Ctrl+Y Ctrl+Shift+Z", ({ editor }) => editor.send({ do: "redo" }))],
       [
         "+ − 0",
         "zoom in, zoom out, show the whole level",
@@ -216,11 +190,7 @@ export const KEYS = [
           "Shift+F6": (keyboard) => keyboard.goOn(-1),
         },
       ],
-      [
-        "?, F1",
-        "list the keys and gestures",
-        { "?": ({ editor }) => editor.tell("help"), F1: ({ editor }) => editor.tell("help") },
-      ],
+      ["?, F1", "list the keys and gestures", on("? F1", ({ editor }) => editor.tell("help"))],
     ],
   },
   // The text area itself does these.

@@ -4,6 +4,7 @@
 import { COMMON } from "../../../render/static/common.js";
 import { html, prose } from "../../../render/static/dom.js";
 import { element } from "../../../render/static/paint.js";
+import { isSameCell } from "./spots.js";
 
 const SIGN = 0.3; // The side of a finding's sign, in cells.
 
@@ -34,7 +35,7 @@ export class MarksOverlay {
     );
     // Each change is shown once.
     const isNew = this.flashed !== revision && editor.answers.shown.has("values") && !editor.learning?.isSeen;
-    this.draw("changed", isNew && answers.changed.length > 0 ? [boxes(editor.game, answers.changed)] : [], (d) =>
+    this.draw("changed", isNew && answers.changed.length > 0 ? [editor.game.squares(answers.changed)] : [], (d) =>
       element("path", { d }),
     );
     if (answers.status === "done") this.flashed = revision;
@@ -70,7 +71,7 @@ export class MarksOverlay {
     return element(
       "g",
       { class: `finding-mark ${severity}${isOutdated ? " outdated" : ""}` },
-      element("path", { d: (cells.length > 1 ? boxes(game, cells, 2) : "") + lines, class: "where" }),
+      element("path", { d: (cells.length > 1 ? game.squares(cells, 2) : "") + lines, class: "where" }),
       element(
         "g",
         { transform: `translate(${x} ${y}) scale(${size / 10})`, class: "sign" },
@@ -82,32 +83,15 @@ export class MarksOverlay {
 
   /** Tell the findings of a cell, or none. */
   point(cell) {
-    const found =
-      cell === null || this.editor.mode !== "edit"
-        ? []
-        : this.editor.state.findings.filter(({ cells, sides }) =>
-            [...cells, ...sides].some(([x, y]) => x === cell[0] && y === cell[1]),
-          );
-    const isUnreachable =
-      cell !== null &&
-      this.editor.mode === "edit" &&
-      this.editor.state.unreachable.some(([x, y]) => x === cell[0] && y === cell[1]);
+    const { state, mode } = this.editor;
+    const isHere = (cells) => cell !== null && mode === "edit" && cells.some((each) => isSameCell(each, cell));
+    const found = isHere([cell]) ? state.findings.filter(({ cells, sides }) => isHere([...cells, ...sides])) : [];
+    const isUnreachable = isHere(state?.unreachable ?? []);
     const words = found.map(({ message }) => prose(message));
     if (isUnreachable && words.length === 0) words.push(["no episode can come here"]);
     this.note.hidden = words.length === 0;
     this.note.replaceChildren(...words.map((parts) => html("span", {}, ...parts)));
   }
-}
-
-/** Return the outline of cells as a path. */
-function boxes(game, cells, inset = 0) {
-  const side = COMMON.cell - 2 * inset;
-  return cells
-    .map((cell) => {
-      const [x, y] = game.corner(...cell);
-      return `M${x + inset} ${y + inset}h${side}v${side}h${-side}z`;
-    })
-    .join("");
 }
 
 function sideLine(game, [x, y, side]) {

@@ -3,7 +3,7 @@
 import { html, prose } from "../../../render/static/dom.js";
 import { element } from "../../../render/static/paint.js";
 import { FieldRow } from "./field_row.js";
-import { button } from "./html.js";
+import { button, buttonRow } from "./html.js";
 
 const MOST_SEEDS = 10000; // Dice give short seeds.
 
@@ -65,9 +65,7 @@ export class MazePanel {
       { class: "fields" },
       ...this.rows.map(({ element }) => element),
       this.note,
-      html(
-        "p",
-        { class: "buttons" },
+      buttonRow(
         button("Write out as walls", { onclick: () => editor.send({ do: "resolve" }) }),
         button("Remove the maze", { onclick: () => editor.send({ do: "remove", route: ["maze"] }) }),
       ),

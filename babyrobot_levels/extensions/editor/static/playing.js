@@ -4,6 +4,7 @@ import { html } from "../../../render/static/dom.js";
 import { capital, formatted, GOAL, swiped } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
 import { Trail } from "../../../render/static/trail.js";
+import { button, factRows } from "./html.js";
 
 const PAD = [
   ["North", "n", 1, "M5 15l7-7 7 7"],
@@ -22,17 +23,12 @@ export class Playing {
     this.facts = html("dl", { class: "episode" });
     this.message = html("p", { class: "episode-told", role: "status" });
     this.pad = PAD.map(([name, area, action, d]) =>
-      html(
-        "button",
-        {
-          type: "button",
-          class: `to-${area}`,
-          "aria-label": name,
-          "data-action": action,
-          onclick: () => this.take(action),
-        },
-        element("svg", { viewBox: "0 0 24 24", "aria-hidden": true }, element("path", { d })),
-      ),
+      button(element("svg", { viewBox: "0 0 24 24", "aria-hidden": true }, element("path", { d })), {
+        class: `to-${area}`,
+        "aria-label": name,
+        "data-action": action,
+        onclick: () => this.take(action),
+      }),
     );
     /** @type {[string, string, () => void][]} */
     const quick = [
@@ -163,13 +159,11 @@ export class Playing {
     for (const [state, found] of game.things.met(game.configuration)) {
       facts.push([capital(state), found.map((thing) => thing.name).join(", ") || "nothing"]);
     }
-    this.facts.replaceChildren(
-      ...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))),
-    );
+    this.facts.replaceChildren(...factRows(facts));
     for (const each of this.pad) {
       const isShut = game.end === null && !game.isPossible(Number(each.dataset.action));
       each.classList.toggle("shut", isShut);
-      each.setAttribute("aria-disabled", game.end !== null);
+      each.ariaDisabled = String(game.end !== null);
     }
   }
 

@@ -2,10 +2,11 @@
 
 import { COMMON } from "../../../render/static/common.js";
 import { html } from "../../../render/static/dom.js";
-import { formatted } from "../../../render/static/game.js";
+import { capital, formatted } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
-import { button, tapped } from "./html.js";
+import { button, factRows, tapped } from "./html.js";
 import { beyond, cellsAlong } from "./spots.js";
+import { insideOf } from "./tools.js";
 
 const DRAWN_ORDER = [-1, 1, 2, 3, 4, 0]; // What a click goes through: none, north, …, stay.
 const ACTION_NAMES = ["stay", "north", "east", "south", "west"];
@@ -183,8 +184,7 @@ export class PolicyDrawing {
 
   /** The cells of the drag, which are in the level. */
   get cells() {
-    const { width, height } = this.editor.game.data;
-    return cellsAlong(this.spots).filter(([x, y]) => x >= 0 && y >= 0 && x < width && y < height);
+    return insideOf(this.editor, cellsAlong(this.spots));
   }
 
   /** Give each cell the direction in which the drag goes on; the last one keeps that before. */
@@ -249,10 +249,8 @@ export class PolicyDrawing {
       ["Beside random actions", share === null ? "–" : shareInWords(share)],
       ["Reaches an exit", exits === null ? "–" : percent(exits)],
     ];
-    this.facts.replaceChildren(
-      ...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))),
-    );
-    this.told.textContent = reason && `${reason[0].toUpperCase()}${reason.slice(1)}.`;
+    this.facts.replaceChildren(...factRows(facts));
+    this.told.textContent = reason && `${capital(reason)}.`;
     this.told.hidden = reason === "";
   }
 }

@@ -77,11 +77,7 @@ export class PythonConnection {
     this.ends = false;
     this.place = "in this browser";
     this.address = `${location.origin}${location.pathname}`;
-    this.more = {
-      title: "Load NumPy and SciPy",
-      from: "SITE_MORE",
-      load: () => python.load(),
-    };
+    this.more = { title: "Load NumPy and SciPy", from: "SITE_MORE", load: () => python.load() };
   }
 
   /** Return a promise of the session, which begins anew in a new worker. */

@@ -1,7 +1,9 @@
 // The rail of tools, and the options of the one at hand.
 
 import { html } from "../../../render/static/dom.js";
+import { capital } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
+import { listenToArrows } from "../../../render/static/steps.js";
 import { tapped } from "./html.js";
 import { MIRRORS, mirror } from "./region.js";
 import { TOOLS, toolNamed } from "./tools.js";
@@ -45,6 +47,8 @@ export const MODIFIERS = [
   },
 ];
 
+const RAIL_KEYS = { ArrowUp: -1, ArrowLeft: -1, ArrowDown: 1, ArrowRight: 1 };
+
 /** The buttons of the tools and of what changes brushes: a toolbar that arrow keys move in. */
 export class Rail {
   constructor(editor, place) {
@@ -79,7 +83,7 @@ export class Rail {
       ),
     );
     place.append(...this.tools, ...this.modifiers);
-    place.addEventListener("keydown", (event) => this.step(event));
+    listenToArrows(place, (each) => editor.choose(each.dataset.tool ?? editor.tool), RAIL_KEYS);
     editor.on("tool", () => this.show());
     editor.on("mode", () => place.toggleAttribute("inert", editor.mode !== "edit"));
     this.show();
@@ -94,17 +98,6 @@ export class Rail {
       if (isChosen) button.scrollIntoView({ block: "nearest", inline: "nearest" });
     }
     for (const button of this.modifiers) button.setAttribute("aria-pressed", modifiers[button.dataset.modifier]);
-  }
-
-  step(event) {
-    const way = { ArrowUp: -1, ArrowLeft: -1, ArrowDown: 1, ArrowRight: 1 }[event.key];
-    const at = this.tools.indexOf(event.target);
-    if (way === undefined || at < 0) return;
-    event.preventDefault();
-    event.stopPropagation();
-    const next = this.tools[(at + way + this.tools.length) % this.tools.length];
-    this.editor.choose(next.dataset.tool);
-    next.focus();
   }
 }
 
@@ -166,9 +159,7 @@ export class Options {
 
   choices(name, title, values) {
     const buttons = values.map((value) =>
-      toolButton({ text: value[0].toUpperCase() + value.slice(1), value, "data-option": name }, () =>
-        this.choose(name, value),
-      ),
+      toolButton({ text: capital(value), value, "data-option": name }, () => this.choose(name, value)),
     );
     return html("span", { class: "choices", role: "group", "aria-label": title }, ...buttons);
   }

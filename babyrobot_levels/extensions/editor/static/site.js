@@ -1,6 +1,7 @@
 // The editor as a site: its messages go to Python in a worker of this browser.
 
-import { html } from "../../../render/static/dom.js";
+import { html, keepText } from "../../../render/static/dom.js";
+import { recalled } from "../../../render/static/recalled.js";
 import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { fillWindow } from "./window.js";
 
@@ -17,11 +18,11 @@ class KeptConnection extends PythonConnection {
 
   /** The levels that others took the places of, the last first. */
   get earlier() {
-    return stored(EARLIER) ?? [];
+    return recalled(EARLIER) ?? [];
   }
 
   remember() {
-    const kept = stored(KEPT);
+    const kept = recalled(KEPT);
     if (!kept?.isOwn) return;
     const others = this.earlier.filter(({ text }) => text !== kept.text);
     store(EARLIER, [kept, ...others].slice(0, MOST_EARLIER));
@@ -29,33 +30,19 @@ class KeptConnection extends PythonConnection {
 }
 
 const given = JSON.parse(document.querySelector("#begin").textContent);
-const beginning = stored(KEPT) ?? given;
+const beginning = recalled(KEPT) ?? given;
 const connection = new KeptConnection(new Python(), beginning.text, beginning.name);
-
-/** Return what this browser keeps under a name; null if it keeps nothing. */
-function stored(name) {
-  try {
-    return JSON.parse(localStorage.getItem(name));
-  } catch {
-    return null;
-  }
-}
 
 /** Keep something under a name; returns whether that is possible. */
 function store(name, value) {
-  try {
-    localStorage.setItem(name, JSON.stringify(value));
-    return true;
-  } catch {
-    return false;
-  }
+  return keepText(name, JSON.stringify(value));
 }
 
 /** Keep the text in this browser, and whether anything was drawn or typed in it. */
 function keep() {
   isThere = true;
   const { text, name, level, is_saved } = editor.state;
-  const kept = stored(KEPT);
+  const kept = recalled(KEPT);
   const isOwn = !is_saved || (kept?.text === text && kept.isOwn);
   if (!store(KEPT, { text, name, title: level?.title ?? name, isOwn }))
     editor.say("This browser keeps nothing for this page: save the level as a file.", "refused");
@@ -65,7 +52,7 @@ function keep() {
 function keepPicture() {
   const svg = editor.picture?.svg.cloneNode(true);
   for (const each of svg?.querySelectorAll(".hidden, .layers") ?? []) each.remove();
-  const kept = stored(KEPT);
+  const kept = recalled(KEPT);
   if (svg && kept !== null) store(KEPT, { ...kept, picture: new XMLSerializer().serializeToString(svg) });
 }
 

@@ -87,11 +87,7 @@ export class TextPane {
   replace(changed) {
     const { area } = this;
     const { value } = area;
-    let first = 0;
-    while (first < value.length && value[first] === changed[first]) first += 1;
-    let same = 0;
-    const most = Math.min(value.length, changed.length) - first;
-    while (same < most && value.at(-1 - same) === changed.at(-1 - same)) same += 1;
+    const [first, same] = sameEnds(value, changed);
     const last = changed.length - same;
     area.setRangeText(changed.slice(first, last), first, value.length - same, "preserve");
     if (area.matches(":focus")) {
@@ -118,11 +114,7 @@ export class TextPane {
     const keys = lines.map(
       (line, index) => `${Number(plain[index])}${JSON.stringify(marks.get(index + 1) ?? "")}${line}`,
     );
-    const most = Math.min(keys.length, this.shown.length);
-    let first = 0;
-    while (first < most && keys[first] === this.shown[first]) first += 1;
-    let same = 0;
-    while (same < most - first && keys.at(-1 - same) === this.shown.at(-1 - same)) same += 1;
+    const [first, same] = sameEnds(keys, this.shown);
     const old = [...this.mirror.children].slice(first, this.shown.length - same);
     const next = this.mirror.children[this.shown.length - same] ?? null;
     const made = lines.slice(first, lines.length - same).map((line, index) => {
@@ -285,6 +277,16 @@ export class TextPane {
     this.typed();
     this.scrollTo(lineAt(area.value, area.selectionStart));
   }
+}
+
+/** Return how many items of two texts, or lists, are the same at the beginning, and then at the end. */
+function sameEnds(one, other) {
+  const most = Math.min(one.length, other.length);
+  let first = 0;
+  while (first < most && one[first] === other[first]) first += 1;
+  let same = 0;
+  while (same < most - first && one.at(-1 - same) === other.at(-1 - same)) same += 1;
+  return [first, same];
 }
 
 /** Return the number of the line of a place in a text. */

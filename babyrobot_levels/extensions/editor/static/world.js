@@ -1,6 +1,7 @@
 // The level itself: its size, maze, wind and theme, and all of its other fields.
 
 import { html } from "../../../render/static/dom.js";
+import { capital } from "../../../render/static/game.js";
 import { CONTROLS, pairControl } from "./controls.js";
 import { FieldRow, thingNames } from "./field_row.js";
 import { MazePanel } from "./maze.js";
@@ -57,9 +58,7 @@ export class World {
       this.rows.push(row);
       groups.set(group, [...(groups.get(group) ?? []), row.element]);
     }
-    return [...groups].map(([group, rows]) =>
-      section(SECTIONS[group] ?? `${group[0].toUpperCase()}${group.slice(1).replaceAll("_", " ")}`, ...rows),
-    );
+    return [...groups].map(([group, rows]) => section(SECTIONS[group] ?? capital(group.replaceAll("_", " ")), ...rows));
   }
 }
 

@@ -1,21 +1,14 @@
 // The page in which students write the functions of a course, and see in which levels they are right.
 
+import { byId, html, keepText, recallText, saveFile } from "../../../render/static/dom.js";
+import { listenToArrows } from "../../../render/static/steps.js";
+
 const SECONDS = 60; // That a function may take in a level.
 const INDENT = "    ";
 
-const course = JSON.parse(document.querySelector("#course").textContent);
-const [text, run, stop, save, anew, notice, found, printed, tabs, panel] = [
-  "text",
-  "run",
-  "stop",
-  "save",
-  "anew",
-  "notice",
-  "found",
-  "printed",
-  "tabs",
-  "panel",
-].map((id) => /** @type {any} */ (document.querySelector(`#${id}`)));
+const course = JSON.parse(byId("course").textContent);
+const [text, run, stop, save, anew, notice, found, printed, tabs, panel] =
+  "text run stop save anew notice found printed tabs panel".split(" ").map(byId);
 
 let chosen = course.functions[0];
 /** @type {Worker | null} */
@@ -30,20 +23,10 @@ let marks = { right: 0, of: 0 };
 const key = (name) => `babyrobot-desk ${location.pathname} ${name}`;
 
 /** Return what was kept of a function, or what the course gives. */
-function textOf({ name, text }) {
-  try {
-    return localStorage.getItem(key(name)) ?? text;
-  } catch {
-    return text;
-  }
-}
+const textOf = ({ name, text }) => recallText(key(name)) ?? text;
 
 function keep() {
-  try {
-    localStorage.setItem(key(chosen.name), text.value);
-  } catch {
-    tell("This browser keeps nothing for this page: save the file.");
-  }
+  if (!keepText(key(chosen.name), text.value)) tell("This browser keeps nothing for this page: save the file.");
 }
 
 function tell(said) {
@@ -117,16 +100,9 @@ function hear({ isRunning, failed, result }) {
 }
 
 function show(level, passed, message) {
-  const row = document.createElement("tr");
-  const cells = [level.title, passed ? "right" : "wrong", message].map((said, number) => {
-    const cell = document.createElement(number ? "td" : "th");
-    cell.textContent = said;
-    return cell;
-  });
-  cells[0].scope = "row";
-  cells[1].className = cells[1].textContent;
-  row.append(...cells);
-  found.append(row);
+  const word = passed ? "right" : "wrong";
+  const cells = [html("th", { scope: "row" }, level.title), html("td", { class: word }, word), html("td", {}, message)];
+  found.append(html("tr", {}, ...cells));
 }
 
 /** End what runs, with its worker, which may be busy for ever. */
@@ -196,11 +172,7 @@ run.addEventListener("click", start);
 stop.addEventListener("click", () => stopped("Stopped."));
 save.addEventListener("click", () => {
   keep();
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text.value], { type: "text/x-python" }));
-  link.download = `${chosen.name}.py`;
-  link.click();
-  URL.revokeObjectURL(link.href);
+  saveFile(`${chosen.name}.py`, text.value, "text/x-python");
 });
 anew.addEventListener("click", () => {
   if (text.value === chosen.text || confirm(`Throw away what is written in ${chosen.name}.py?`)) {
@@ -209,20 +181,8 @@ anew.addEventListener("click", () => {
   }
 });
 for (const [number, each] of course.functions.entries()) {
-  const tab = document.createElement("button");
-  tab.id = `tab-${number}`;
-  tab.role = "tab";
-  tab.textContent = `${each.name}.py`;
-  tab.setAttribute("aria-controls", "panel");
-  tab.addEventListener("click", () => choose(each));
-  tab.addEventListener("keydown", ({ key }) => {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[key];
-    const next = step && course.functions.at((number + step) % course.functions.length);
-    if (next) {
-      choose(next);
-      /** @type {any} */ (tabs.querySelector('[aria-selected="true"]')).focus();
-    }
-  });
-  tabs.append(tab);
+  const shown = { id: `tab-${number}`, role: "tab", "aria-controls": "panel", onclick: () => choose(each) };
+  tabs.append(html("button", shown, `${each.name}.py`));
 }
+listenToArrows(tabs, (tab) => tab.click());
 choose(chosen);

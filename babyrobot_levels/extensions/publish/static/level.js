@@ -2,6 +2,7 @@
 
 import { byId } from "../../../render/static/dom.js";
 import { reachedIn } from "../../../render/static/progress.js";
+import { listenToArrows } from "../../../render/static/steps.js";
 
 const COPIED = 2000; // Milliseconds for which a button says so.
 const level = byId("level");
@@ -61,18 +62,7 @@ for (const tab of tabs) {
     if (isOfGame(tab) && detail > 0) byId("stage")?.focus({ preventScroll: true });
   });
 }
-tabList.addEventListener("keydown", (event) => {
-  const at = tabs.indexOf(event.target);
-  const last = tabs.length - 1;
-  const next = { ArrowLeft: at === 0 ? last : at - 1, ArrowRight: at === last ? 0 : at + 1, Home: 0, End: last }[
-    event.key
-  ];
-  if (next === undefined) return;
-  event.preventDefault();
-  event.stopPropagation();
-  open(tabs[next]);
-  tabs[next].focus();
-});
+listenToArrows(tabList, open);
 
 // -- texts to copy -------------------------------------------------------------------------
 
