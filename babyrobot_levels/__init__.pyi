@@ -109,6 +109,8 @@ from .extensions.robots.plans import check_plan as check_plan
 from .extensions.robots.regrets import RobotRegret as RobotRegret
 from .extensions.robots.regrets import TeamScore as TeamScore
 from .extensions.robots.regrets import score_team as score_team
+from .extensions.robots.returns import TeamReturns as TeamReturns
+from .extensions.robots.returns import team_returns as team_returns
 from .extensions.scoring.answers import GradedAnswer as GradedAnswer
 from .extensions.scoring.answers import grade_agent as grade_agent
 from .extensions.scoring.answers import grade_policy as grade_policy

@@ -34,7 +34,8 @@ def without_effect(level: GridWorld, names: Collection[str]) -> GridWorld:
         LevelError: its tables would be too large.
     """
     other = level.model_copy()
-    vars(other).pop("_digest", None)
+    for name in ("_numbering", "_digest"):
+        vars(other).pop(name, None)
     vars(other)["_mdp"] = compile_things(level, level.grid(), inert=names)
     return other
 

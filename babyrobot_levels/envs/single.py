@@ -1,7 +1,7 @@
 """The Gymnasium environment of one level."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Unpack
 
 import numpy as np
@@ -29,15 +29,15 @@ from babyrobot_levels.envs.spaces import ACTION_SETS, ActionSet, make_action_spa
 from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.tables import Event, Mdp, Outcome, events_of, hits_of
+from babyrobot_levels.mdp.tables import Event, Outcome, ToldOutcome, events_of, hits_of
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 
-_Outcome = tuple[float, int, float, bool, bool, bool, bool]
+StateOutcome = tuple[float, int, float, bool, bool, bool, bool]
 """Cumulated probability, next state, reward, terminal, target reached, skidded, hit."""
 
-_State = tuple[
-    dict[int, tuple[_Outcome, ...]],
+LookedUp = tuple[
+    dict[int, tuple[StateOutcome, ...]],
     Callable[[], Any],
     Callable[[], NDArray[np.int8]],
     Any,
@@ -159,14 +159,22 @@ class LevelEnv(RenderedEnv):
     def _enter(self, level: Level) -> None:
         """Go over to a level."""
         # A level whose tables would be too large changes nothing.
-        mdp: Mdp = self._actions.tables(level)
+        mdp = self._numbering(level)
         self.level, self._mdp = level, mdp
         self._parts: dict[int, _Part] = {}
         self._observer: Any = make_observer(level, self._observation, self._extent())
         self._starts: list[int] = mdp.starts.tolist()
-        self._states: list[_State | None] = [None] * mdp.num_states
-        self._now: _State | None = None
+        self._states = self._no_states()
+        self._now: LookedUp | None = None
         self._table: dict[int, dict[int, list[Outcome]]] | None = None
+
+    def _numbering(self, level: Level) -> Any:
+        """Return what is played of a level: its tables."""
+        return self._actions.tables(level)
+
+    def _no_states(self) -> Any:
+        """Return None for each state: what `_look_up` finds is put there."""
+        return [None] * self._mdp.num_states
 
     def _extent(self) -> Extent:
         """Return the extent of all levels that episodes may have."""
@@ -291,7 +299,7 @@ class LevelEnv(RenderedEnv):
             raise error.ResetNeeded("call `reset()` before asking for the action mask")
         return self._now[2]()
 
-    def _look_up(self, state: int) -> _State:
+    def _look_up(self, state: int) -> LookedUp:
         """Copy a state's rows out of the compiled tables, at the robot's first visit.
 
         For one step at a time, tuples are several times faster than arrays; in a large level, only
@@ -314,27 +322,23 @@ class LevelEnv(RenderedEnv):
         mdp, level = self._mdp, self.level
         size = mdp.cells * mdp.headings
         states = slice(number * size, (number + 1) * size)
-        held = np.zeros(self._num_items, np.bool_)
-        if level.items:
-            names = level.configuration(number).held
-            held[: len(level.items)] = [name in names for name in self.item_names]
-        part = events_of(mdp, states), hits_of(level, mdp, states), held
+        part = events_of(mdp, states), hits_of(level, mdp, states), self._held(number)
         self._parts[number] = part
         return part
 
+    def _held(self, number: int) -> NDArray[np.bool_]:
+        """Return which items are held in a configuration."""
+        level, held = self.level, np.zeros(self._num_items, np.bool_)
+        if level.items:
+            names = level.configuration(number).held
+            held[: len(level.items)] = [name in names for name in self.item_names]
+        return held
+
     def _outcomes(
         self, state: int, action: int, events: list[int], hits: list[bool]
-    ) -> tuple[_Outcome, ...]:
-        outcomes: list[_Outcome] = []
-        total = 0.0
+    ) -> tuple[StateOutcome, ...]:
         told = zip(self._mdp.outcomes(state, action), events, hits, strict=False)
-        for (probability, next_state, reward, terminal), event, hit in told:
-            total += probability
-            is_reached, is_skid = event == Event.REACHED, event == Event.SKIDDED
-            outcomes.append((total, next_state, reward, terminal, is_reached, is_skid, hit))
-        # The last outcome takes the rounding error of the sum.
-        outcomes[-1] = (2.0, *outcomes[-1][1:])
-        return tuple(outcomes)
+        return cumulated((*outcome, event, hit) for outcome, event, hit in told)
 
     # -- description -----------------------------------------------------------------------
 
@@ -357,7 +361,7 @@ class LevelEnv(RenderedEnv):
     def P(self) -> dict[int, dict[int, list[Outcome]]]:  # noqa: N802  (Gymnasium's name for it)
         """The tables as `{state: {action: [(probability, next state, reward, terminal)]}}`."""
         if self._table is None:
-            self._table = self._mdp.to_toy_text(self._actions.first)
+            self._table = self._actions.tables(self.level).to_toy_text(self._actions.first)
         return self._table
 
     @property
@@ -415,3 +419,20 @@ class LevelEnv(RenderedEnv):
         self._enter(self.level)
         if self._state >= 0:
             self._now = self._look_up(self._state)
+
+
+def cumulated(told: Iterable[ToldOutcome]) -> tuple[StateOutcome, ...]:
+    """Return outcomes as steps draw them.
+
+    Args:
+        told: probability, next state, reward, terminal, `Event`, and hit of each.
+    """
+    outcomes: list[StateOutcome] = []
+    total = 0.0
+    for probability, next_state, reward, terminal, event, hit in told:
+        total += probability
+        is_reached, is_skid = event == Event.REACHED, event == Event.SKIDDED
+        outcomes.append((total, next_state, reward, terminal, is_reached, is_skid, hit))
+    # The last outcome takes the rounding error of the sum.
+    outcomes[-1] = (2.0, *outcomes[-1][1:])
+    return tuple(outcomes)

@@ -9,11 +9,16 @@ from gymnasium import error, spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import ObservationOptions, takes_observation, whole_number
-from babyrobot_levels.envs.single import LevelEnv, LevelLike
+from babyrobot_levels.envs.single import LevelEnv, LevelLike, LookedUp, StateOutcome, cumulated
 from babyrobot_levels.envs.spaces import ActionSet
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.compiler.robots import Robots
+from babyrobot_levels.mdp.tables import Mdp
+
+MOST_KEPT = 20_000
+"""Of how many states outcomes are kept, where there are no tables."""
 
 
 class TeamActions(spaces.MultiDiscrete):
@@ -38,6 +43,30 @@ class TeamActions(spaces.MultiDiscrete):
         return np.array(np.unravel_index(which, self.nvec), np.int64)
 
 
+class _Visited(dict[int, Any]):
+    """What was found of states that were visited; None of others."""
+
+    def __missing__(self, state: int) -> None:
+        return None
+
+
+class _Outcomes(dict[int, tuple[StateOutcome, ...]]):
+    """The outcomes of joint actions in a state, each computed when it is first taken.
+
+    Attributes:
+        shares: what each robot gets, `[outcomes, robots]` of each action.
+    """
+
+    def __init__(self, robots: Robots, state: int) -> None:
+        self._robots, self._state = robots, state
+        self.shares: dict[int, NDArray[np.float64]] = {}
+
+    def __missing__(self, action: int) -> tuple[StateOutcome, ...]:
+        told, self.shares[action] = self._robots.outcomes(self._state, action)
+        found = self[action] = cumulated(told)
+        return found
+
+
 class TeamEnv(LevelEnv):
     """Several robots move through a level at once, and one agent chooses the actions of all.
 
@@ -48,6 +77,9 @@ class TeamEnv(LevelEnv):
     for each 1 if it has arrived, then the value of each other thing; the others are those of
     `LevelEnv`, seen by the first robot, and show where the others are. Episodes end as the level's
     `team` says.
+
+    Where there are too many joint states for tables, each one is computed when it is visited, and
+    states are numbered by what they are: there are no `P` and no digest.
 
     Attributes:
         robot_names: the names of the robots.
@@ -88,9 +120,30 @@ class TeamEnv(LevelEnv):
     def _make_action_space(self) -> spaces.Space[Any]:
         return TeamActions([NUM_ACTIONS] * len(self._given.robots))
 
+    def _numbering(self, level: Level) -> Any:
+        return level.numbering()
+
+    def _no_states(self) -> Any:
+        return super()._no_states() if isinstance(self._mdp, Mdp) else _Visited()
+
     def _enter(self, level: Level) -> None:
         super()._enter(level)
         self._masks: dict[int, list[NDArray[np.int8]]] = {}
+        self._is_over = False
+
+    def _look_up(self, state: int) -> LookedUp:
+        """Return what a step needs of a state; without tables, it is computed."""
+        robots = self._mdp
+        if isinstance(robots, Mdp):
+            return super()._look_up(state)
+        if len(self._states) >= MOST_KEPT:
+            self._states.clear()
+            self._masks.clear()
+        outcomes, mask = _Outcomes(robots, state), robots.mask(state)
+        held = self._held(robots.configuration(state))
+        found = outcomes, self._observer.at(state), mask.copy, mask, held.copy
+        self._states[state] = found
+        return found
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -98,6 +151,7 @@ class TeamEnv(LevelEnv):
         """Start an episode; see `LevelEnv.reset`. The option `start` is not there."""
         if options and "start" in options:
             raise ValueError("the robots of a team begin where the level says: no option `start`")
+        self._is_over = False
         observation, info = super().reset(seed=seed, options=options)
         return observation, self._told(info, np.zeros(len(self.robot_names)))
 
@@ -117,12 +171,17 @@ class TeamEnv(LevelEnv):
         if self._now is None:
             raise error.ResetNeeded("call `reset()` before the first `step()`")
         joint = self.action_number(action)
-        before, row = self._state, self._now[0][joint]
+        before, outcomes = self._state, self._now[0]
+        row = outcomes[joint]
         draw = 0.0 if len(row) == 1 else float(self.np_random.random())
         number = next(number for number, outcome in enumerate(row) if draw < outcome[0])
         _, self._state, reward, terminal, target_reached, skidded, hit = row[number]
-        assert self._mdp.shares is not None
-        rewards = self._mdp.shares[before, joint, number].copy()
+        if isinstance(outcomes, _Outcomes):
+            shares, self._is_over = outcomes.shares[joint], terminal
+        else:
+            assert self._mdp.shares is not None
+            shares = self._mdp.shares[before, joint]
+        rewards = shares[number].copy()
         self._now = self._states[self._state] or self._look_up(self._state)
         _, observe, _, mask, copy_held = self._now
         self._valid.mask = mask
@@ -136,6 +195,11 @@ class TeamEnv(LevelEnv):
             info["hit"] = hit
         info.update(self._level_number)
         return observe(), reward, terminal, False, self._told(info, rewards)
+
+    @property
+    def initial_state_distrib(self) -> NDArray[np.float64]:
+        """The probability of each state at reset, float64 `[states]`; the name is toy_text's."""
+        return self.level.compile().start.copy()
 
     def action_number(self, action: Any) -> int:
         """Return the number of a joint action, as `Mdp.joint_action` does.
@@ -173,6 +237,8 @@ class TeamEnv(LevelEnv):
         """Return the current action mask of each robot, int8 `[5]`."""
         if self._now is None:
             raise error.ResetNeeded("call `reset()` before asking for the action mask")
+        if self._is_over:
+            return tuple(np.eye(1, NUM_ACTIONS, dtype=np.int8)[0] for _ in self.robot_names)
         masks = self._masks.get(self._state)
         if masks is None:
             joint = self._now[3].reshape([NUM_ACTIONS] * len(self.robot_names))

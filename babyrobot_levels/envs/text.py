@@ -35,9 +35,9 @@ def _seen(level: Level, robot: int) -> Seen:
 
     @lru_cache(maxsize=64)
     def seen(state: int) -> frozenset[Cell]:
-        mdp = level.compile()
+        number = level.numbering().configuration(state)
         x, y = robot_cells(level, state)[robot]
-        passable = barriers(level.grid_at(mdp.configuration(state)), RADIUS)
+        passable = barriers(level.grid_at(number), RADIUS)
         rows, columns = np.nonzero(visible(passable, x, y, RADIUS))
         cells = zip((columns + x - RADIUS).tolist(), (rows + y - RADIUS).tolist(), strict=True)
         width, height = level.size

@@ -30,7 +30,7 @@ from babyrobot_levels.text.errors import LevelError, UnplayableError
 if TYPE_CHECKING:
     from babyrobot_levels.language.suite_list import AnySuite
     from babyrobot_levels.mdp.configurations import Configuration, Things
-    from babyrobot_levels.mdp.tables import Mdp
+    from babyrobot_levels.mdp.tables import Mdp, Numbering
 
 
 class GridWorld(LevelSpec):
@@ -78,6 +78,14 @@ class GridWorld(LevelSpec):
         budget.check_tables(mdp.num_states, mdp.probability.shape[2], mdp.num_actions)
         return mdp
 
+    def numbering(self) -> Numbering:
+        """Return how states are numbered: the tables, or what steps robots that have too many.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        return self._numbering
+
     def things(self) -> Things:
         """Return the things whose state changes during an episode, and what their values mean."""
         return self._things
@@ -89,7 +97,7 @@ class GridWorld(LevelSpec):
             LevelError: the maze has no seed yet (`seed: random`).
             IndexError: there is no such configuration.
         """
-        return self.things().at(self.compile().configurations[number].tolist())
+        return self.things().at(self.numbering().configurations[number].tolist())
 
     def grid_at(self, configuration: int) -> Grid:
         """Return walls and cells in a configuration: with a wall at each closed door.
@@ -128,6 +136,19 @@ class GridWorld(LevelSpec):
         from babyrobot_levels.mdp.compiler import compile_mdp
 
         return compile_mdp(self, self.grid())
+
+    @cached_property
+    def _numbering(self) -> Numbering:
+        if not self.robots or "_mdp" in vars(self):
+            return self.compile()
+        from babyrobot_levels.mdp.compiler.joint import exceed
+        from babyrobot_levels.mdp.compiler.things import stepper
+
+        robots = stepper(self, self.grid())
+        try:
+            return robots if exceed(robots) else self.compile()
+        except UnplayableError:
+            return robots
 
     @cached_property
     def _digest(self) -> str:
@@ -199,7 +220,7 @@ WorldT = TypeVar("WorldT", bound=GridWorld)
 def changed(level: WorldT, **fields: Any) -> WorldT:
     """Return a level with other values for fields that do not affect the grid, not validated."""
     other = level.model_copy(update=fields)
-    for name in ("_things", "_mdp", "_digest"):
+    for name in ("_things", "_mdp", "_numbering", "_digest"):
         other.__dict__.pop(name, None)
     return other
 
@@ -219,9 +240,10 @@ def check_world(
 
 
 def playable(checked: Checked[WorldT], document: Document) -> Checked[WorldT]:
-    """Refuse a level that cannot be compiled, where its fields leave that open by trying it.
+    """Refuse a level that cannot be played, where its fields leave that open by compiling it.
 
-    Without NumPy that is not tried; what takes too long is found out when it is compiled.
+    Without NumPy that is not tried; what takes too long is found out when it is compiled. Several
+    robots are played without tables where these would be too large.
     """
     level = checked.value
     budget.begin()

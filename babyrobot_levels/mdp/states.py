@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.kinds import NEEDED
-from babyrobot_levels.mdp.configurations import Things
+from babyrobot_levels.mdp.configurations import Configuration, Things
 from babyrobot_levels.mdp.graph import Graph, Successors, counts
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import ALL, Flags, Mdp, parts_of
@@ -212,6 +212,17 @@ def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
         elif things.exit_is_open(values):
             row[[y * mdp.width + x for x, y in things.exits(values)]] = True
     return np.repeat(cells[which.ravel()], mdp.headings, axis=0).ravel()
+
+
+def has_succeeded(level: GridWorld, now: Configuration) -> bool:
+    """Return whether several robots have done what they are to do."""
+    if level.ends_covered:
+        return now.is_solved
+    if level.team.ends == "first":
+        return any(now.arrived)
+    robots = zip(level.robots, now.arrived, strict=True)
+    arrived = [has_arrived for robot, has_arrived in robots if level.exits_of(robot)]
+    return bool(arrived) and all(arrived)
 
 
 def _arrived_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -25,6 +26,9 @@ from babyrobot_levels.text.words import Telling
 Outcome = tuple[float, int, float, bool]
 """Probability, next state, reward, terminal."""
 
+ToldOutcome = tuple[float, int, float, bool, int, bool]
+"""Probability, next state, reward, terminal, `Event`, and whether a mover hits the robot."""
+
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.signedinteger[Any]]
@@ -46,8 +50,99 @@ def _nothing_drawn() -> NDArray[np.int64]:
     return np.zeros(0, np.int64)
 
 
+class Numbering(Telling):
+    """How states are numbered: what tables have in common with what steps without any.
+
+    Attributes:
+        width: the number of columns of cells.
+        height: the number of rows of cells.
+        headings: 4 with turning, else 1.
+        configurations: the value of each thing in each configuration, by its number.
+        drawn: the sets of cells of which warps lead to one.
+    """
+
+    width: int
+    height: int
+    headings: int = 1
+    configurations: Any
+    drawn: Any
+
+    @property
+    @abstractmethod
+    def num_configurations(self) -> int:
+        """The number of configurations."""
+
+    @property
+    @abstractmethod
+    def num_actions(self) -> int:
+        """The number of actions, of several robots that of joint ones."""
+
+    @property
+    @abstractmethod
+    def num_robots(self) -> int:
+        """The number of robots."""
+
+    @property
+    @abstractmethod
+    def starts(self) -> Ints:
+        """The states in which episodes begin: with weights, each as often as it is drawn."""
+
+    @property
+    def cells(self) -> int:
+        """The number of cells, blocked ones included."""
+        return self.width * self.height
+
+    @property
+    def num_states(self) -> int:
+        """The number of states, those of blocked cells included."""
+        return self.num_configurations * self.headings * self.cells
+
+    def robot_actions(self, joint: Any) -> Ints:
+        """Return the action of each robot in joint actions, `[…, robots]`.
+
+        Args:
+            joint: the numbers of joint actions, integers of any shape `[…]`.
+        """
+        if self.num_robots == 1:
+            return np.asarray(joint)[..., np.newaxis]
+        powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
+        actions: Ints = np.asarray(joint)[..., np.newaxis] // powers % NUM_ACTIONS
+        return actions
+
+    def joint_action(self, actions: Any) -> Any:
+        """Return the numbers of joint actions; the inverse of `robot_actions`.
+
+        Args:
+            actions: the action of each robot, integers `[…, robots]`.
+
+        Raises:
+            ValueError: they are none.
+        """
+        powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
+        numbers = np.asarray(actions)
+        is_whole = numbers.dtype.kind in "iu" and numbers.shape[-1:] == powers.shape
+        if not is_whole or ((numbers < 0) | (numbers >= NUM_ACTIONS)).any():
+            raise ValueError(
+                f"{actions!r} is not an action, 0 to 4, of each of the {self.num_robots} robots"
+            )
+        return numbers @ powers
+
+    def cell(self, state: int) -> tuple[int, int]:
+        """Return the cell `(x, y)` of a state."""
+        y, x = divmod(state % self.cells, self.width)
+        return x, y
+
+    def configuration(self, state: int) -> int:
+        """Return the number of a state's configuration, 0 without things."""
+        return state // (self.cells * self.headings)
+
+    def heading(self, state: int) -> int:
+        """Return the heading of a state, 0 N, 1 E, 2 S, 3 W; only with turning."""
+        return state // self.cells % self.headings
+
+
 @dataclass(frozen=True, eq=False)
-class Mdp(Telling, public=True):
+class Mdp(Numbering, public=True):
     """A finite Markov decision process whose states are the cells, numbered `y * width + x`.
 
     Of several robots, the actions are those of all, `[first robot, second robot, …]` as one number
@@ -124,19 +219,9 @@ class Mdp(Telling, public=True):
         return np.repeat(states, [int(count * common) for count in counts])
 
     @property
-    def cells(self) -> int:
-        """The number of cells, blocked ones included."""
-        return self.width * self.height
-
-    @property
     def num_configurations(self) -> int:
         """The number of configurations, 1 without things."""
         return len(self.configurations)
-
-    @property
-    def num_states(self) -> int:
-        """The number of states, those of blocked cells included."""
-        return self.num_configurations * self.headings * self.cells
 
     @property
     def num_actions(self) -> int:
@@ -151,36 +236,6 @@ class Mdp(Telling, public=True):
         """The number of robots."""
         return 1 if self.shares is None else int(self.shares.shape[3])
 
-    def robot_actions(self, joint: Any) -> Ints:
-        """Return the action of each robot in joint actions, `[…, robots]`.
-
-        Args:
-            joint: the numbers of joint actions, integers of any shape `[…]`.
-        """
-        if self.num_robots == 1:
-            return np.asarray(joint)[..., np.newaxis]
-        powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
-        actions: Ints = np.asarray(joint)[..., np.newaxis] // powers % NUM_ACTIONS
-        return actions
-
-    def joint_action(self, actions: Any) -> Any:
-        """Return the numbers of joint actions; the inverse of `robot_actions`.
-
-        Args:
-            actions: the action of each robot, integers `[…, robots]`.
-
-        Raises:
-            ValueError: they are none.
-        """
-        powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
-        numbers = np.asarray(actions)
-        is_whole = numbers.dtype.kind in "iu" and numbers.shape[-1:] == powers.shape
-        if not is_whole or ((numbers < 0) | (numbers >= NUM_ACTIONS)).any():
-            raise ValueError(
-                f"{actions!r} is not an action, 0 to 4, of each of the {self.num_robots} robots"
-            )
-        return numbers @ powers
-
     @property
     def shape(self) -> tuple[int, ...]:
         """The shape of an array over states: `(height, width)`.
@@ -190,19 +245,6 @@ class Mdp(Telling, public=True):
         configurations = (self.num_configurations,) if self.configurations.shape[1] else ()
         headings = (self.headings,) if self.headings > 1 else ()
         return (*configurations, *headings, self.height, self.width)
-
-    def cell(self, state: int) -> tuple[int, int]:
-        """Return the cell `(x, y)` of a state."""
-        y, x = divmod(state % self.cells, self.width)
-        return x, y
-
-    def configuration(self, state: int) -> int:
-        """Return the number of a state's configuration, 0 without things."""
-        return state // (self.cells * self.headings)
-
-    def heading(self, state: int) -> int:
-        """Return the heading of a state, 0 N, 1 E, 2 S, 3 W; only with turning."""
-        return state // self.cells % self.headings
 
     def turning(self, heading: str = "E") -> Mdp:
         """Return the tables of a robot that turns: 0 left, 1 right, 2 forward, and no stay.
@@ -428,12 +470,21 @@ def events_of(mdp: Mdp, states: slice = ALL) -> NDArray[np.int8]:
         mdp: the tables.
         states: the states whose outcomes are told.
     """
-    at_target = leads_to(mdp, mdp.intended_next_state[states, :, None], mdp.next_state[states])
-    events: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + mdp.obstruction[states, :, None])
-    return events
+    obstruction = mdp.obstruction[states, :, None]
+    intended = mdp.intended_next_state[states, :, None]
+    return events(mdp, intended, obstruction, mdp.next_state[states])
 
 
-def leads_to(mdp: Mdp, intended: Ints, next_state: Ints) -> Flags:
+def events(
+    mdp: Numbering, intended: Ints, obstruction: NDArray[np.int8], next_state: Ints
+) -> NDArray[np.int8]:
+    """Return the `Event` of outcomes, by where actions lead without chance, and what hinders."""
+    at_target = leads_to(mdp, intended, next_state)
+    found: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + obstruction)
+    return found
+
+
+def leads_to(mdp: Numbering, intended: Ints, next_state: Ints) -> Flags:
     """Return whether next states are in the cells to which actions lead without chance."""
     next_cell = next_state % mdp.cells
     found: Flags = next_cell == intended % mdp.cells

@@ -55,8 +55,9 @@ _SKIDS = {
 
 def robot_cells(level: GridWorld, state: int) -> tuple[Cell, ...]:
     """Return the cell of each robot in a state, as in `level.compile()`."""
-    mdp = level.compile()
-    return (mdp.cell(state), *level.configuration(mdp.configuration(state)).robots)
+    numbering = level.numbering()
+    number = numbering.configuration(state)
+    return (numbering.cell(state), *level.configuration(number).robots)
 
 
 class Narrator:
@@ -262,8 +263,8 @@ class Narrator:
         Args:
             state: the configuration and the cell of the robot, as in `level.compile()`.
         """
-        level, mdp = self._level, self._level.compile()
-        now = level.configuration(mdp.configuration(state))
+        level = self._level
+        now = level.configuration(level.numbering().configuration(state))
         told = level.things().told(now.values)
         has = [f"{met}: {spoken(names) or 'nothing'}" for met, names in told.items()]
         if self._sight == PICTURE:
@@ -312,7 +313,7 @@ class Narrator:
         """Return the lines of the drawing, in which the robot has the mark of the only one."""
         if not self._robot:
             return self._painter.lines(state, held=False)
-        level, number = self._level, self._level.compile().configuration(state)
+        level, number = self._level, self._level.numbering().configuration(state)
         lines = self._painter.lines(None, configuration=number, held=False)
         first, *_ = cells = robot_cells(level, state)
         marks = {first: level.robots[0].name[0].upper(), cells[self._robot]: PLAIN_ROBOT}

@@ -178,7 +178,7 @@ def place_of(level: GridWorld, state: int) -> RobotPlace:
     """
     width, height = level.size
     configuration, cell = divmod(state, width * height)
-    count = level.compile().num_configurations if configuration and level.has_things else 1
+    count = level.numbering().num_configurations if configuration and level.has_things else 1
     if not 0 <= configuration < count:
         raise ValueError(f"state {state} is not on the level")
     y, x = divmod(cell, width)
@@ -281,7 +281,7 @@ def situation_of(level: GridWorld, configuration: int | None) -> Situation:
         return Situation(level.exits, False, (), (), (), (), (), ())
     if configuration is None:
         return _overview(level)
-    count = level.compile().num_configurations
+    count = level.numbering().num_configurations
     if not 0 <= configuration < count:
         raise ValueError(f"configuration {configuration} is not one of the level's {count}")
     return situation_at(level, level.configuration(configuration))

@@ -136,7 +136,7 @@ def _radices(level: Level) -> tuple[int, ...]:
 def _configurations(level: Level) -> int:
     if level.has_random_maze:
         return min(prod(level.things().radices), MAX_STATES // prod(level.size))
-    return level.compile().num_configurations
+    return level.numbering().num_configurations
 
 
 class Observer(ABC):
@@ -192,7 +192,7 @@ class Observer(ABC):
         if self._extent.robots == 1:
             return cell[:, None], np.zeros((states.size, 1), np.bool_)
         columns = self._level.things().of_kind("robot")
-        values = self._level.compile().configurations[rest, columns].astype(np.int64)
+        values = self._level.numbering().configurations[rest][:, columns].astype(np.int64)
         arrived, cells = values >= area, values % area
         # The cell of the first one is that of the state.
         arrived[:, 0], cells[:, 0] = values[:, 0] == 1, cell

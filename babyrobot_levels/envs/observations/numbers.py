@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 Ints = NDArray[np.int64]
 
+KEPT_ROWS = 1 << 20
+"""How many rows are kept of a level whose states are more than have tables."""
+
 
 def _open(extent: Extent) -> slice:
     """Return the columns of the open sides in `"walls"`, and in vectors."""
@@ -76,6 +79,8 @@ class RowObserver(Observer):
         """Return a function that makes a new array, or gives the int of a `Discrete` space."""
         configuration, place = divmod(state, self.block)
         if configuration not in self._rows:
+            if len(self._rows) * self.block > KEPT_ROWS:
+                self._rows.clear()
             first = configuration * self.block
             self._rows[configuration] = self.rows(np.arange(first, first + self.block))
         row = self._rows[configuration][place]
@@ -119,16 +124,16 @@ class NumericObserver(RowObserver):
             columns += [*arrived.T.astype(np.int64)]
         if extent.radices:
             values = np.zeros((states.size, len(extent.radices)), np.int64)
-            known = self._known()
-            values[:, : known.shape[1]] = known[configuration]
+            known = self._known(configuration)
+            values[:, : known.shape[1]] = known
             columns += [*values.T]
         if extent.headings > 1:
             columns.append(heading)
         return np.stack(columns, axis=1)
 
-    def _known(self) -> NDArray[Any]:
+    def _known(self, configuration: Ints) -> NDArray[Any]:
         """Return the values of things but robots in configurations."""
-        values = self._level.compile().configurations
+        values: NDArray[Any] = self._level.numbering().configurations[configuration]
         if self._extent.robots == 1:
             return values
         return values[:, [kind != "robot" for kind in self._level.things().kinds]]

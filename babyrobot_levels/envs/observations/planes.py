@@ -137,7 +137,7 @@ class PlaneObserver(Observer):
     def ground(self, configuration: int) -> NDArray[Any]:
         """Return the planes of a configuration without the robot, as a new array."""
         level = self._level
-        now = self._things.at(level.compile().configurations[configuration].tolist())
+        now = self._things.at(level.numbering().configurations[configuration].tolist())
         if now.doors not in self._grounds:
             self._grounds[now.doors] = self._paint(now)
         planes = self._grounds[now.doors].copy()

@@ -148,7 +148,7 @@ class ViewObserver(Observer):
     def _configuration(self, number: int) -> Configuration:
         """Return what is where; that of the view before is kept, which mostly is the same."""
         if self._last is None or self._last[0] != number:
-            values = self._level.compile().configurations[number].tolist()
+            values = self._level.numbering().configurations[number].tolist()
             self._last = number, self._things.at(values)
         return self._last[1]
 

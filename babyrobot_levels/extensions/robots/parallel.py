@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, ClassVar, Unpack
 
-import numpy as np
 from gymnasium import error, spaces
 from pettingzoo import ParallelEnv
 
@@ -17,10 +14,11 @@ from babyrobot_levels.envs.arguments import (
     checked_observation,
     takes_observation,
 )
-from babyrobot_levels.envs.observations import make_observer, space_of
+from babyrobot_levels.envs.observations import space_of
 from babyrobot_levels.envs.observations.base import Extent
 from babyrobot_levels.envs.single import LevelEnv, LevelLike
 from babyrobot_levels.envs.team import TeamEnv
+from babyrobot_levels.extensions.robots.seeing import Sights
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
@@ -94,7 +92,7 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         self.observation_spaces = {
             name: space_of(extent, self._chosen) for name in self.possible_agents
         }
-        self._seen: Level | None = None
+        self._sights = Sights(self._env, self._chosen)
         self.action_spaces = {name: spaces.Discrete(NUM_ACTIONS) for name in self.possible_agents}
 
     @property
@@ -126,20 +124,8 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         known = {"maze_seed"} if self._is_grown else set()
         own = {name: value for name, value in (options or {}).items() if name in known}
         _, info = self._env.reset(seed=seed, options=own)
-        if self._seen is not self._env.level:
-            self._look(self._env.level)
         self.agents, self._steps = self.possible_agents.copy(), 0
         return self._observations(), self._infos(info)
-
-    def _look(self, level: Level) -> None:
-        """Make what observes a level for each agent."""
-        self._seen, extent = level, Extent.of([level])
-        self._observers = [
-            make_observer(level, replace(self._chosen, robot=number), extent)
-            for number in range(len(self.possible_agents))
-        ]
-        self._makers: dict[int, list[Callable[[], Any]]] = {}
-        self._homes: dict[int, list[bool]] = {}
 
     def step(
         self, actions: dict[str, Any]
@@ -170,7 +156,7 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         _, reward, over, _, info = self._env.step(joint)
         self._steps += 1
         acting = self.agents
-        arrived = dict(zip(self.possible_agents, self._arrived(), strict=True))
+        arrived = dict(zip(self.possible_agents, self._sights.arrived(), strict=True))
         late = self._limit is not None and self._steps >= self._limit
         shares = dict(zip(self.possible_agents, info["rewards"].tolist(), strict=True))
         rewards = {name: float(reward) if self._for_team else shares[name] for name in acting}
@@ -188,7 +174,7 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         """
         if self._env.state < 0:
             raise error.ResetNeeded("call `reset()` before asking for the state")
-        return self._observers[0].at(self._env.state)()
+        return self._sights.of(0)
 
     def render(self) -> Any:
         """Return a picture, as `render_mode` says."""
@@ -199,19 +185,8 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         self._env.close()
 
     def _observations(self) -> dict[str, Any]:
-        state = self._env.state
-        makers = self._makers.get(state)
-        if makers is None:
-            makers = self._makers[state] = [each.at(state) for each in self._observers]
-        found = zip(self.possible_agents, makers, strict=True)
-        return {name: make() for name, make in found if name in self.agents}
-
-    def _arrived(self) -> list[bool]:
-        """Return which robots have arrived."""
-        state = self._env.state
-        if state not in self._homes:
-            self._homes[state] = self._observers[0].robots(np.array([state]))[1][0].tolist()
-        return self._homes[state]
+        names = enumerate(self.possible_agents)
+        return {name: self._sights.of(number) for number, name in names if name in self.agents}
 
     def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
         masks = zip(self.possible_agents, info["action_mask"], strict=True)

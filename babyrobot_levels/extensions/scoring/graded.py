@@ -1,6 +1,7 @@
 """Episodes that are told in words: each step is graded by the exact values of all actions."""
 
 import base64
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,6 +18,8 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.text import narrator_of
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.states import has_succeeded
+from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.render.sights import PICTURE, SIGHTS, Narrator
 from babyrobot_levels.text.words import Telling
 
@@ -82,7 +85,8 @@ class GradedEpisode(Telling):
     @property
     def largest_regret(self) -> float:
         """A bound of the regret that an episode can have."""
-        return self._stage.values.largest_regret
+        values = self._stage.values
+        return math.nan if values is None else values.largest_regret
 
     @property
     def return_(self) -> float:
@@ -184,7 +188,13 @@ class GradedEpisode(Telling):
         self._env = self._make_env(level)
         self._stage = _stage_of(level, self._sight, limit)
         self.within = limit
-        self.level, self.optimum = level, self._stage.values.optimum
+        values = self._stage.values
+        self.level, self.optimum = level, math.nan if values is None else values.optimum
+        if values is None and self._kind == "advantage":
+            raise ValueError(
+                "reward='advantage' is what moves lose to the optimum, which is not known where "
+                "there are too many joint states for tables; use 'world' or 'success'"
+            )
 
     def _reset(self, seed: int | None) -> None:
         """Start an episode, with a seed of its own if none is given."""
@@ -195,12 +205,14 @@ class GradedEpisode(Telling):
 
     def _begin(self) -> None:
         values, state = self._stage.values, self.state
+        value = math.nan if values is None or state < 0 else values.value(state, self.within)
         self._moves: list[GradedMove] = []
         self._actions: list[int] = []
         self.invalid, self.done, self._ended, self.is_success = 0, False, False, False
         self._visited = {state}
-        by_start = values.value(state, self.within) - self.optimum if state >= 0 else 0.0
-        self._totals = 0.0, 0.0, by_start
+        # Where the optimum is not known, neither are regret and luck.
+        nothing = 0.0 if values is not None else math.nan
+        self._totals = 0.0, nothing, value - self.optimum if state >= 0 else nothing
 
     def _take(self, action: int, name: str) -> dict[str, Any]:
         """Take a step, and grade it.
@@ -215,16 +227,18 @@ class GradedEpisode(Telling):
         values, before = self._stage.values, self.state
         _, reward, self._ended, _, info = self._env.step(self._env.numbered_action(action))
         after, left = self.state, self.within - len(self._moves)
-        lost, luck = values.graded(
-            before, action, float(reward), None if self._ended else after, left
-        )
+        lost = luck = threshold = math.nan
+        if values is not None:
+            ended_in = None if self._ended else after
+            lost, luck = values.graded(before, action, float(reward), ended_in, left)
+            threshold = max(0.0, self._blunder * (self.optimum - values.random))
         move = GradedMove(
             state=before,
             action=name,
             reward=float(reward),
             advantage=0.0 - lost,
             luck=luck,
-            is_blunder=lost > max(0.0, self._blunder * (self.optimum - values.random)),
+            is_blunder=lost > threshold,
             is_loop=after in self._visited,
         )
         self._visited.add(after)
@@ -238,8 +252,14 @@ class GradedEpisode(Telling):
         self._moves.append(move)
         self._actions.append(action)
         self.done = self._ended or left == 1
-        self.is_success = self._ended and bool(values.space.exits[after])
+        self.is_success = self._ended and self._is_success(after)
         return info
+
+    def _is_success(self, state: int) -> bool:
+        values, level = self._stage.values, self.level
+        if values is not None:
+            return bool(values.space.exits[state])
+        return has_succeeded(level, level.configuration(level.numbering().configuration(state)))
 
     def _count(self) -> str:
         limit, steps = self.within, len(self._moves)
@@ -249,10 +269,13 @@ class GradedEpisode(Telling):
 
 @dataclass(frozen=True, eq=False)
 class _Stage:
-    """What follows from a level, a sight and a limit of steps: a narrator for each robot."""
+    """What follows from a level, a sight and a limit of steps: a narrator for each robot.
+
+    There are no values where there are no tables.
+    """
 
     narrators: tuple[Narrator, ...]
-    values: ValuesByStep
+    values: ValuesByStep | None
     code: str
 
     @property
@@ -267,7 +290,9 @@ class _Stage:
 @lru_cache(maxsize=32)
 def _stage_of(level: Level, sight: str, limit: int) -> _Stage:
     """Return what worlds of the same kind share: trainers make many of them."""
-    values = ValuesByStep(space_of(level, "all"), limit, level.discount)
+    values = None
+    if isinstance(level.numbering(), Mdp):
+        values = ValuesByStep(space_of(level, "all"), limit, level.discount)
     told = level.model_copy(update={"max_steps": limit})
     robots = range(max(1, len(level.robots)))
     narrators = tuple(narrator_of(told, sight, robot) for robot in robots)

@@ -22,7 +22,8 @@ class TextTeam(GradedEpisode, public=True):
 
     Each has what its own robot sees, by its name. All move at once, and each step is graded for the
     team, by the exact values of all joint actions. Grades are those of `TextWorld`, with the
-    returns of the team.
+    returns of the team. Where there are too many joint states for tables, returns are told, and
+    `optimum`, `regret`, `luck` and advantages are nan.
 
     Attributes:
         level: the level.
@@ -124,9 +125,9 @@ class TextTeam(GradedEpisode, public=True):
 
     def _happened(self, before: int, joint: int, robot: int) -> str:
         """Return what a step has changed, as a robot is told it: moves of others if all is seen."""
-        level, mdp = self.level, self.level.compile()
+        level, numbering = self.level, self.level.numbering()
         states = (before, self.state)
-        then, now = (level.configuration(mdp.configuration(state)) for state in states)
+        then, now = (level.configuration(numbering.configuration(state)) for state in states)
         only = None if self._sight == "map" else robot
         moves = moves_of_team(level, before, joint, self.state, only=only)
         changed = changes(level, then, now, drawn=self._sight == PICTURE)

@@ -3,7 +3,8 @@
 `terrain` says what each cell does, and where moves and warps end; `outcomes` what a step comes to;
 `compile_cells` puts them together. Of levels with things, `layers` finds the configurations that
 occur, `movers` says where movers go, and `things` puts it all together; `boxes` does both where
-there are boxes, with `yards`, and `robots` for several robots, with `meetings`.
+there are boxes, with `yards`. `robots` steps several robots, with `meetings`, and `joint` makes
+tables of that.
 """
 
 from collections.abc import Iterator

@@ -1,9 +1,10 @@
-"""The tables of a level with several robots: a search over their joint states.
+"""Several robots: what a step of all of them comes to, from any of their joint states.
 
 Each robot has its own ground: what its moves come to if it were alone, with its start and its
 exits. A step of all takes a branch of each; then meetings are settled, things change, and movers
 move. A joint state is a configuration, which tells where all robots but the first are, and the
-cell of the first.
+cell of the first. Tables are made of these steps in `joint`; where they would be too large,
+environments take them one by one.
 """
 
 from __future__ import annotations
@@ -20,22 +21,34 @@ from numpy.typing import NDArray
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
-from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.layers import Ground, TooManyStates, Ways, build_layer_ground
 from babyrobot_levels.mdp.compiler.meetings import hindered, meetings
 from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.outcomes import RANKS, Pay, draw, exit_reward
 from babyrobot_levels.mdp.compiler.terrain import obstructions
-from babyrobot_levels.mdp.configurations import MAX_STATES, MAX_WIDE_STATES, Things, Values
+from babyrobot_levels.mdp.configurations import MAX_STATES, Things, Values
 from babyrobot_levels.mdp.graph import differs, expanded
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
-from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Flags, Floats, Ints, Mdp
+from babyrobot_levels.mdp.tables import (
+    FREE,
+    GLASS,
+    REFUSED,
+    Flags,
+    Floats,
+    Ints,
+    Numbering,
+    ToldOutcome,
+    events,
+)
 from babyrobot_levels.text import budget
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
+
+MAX_CELLS = 16_383
+"""The most cells of a level with several robots: values of things are small numbers."""
 
 BRANCH = 100
 """The steps of work to expand one."""
@@ -68,8 +81,8 @@ class _Scene:
 
 
 @dataclass(frozen=True, eq=False)
-class _Part:
-    """What a step from some joint states comes to; numbers are those of `Robots.keys`.
+class Part:
+    """What a step from some joint states comes to; these are numbered as `Robots` does.
 
     `obstruction` and `intended` (the cell of the first robot) are over states and actions, the
     other arrays over the outcomes; `shares` is `[outcomes, robots]`.
@@ -83,6 +96,16 @@ class _Part:
     following: Ints
     shares: Floats
     terminal: Flags
+
+    @property
+    def total(self) -> Floats:
+        """What all robots get together, of each outcome."""
+        total: Floats = self.shares.sum(axis=1)
+        return total
+
+    def order(self, row: Ints, following: Ints) -> Ints:
+        """Return the order of outcomes in tables, by what numbers of rows and states are there."""
+        return np.lexsort((*self.shares.T[::-1], self.terminal, self.total, following, row))
 
 
 @dataclass(slots=True)
@@ -120,34 +143,60 @@ class _Ends:
     hit: Flags
 
 
-class Robots:
-    """All joint states that episodes can come to, in a level with several robots.
+class Configurations:
+    """The values of things in all configurations, which are computed when they are asked for."""
+
+    def __init__(self, robots: Robots) -> None:
+        self._robots = robots
+
+    def __getitem__(self, numbers: Any) -> NDArray[np.int16]:
+        """Return the values in configurations, int16 `[…, things]`."""
+        cells = np.asarray(numbers, np.int64) * self._robots.cells
+        values, joint, _ = self._robots.decoded(cells.ravel())
+        rows = np.hstack([values, self._robots.crowd.values[joint]]).astype(np.int16)
+        return rows.reshape(*cells.shape, -1)
+
+
+class Robots(Numbering):
+    """Several robots, which step from any joint state; states are numbered by what they are.
 
     Args:
         level: the level, whose doors and paths were checked.
         grid: its grid, with all doors open.
         things: its things.
 
+    Attributes:
+        begins: the states in which episodes begin, each as often as it is drawn by `weights`.
+        drawn: sets of cells of which warps lead to one, as in `Mdp`.
+
     Raises:
-        TooManyStates: there are more states than the bound.
+        TooManyStates: there are more starts or places of movers than states may be, or more states
+            than numbers.
+        TooManyWays: movers have more ways to go than an action may have outcomes.
+        UnplayableError: there are too many cells.
     """
 
     def __init__(self, level: LevelFields, grid: Grid, things: Things):
         self.level, self.grid, self.things = level, grid, things
-        self.size = grid.width * grid.height
-        self.count = len(level.robots)
-        self.actions = NUM_ACTIONS**self.count
-        self._most = int(min(MAX_STATES, budget.entries()))
+        self.width, self.height = grid.width, grid.height
+        most = int(min(MAX_STATES, budget.entries()))
         draws = prod(len(thing.begins) for thing in things)
-        if draws * self.size > self._most:
+        if self.cells > MAX_CELLS:
+            message = f"robots have {MAX_CELLS:,} cells at most, and the level has {self.cells:,}"
+            raise UnplayableError(
+                [Issue("BR404", Key(("robots",)), message, "use a smaller level")]
+            )
+        if draws * self.cells > most:
             raise TooManyStates
         try:
-            self.crowd = Crowd(level, grid, self._most // self.size)
+            self.crowd = Crowd(level, grid, most // self.cells)
         except OverflowError:
             raise TooManyStates from None
-        radices = (*things.radices[: things.static], len(self.crowd), self.size)
+        radices = (*things.radices[: things.static], len(self.crowd), self.cells)
+        self._count = prod(radices[:-1])
         if prod(radices) >= 1 << 62:
             raise TooManyStates
+        self.configurations = Configurations(self)
         self._radices = np.array(radices, np.int64)
         strides = [prod(radices[n + 1 :]) for n in range(len(radices))]
         self._strides = np.array(strides, np.int64)
@@ -162,10 +211,11 @@ class Robots:
         self._changes = [(column, thing) for column, thing in enumerate(things) if thing.after]
         self._scenes: dict[tuple[tuple[bool, ...], int], _Scene] = {}
         self._has_exit = np.array([bool(level.exits_of(robot)) for robot in level.robots])
-        self.parts: list[_Part] = []
         self.weights: list[int] = []
-        self.starts = self._begin()
-        self.keys = self._search()
+        self.begins = self._begin()
+        values, _, _ = self.decoded(self.begins[:1])
+        # Sets of cells of which warps lead to one, as in `Mdp`.
+        self.drawn: Ints = self._scene(values[0]).grounds[0].warps.drawn
 
     def _number_of(self, cell: Cell) -> int:
         return cell[1] * self.grid.width + cell[0]
@@ -173,12 +223,12 @@ class Robots:
     # -- joint states ----------------------------------------------------------------------
 
     def _encoded(self, values: NDArray[Any], joint: Ints, cell: Ints) -> Ints:
-        """Return the numbers of joint states: those of things, then movers, then the first cell."""
+        """Return the numbers of joint states: things, then movers, then the first cell."""
         static = values.astype(np.int64) @ self._strides[:-2]
         numbers: Ints = static + joint * self._strides[-2] + cell
         return numbers
 
-    def _decoded(self, states: Ints) -> tuple[NDArray[np.int16], Ints, Ints]:
+    def decoded(self, states: Ints) -> tuple[NDArray[np.int16], Ints, Ints]:
         """Return the values of things but movers, the joint state of movers, and the first cell."""
         columns = states[:, None] // self._strides % self._radices
         return columns[:, :-2].astype(np.int16), columns[:, -2], columns[:, -1]
@@ -214,7 +264,7 @@ class Robots:
 
     def _build_scene(self, closed: tuple[bool, ...], values: Values) -> _Scene:
         level, grounds = self.level, []
-        is_exit = np.zeros((self.count, self.size), bool)
+        is_exit = np.zeros((self.num_robots, self.cells), bool)
         for number, (robot, start) in enumerate(level.team_starts):
             exits = self.things.common_exits(values) if robot.exit is None else (robot.exit,)
             alone = level.model_copy(
@@ -224,36 +274,73 @@ class Robots:
             is_exit[number, [self._number_of(cell) for cell in exits]] = True
         return _Scene(grounds, is_exit, self.crowd.steps(grid_with_doors(level, self.grid, closed)))
 
-    # -- search ----------------------------------------------------------------------------
+    @property
+    def num_configurations(self) -> int:
+        """How many configurations have numbers, whether they occur or not."""
+        return self._count
 
-    def _search(self) -> Ints:
-        """Take all steps, part by part; return the numbers of all states, in rising order."""
-        known = np.unique(self.starts)
-        waiting, ended, outcomes = known, known[:0], 0
-        most = NUM_ACTIONS * min(MAX_WIDE_STATES, budget.entries())
-        while waiting.size:
-            found = []
-            for scene, states in self._groups(waiting):
-                size = max(1, PART // (self.actions * scene.most_branches))
-                for at in range(0, states.size, size):
-                    part = self._step(scene, states[at : at + size])
-                    self.parts.append(part)
-                    outcomes += part.row.size
-                    if outcomes > most:
-                        raise TooManyStates
-                    found.append(np.unique(part.following[~part.terminal]))
-                    ended = np.union1d(ended, part.following[part.terminal])
-            waiting = np.setdiff1d(np.concatenate(found), known)
-            known = np.union1d(known, waiting)
-            # The tables have a row for each cell of each configuration, and each joint action.
-            configurations = np.unique(known // self.size).size
-            if known.size > self._most or configurations * self.size * self.actions > most:
-                raise TooManyStates
-        return np.union1d(known, ended)
+    @property
+    def num_actions(self) -> int:
+        """The number of joint actions."""
+        return int(NUM_ACTIONS**self.num_robots)
+
+    @property
+    def num_robots(self) -> int:
+        """The number of robots."""
+        return len(self.level.robots)
+
+    @property
+    def starts(self) -> Ints:
+        """The states in which episodes begin: with weights, each as often as it is drawn."""
+        states, which = np.unique(self.begins, return_inverse=True)
+        counts = np.bincount(which, self.weights).astype(np.int64)
+        return np.repeat(states, counts // np.gcd.reduce(counts))
+
+    # -- steps -----------------------------------------------------------------------------
+
+    def steps(self, states: Ints, actions: Ints | None = None) -> Iterator[Part]:
+        """Yield, in parts, what steps from some states come to.
+
+        Args:
+            states: the numbers of joint states.
+            actions: the joint actions that are taken; by default, all.
+        """
+        taken = np.arange(self.num_actions) if actions is None else actions
+        for scene, members in self._groups(states):
+            size = max(1, PART // (taken.size * scene.most_branches))
+            for at in range(0, members.size, size):
+                yield self._step(scene, members[at : at + size], taken)
+
+    def mask(self, state: int) -> NDArray[np.int8]:
+        """Return which joint actions nothing refuses in a state, int8 `[actions]`."""
+        (scene, states), *_ = self._groups(np.array([state]))
+        cell, away = self._places(*self.decoded(states))
+        (found,), _ = self._hindrances(scene, cell, away, np.arange(self.num_actions))
+        mask: NDArray[np.int8] = (found != REFUSED).astype(np.int8)
+        return mask
+
+    def outcomes(self, state: int, action: int) -> tuple[list[ToldOutcome], Floats]:
+        """Return what a joint action can lead to, and what robots get, `[outcomes, robots]`."""
+        (part,) = self.steps(np.array([state]), np.array([action]))
+        order = part.order(part.row, part.following)
+        before, after = np.full_like(order, state), part.following[order]
+        lead = part.intended[0]
+        intended = np.where(lead < 0, self.num_states - 1 - lead, lead)
+        was, now = (each // self.cells % len(self.crowd) for each in (before, after))
+        columns = (
+            part.probability[order],
+            after,
+            part.total[order],
+            part.terminal[order],
+            events(self, intended, part.obstruction[0], after),
+            self.crowd.crowded.hits(was, before % self.cells, now, after % self.cells),
+        )
+        told = [*zip(*(column.tolist() for column in columns), strict=True)]
+        return told, part.shares[order]
 
     def _groups(self, states: Ints) -> Iterator[tuple[_Scene, Ints]]:
         """Yield the states with the same doors closed and exits drawn together."""
-        values, _, _ = self._decoded(states)
+        values, _, _ = self.decoded(states)
         first = self._columns.start
         alike, which = np.unique(values[:, :first], axis=0, return_inverse=True)
         scenes: dict[int, tuple[_Scene, list[int]]] = {}
@@ -263,13 +350,11 @@ class Robots:
         for scene, numbers in scenes.values():
             yield scene, states[np.isin(which.ravel(), numbers)]
 
-    def _step(self, scene: _Scene, states: Ints) -> _Part:
-        """Take all steps of all robots from some states."""
-        values, joint, first_cell = self._decoded(states)
-        robots = values[:, self._columns].astype(np.int64).T
-        away = np.stack([robots[0] == 1, *(row >= self.size for row in robots[1:])])
-        cell = np.stack([first_cell, *(row % self.size for row in robots[1:])])
-        ends = self._moved(scene, cell, away, values, joint)
+    def _step(self, scene: _Scene, states: Ints, actions: Ints) -> Part:
+        """Take some steps of all robots from some states."""
+        values, joint, first_cell = self.decoded(states)
+        cell, away = self._places(values, joint, first_cell)
+        ends = self._moved(scene, cell, away, values, joint, actions)
         self._settle_meetings(scene, ends)
         self._change_things(ends)
         self._move_movers(scene, ends)
@@ -277,34 +362,46 @@ class Robots:
         which, chance, shares = self._shares(scene, ends, leaves)
         gone = (ends.away | leaves).astype(np.int16)
         ends.values[:, self._columns.start] = gone[0]
-        for number in range(1, self.count):
+        for number in range(1, self.num_robots):
             column = self._columns.start + number
-            ends.values[:, column] = ends.there[number] + self.size * gone[number]
-        obstruction, intended = self._hindrances(scene, cell, away)
+            ends.values[:, column] = ends.there[number] + self.cells * gone[number]
+        obstruction, intended = self._hindrances(scene, cell, away, actions)
         return self._merged(
             states,
             obstruction,
             intended,
-            (states[ends.pair] * self.actions + ends.action)[which],
+            (states[ends.pair] * self.num_actions + ends.action)[which],
             ends.probability[which] * chance,
             self._encoded(ends.values, ends.joint, ends.there[0])[which],
             shares,
             over[which],
         )
 
+    def _places(
+        self, values: NDArray[np.int16], joint: Ints, first_cell: Ints
+    ) -> tuple[Ints, Flags]:
+        """Return the cell of each robot, and whether it has arrived, `[robots, states]`."""
+        robots = values[:, self._columns].astype(np.int64).T
+        away = np.stack([robots[0] == 1, *(row >= self.cells for row in robots[1:])])
+        return np.stack([first_cell, *(row % self.cells for row in robots[1:])]), away
+
     def _taken(self, action: Ints) -> Ints:
         """Return the action of each robot in joint actions, `[robots, …]`."""
-        powers = NUM_ACTIONS ** np.arange(self.count - 1, -1, -1)
-        taken: Ints = action // powers[:, None] % NUM_ACTIONS
-        return taken
+        return np.moveaxis(self.robot_actions(action), -1, 0)
 
     def _moved(
-        self, scene: _Scene, cell: Ints, away: Flags, values: NDArray[np.int16], joint: Ints
+        self,
+        scene: _Scene,
+        cell: Ints,
+        away: Flags,
+        values: NDArray[np.int16],
+        joint: Ints,
+        actions: Ints,
     ) -> _Ends:
         """Return where steps take all robots, if they did not see each other."""
         count = cell.shape[1]
-        pair = np.repeat(np.arange(count), self.actions)
-        action = np.tile(np.arange(self.actions), count)
+        pair = np.repeat(np.arange(count), actions.size)
+        action = np.tile(actions, count)
         taken, probability = self._taken(action), np.ones(pair.size)
         each: Ints = np.arange(pair.size)
         branches: list[Ints] = []
@@ -399,7 +496,7 @@ class Robots:
         ends.pay = [pay.of(each) for pay in ends.pay]
         ends.values, ends.joint = ends.values[each], following[step]
         ends.hit = ~ends.away
-        for number in range(self.count):
+        for number in range(self.num_robots):
             ends.hit[number] &= self.crowd.crowded.hits(
                 before, ends.here[number], ends.joint, ends.there[number]
             )
@@ -410,7 +507,7 @@ class Robots:
         is_open = np.ones(ends.pair.size, bool)
         for column, value in self._needs:
             is_open &= ends.values[:, column] == value
-        numbers = np.arange(self.count)[:, None]
+        numbers = np.arange(self.num_robots)[:, None]
         leaves = on_the_way & is_open & scene.is_exit[numbers, ends.there]
         over: Flags = np.any(on_the_way & scene.grounds[0].terrain.ends[ends.there], axis=0)
         if level.hit.ends:
@@ -432,7 +529,7 @@ class Robots:
         if level.ends_covered:
             solved = np.all(ends.values[:, self._targets], axis=1)
         end, chances = np.arange(ends.pair.size), np.ones(ends.pair.size)
-        shares = np.empty((end.size, self.count))
+        shares = np.empty((end.size, self.num_robots))
         for number, pay in enumerate(ends.pay):
             terrain, there, away = (
                 scene.grounds[number].terrain,
@@ -453,10 +550,12 @@ class Robots:
             shares[:, number] = np.where(away[end], 0.0, reward + ends.added[number, end])
         return end, chances, shares
 
-    def _hindrances(self, scene: _Scene, cell: Ints, away: Flags) -> tuple[NDArray[np.int8], Ints]:
-        """Return what hinders each joint action, and where it leads the first robot."""
-        taken = self._taken(np.arange(self.actions))
-        found = np.full((cell.shape[1], self.actions), FREE, np.int8)
+    def _hindrances(
+        self, scene: _Scene, cell: Ints, away: Flags, actions: Ints
+    ) -> tuple[NDArray[np.int8], Ints]:
+        """Return what hinders some joint actions, and where they lead the first robot."""
+        taken = self._taken(actions)
+        found = np.full((cell.shape[1], actions.size), FREE, np.int8)
         for (each, _), at, own in zip(scene.obstructions, cell, taken, strict=True):
             found[each[at][:, own] == GLASS] = GLASS
         for (each, _), at, gone, own in zip(scene.obstructions, cell, away, taken, strict=True):
@@ -475,7 +574,7 @@ class Robots:
         following: Ints,
         shares: Floats,
         terminal: Flags,
-    ) -> _Part:
+    ) -> Part:
         """Return a part with the outcomes that are alike as one."""
         order = np.lexsort((*shares.T, terminal, following, row))
         row, following, terminal = row[order], following[order], terminal[order]
@@ -484,7 +583,7 @@ class Robots:
         for share in shares.T:
             is_new |= differs(share)
         first = np.flatnonzero(is_new)
-        return _Part(
+        return Part(
             states=states,
             obstruction=obstruction,
             intended=intended,
@@ -494,98 +593,3 @@ class Robots:
             shares=shares[first],
             terminal=terminal[first],
         )
-
-    # -- tables ----------------------------------------------------------------------------
-
-    @cached_property
-    def _numbering(self) -> tuple[NDArray[np.int16], Ints, Ints]:
-        """Return the configurations, the places of `keys` without cells, and their numbers."""
-        places = np.unique(self.keys // self.size)
-        values, joint, _ = self._decoded(places * self.size)
-        rows = np.concatenate([values, self.crowd.values[joint]], axis=1)
-        order = np.lexsort(rows.T[::-1])
-        number = np.empty(order.size, np.int64)
-        number[order] = np.arange(order.size)
-        return rows[order].astype(np.int16), places, number
-
-    @property
-    def num_states(self) -> int:
-        """How many states the tables have."""
-        return len(self._numbering[0]) * self.size
-
-    def _states(self, keys: Ints) -> Ints:
-        """Return the numbers that joint states have in the tables."""
-        _, places, number = self._numbering
-        states: Ints = number[np.searchsorted(places, keys // self.size)] * self.size
-        return states + keys % self.size
-
-    def tables(self) -> Mdp:
-        """Return the tables.
-
-        Raises:
-            UnplayableError: they need more room than those of any level may.
-            OverBudgetError: they need more than they may here.
-        """
-        count, width = self.num_states, 1
-        for part in self.parts:
-            width = max(width, int(np.unique(part.row, return_counts=True)[1].max(initial=1)))
-        self._check_room(count, width)
-        shape = count, self.actions, width
-        probability, reward = np.zeros(shape), np.zeros(shape)
-        next_state, terminal = np.zeros(shape, np.int32), np.zeros(shape, bool)
-        shares = np.zeros((*shape, self.count))
-        over = np.ones(count, bool)
-        obstruction = np.full((count, self.actions), FREE, np.int8)
-        intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], self.actions, axis=1)
-        for part in self.parts:
-            states = self._states(part.states)
-            over[states] = False
-            obstruction[states] = part.obstruction
-            there = (states - states % self.size)[:, None] + part.intended
-            intended[states] = np.where(part.intended < 0, count - 1 - part.intended, there)
-            state, action = np.divmod(part.row, self.actions)
-            row = self._states(state) * self.actions + action
-            following, total = self._states(part.following), part.shares.sum(axis=1)
-            order = np.lexsort((*part.shares.T[::-1], part.terminal, total, following, row))
-            row = row[order]
-            begin = np.flatnonzero(differs(row))
-            slot = np.arange(row.size) - np.repeat(begin, np.diff(np.append(begin, row.size)))
-            place = row * width + slot
-            probability.reshape(-1)[place] = part.probability[order]
-            next_state.reshape(-1)[place] = following[order]
-            reward.reshape(-1)[place] = total[order]
-            terminal.reshape(-1)[place] = part.terminal[order]
-            shares.reshape(-1, self.count)[place] = part.shares[order]
-        start = np.zeros(count)
-        weights = np.array(self.weights) / sum(self.weights)
-        np.add.at(start, self._states(self.starts), weights)
-        return assembled(
-            self.grid,
-            start=start,
-            over=over,
-            intended=intended,
-            obstruction=obstruction,
-            tables={
-                "probability": probability,
-                "next_state": next_state,
-                "reward": reward,
-                "terminal": terminal,
-            },
-            configurations=self._numbering[0],
-            drawn=self._scene(self._decoded(self.starts[:1])[0][0]).grounds[0].warps.drawn,
-            shares=shares,
-        )
-
-    def _check_room(self, states: int, width: int) -> None:
-        """Check that the tables do not need too much room."""
-        rows = states * self.actions // NUM_ACTIONS
-        if rows * width <= MAX_WIDE_STATES:
-            budget.check_tables(states, width, self.actions)
-            return
-        message = (
-            f"the tables are too large: {states:,} joint states, {self.actions} joint actions, "
-            f"and {width} outcomes of one; "
-            f"together at most {NUM_ACTIONS * MAX_WIDE_STATES:,} are allowed"
-        )
-        help_text = "use fewer robots, a smaller level, or less that happens by chance"
-        raise UnplayableError([Issue("BR404", Key(("robots",)), message, help_text)])

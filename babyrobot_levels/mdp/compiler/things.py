@@ -7,6 +7,7 @@ the movers; branches are expanded in parts, merged and sorted as those of other 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log10, prod
@@ -18,6 +19,7 @@ from babyrobot_levels.language.kinds import KIND
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.compiler.assembly import assembled
 from babyrobot_levels.mdp.compiler.boxes import Boxes
+from babyrobot_levels.mdp.compiler.joint import JointTables, exceed
 from babyrobot_levels.mdp.compiler.layers import ON, Ground, Layer, Layers, TooManyStates, Ways
 from babyrobot_levels.mdp.compiler.movers import TooManyWays
 from babyrobot_levels.mdp.compiler.outcomes import Outcomes, Room, draw, exit_reward, merged
@@ -47,6 +49,9 @@ PART = 1 << 17
 BRANCH = 50
 """The steps of work to expand one."""
 
+PLAYED = "they are played without tables by `brl.TeamEnv`, `brl.parallel_env`, `brl.team_returns`"
+"""What can be done with several robots all the same."""
+
 SMALL = 1 << 18
 """Up to so many states, tables are made when a level is checked: most will be asked for."""
 
@@ -65,8 +70,12 @@ def compile_things(level: LevelFields, grid: Grid, inert: Collection[str] = ()) 
 def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
     """Check that a level with things can be compiled; see `checked_mdp`.
 
-    Where there are many states it is enough to count them, unless rows may be too long.
+    Where there are many states it is enough to count them, unless rows may be too long. Several
+    robots need no tables.
     """
+    if level.robots:
+        stepper(level, grid)
+        return None
     compiler = _compiler(level, Things(level), grid)
     states, outcomes = compiler.num_states, most_outcomes(level)
     if states > SMALL and outcomes <= MAX_OUTCOMES and states * outcomes <= MAX_WIDE_STATES:
@@ -74,14 +83,38 @@ def checked_things(level: LevelFields, grid: Grid) -> Mdp | None:
     return compiler.tables()
 
 
-def _compiler(level: LevelFields, things: Things, grid: Grid) -> _Compiler | Boxes | Robots:
+def stepper(level: LevelFields, grid: Grid) -> Robots:
+    """Return what steps several robots without tables.
+
+    Raises:
+        UnplayableError: doors or paths are cut by walls; there are too many starts or movers.
+    """
+    things = Things(level)
     check_placement(level, grid)
-    try:
+    with _refused(level, things):
+        return Robots(level, grid, things)
+
+
+def _compiler(level: LevelFields, things: Things, grid: Grid) -> _Compiler | Boxes | JointTables:
+    check_placement(level, grid)
+    with _refused(level, things):
         if level.robots:
-            return Robots(level, grid, things)
+            robots = Robots(level, grid, things)
+            if budget.entries() < MAX_WIDE_STATES and exceed(robots):
+                # That more may be done elsewhere is of no use.
+                (issue,) = _too_many_states(level, things).issues
+                raise budget.OverBudgetError(issue.message, issue.help)
+            return JointTables(robots)
         if level.boxes:
             return Boxes(level, grid, things)
         return _Compiler(level, Layers(level, grid, things))
+
+
+@contextmanager
+def _refused(level: LevelFields, things: Things) -> Iterator[None]:
+    """Say in a sentence what is too much."""
+    try:
+        yield
     except TooManyStates:
         if (most := budget.entries()) < most_states(level):
             budget.refuse(f"has more than {most:,} states, which are too many here")
@@ -106,9 +139,11 @@ def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
     most = f"the level has more than {most_states(level):,} states"
     if level.robots:
         rows, actions = NUM_ACTIONS * MAX_WIDE_STATES, NUM_ACTIONS ** len(level.robots)
-        most = f"the level has more than {rows:,} joint states times {actions} joint actions"
+        most = f"the tables would have more than {rows:,} outcomes of {actions} joint actions"
     cells = level.size[0] * level.size[1]
     message = f"{most}: {cells:,} cells, times the combinations of {told}"
+    if level.robots:
+        message += f"; {PLAYED}"
     help_text = "use fewer of them, fewer cells for them, or a smaller level"
     return UnplayableError([Issue("BR404", Key((costs[0][2],)), message, help_text)])
 

@@ -68,10 +68,10 @@ def moves_of_team(
         after: the state after it.
         only: the number of the robot that it is told of; None for all.
     """
-    mdp = level.compile()
-    then, now = (level.configuration(mdp.configuration(state)) for state in (before, after))
-    starts, ends = (mdp.cell(before), *then.robots), (mdp.cell(after), *now.robots)
-    actions = mdp.robot_actions(action).tolist()
+    numbering = level.numbering()
+    then, now = (level.configuration(numbering.configuration(each)) for each in (before, after))
+    starts, ends = (numbering.cell(before), *then.robots), (numbering.cell(after), *now.robots)
+    actions = numbering.robot_actions(action).tolist()
     for number, robot in enumerate(level.robots):
         if then.arrived[number] or only not in (None, number):
             continue
