@@ -85,6 +85,26 @@ def level_walk(levels: str | Sequence[Any], **options: Any) -> Walk:
     return lambda num_envs: needing("jax gymnax", lambda: walk(num_envs, *make(num_envs)))
 
 
+def team_walk(level: str) -> Walk:
+    """Return a walk of several robots, by random actions of each."""
+
+    def make(num_envs: int) -> Any:
+        import babyrobot_levels.jax as brl_jax
+
+        env, params = brl_jax.make_team(level)
+        actions, reset, step = _gymnax(num_envs, env, params)
+        powers = [5**number for number in reversed(range(env.num_robots))]
+
+        def step_all(key: Any, state: Any, joint: Any) -> Any:
+            import jax.numpy as jnp
+
+            return step(key, state, joint[:, None] // jnp.array(powers) % 5)
+
+        return actions, reset, step_all
+
+    return lambda num_envs: needing("jax gymnax", lambda: walk(num_envs, *make(num_envs)))
+
+
 def gymnax_walk(name: str, **options: Any) -> Walk:
     """Return a walk in an environment of gymnax.
 

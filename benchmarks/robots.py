@@ -15,12 +15,15 @@ import warnings
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import report
+from jax_walks import team_walk
 from timing import Comparison, Measure, compare_in_turns, installed
 
 import babyrobot_levels as brl
 
 STEPS = 20_000
+TEAMS = 16_384
 LEVEL = "two-pads"
 
 
@@ -57,6 +60,21 @@ def parallel_steps(env: Any, steps: int) -> Measure:
     return measure
 
 
+def vector_steps() -> Measure:
+    """Return a measure of joint steps per second of many teams, which take random actions."""
+    env = brl.TeamVectorEnv(LEVEL, num_envs=TEAMS, copy=False)
+    actions = np.random.default_rng(0).integers(5, size=(20, TEAMS, 2))
+    env.reset(seed=0)
+
+    def measure() -> float:
+        begin = time.perf_counter()
+        for each in actions:
+            env.step(each)
+        return len(actions) * TEAMS / (time.perf_counter() - begin)
+
+    return measure
+
+
 def compare(count: int) -> Iterator[Comparison]:
     """Measure the environment for one agent, and that for an agent each."""
     with warnings.catch_warnings():
@@ -76,6 +94,13 @@ def compare(count: int) -> Iterator[Comparison]:
         count,
         aims={("brl.parallel_env", "PettingZoo's pursuit"): 20},
         versions=installed("babyrobot-levels", "numpy", "pettingzoo"),
+    )
+    yield compare_in_turns(
+        f"joint steps of {TEAMS:,} teams of two robots per second",
+        {"brl.TeamVectorEnv": vector_steps(), "brl_jax.make_team": team_walk(LEVEL)(TEAMS)},
+        {},
+        count,
+        versions=installed("babyrobot-levels", "numpy", "numba", "jax", "gymnax"),
     )
 
 

@@ -19,3 +19,6 @@ from .solver import optimum as optimum
 from .solver import positive_advantage as positive_advantage
 from .solver import random_policy as random_policy
 from .solver import regret as regret
+from .team import TeamEnvironment as TeamEnvironment
+from .team import TeamParams as TeamParams
+from .team import make_team as make_team

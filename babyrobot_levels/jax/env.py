@@ -275,14 +275,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
             The state after the action, the reward, whether the episode has terminated, and an
             info.
         """
-        action = jnp.clip(jnp.asarray(action, jnp.int32), 0, params.num_actions - 1)
-        entry = state.state * params.num_actions + action
-        if params.draws_outcomes:
-            number = -1 - look_up(params.next_state, entry)
-            row = jnp.maximum(number, 0)
-            outcome = chosen(words[0], look_up(params.threshold, row))
-            drawn = params.num_rows + row * params.most_outcomes + outcome
-            entry = jnp.where(number >= 0, drawn, entry)
+        entry = self._entry(words, state, action, params)
         next_state = look_up(params.next_state, entry)
         after = EnvState(time=state.time + 1, state=next_state, level=state.level)
         told = look_up(params.outcome, entry)
@@ -296,6 +289,18 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
         if params.held.shape[-1]:
             info["held"] = look_up(params.held, next_state)
         return after, look_up(params.reward, entry), (told & TERMINAL) > 0, info
+
+    def _entry(self, words: Array, state: EnvState, action: Any, params: EnvParams) -> Array:
+        """Return the entry of the outcome that words draw."""
+        action = jnp.clip(jnp.asarray(action, jnp.int32), 0, params.num_actions - 1)
+        entry = state.state * params.num_actions + action
+        if params.draws_outcomes:
+            number = -1 - look_up(params.next_state, entry)
+            row = jnp.maximum(number, 0)
+            outcome = chosen(words[0], look_up(params.threshold, row))
+            drawn = params.num_rows + row * params.most_outcomes + outcome
+            entry = jnp.where(number >= 0, drawn, entry)
+        return entry
 
     def start(self, words: Array, params: EnvParams, level: Array | None = None) -> EnvState:
         """Return the state in which an episode starts, with given randomness.

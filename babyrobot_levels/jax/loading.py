@@ -12,7 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import limits_of
-from babyrobot_levels.envs.engine.tables import NO_LIMIT, Part, info_dtype, masks_of, part_of
+from babyrobot_levels.envs.engine.tables import (
+    MOST_ACTIONS,
+    NO_LIMIT,
+    Part,
+    info_dtype,
+    masks_of,
+    part_of,
+)
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.spaces import ActionSet
 from babyrobot_levels.envs.vector.levels import misfit
@@ -36,12 +43,16 @@ from babyrobot_levels.jax.params import (
 )
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.states import exit_states
 from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Suite, named_levels
 
 MAX_BYTES = 4 * 2**30
 """How much memory tables may take, by default."""
+
+MOST_ROBOTS = 4
+"""The most robots of a level."""
 
 MOST_ENTRIES = 2**31
 """Outcomes are numbered by int32."""
@@ -68,6 +79,11 @@ class Loader:
     draw_levels: bool
     max_episode_steps: int | None
     max_bytes: int
+
+    @property
+    def num_actions(self) -> int:
+        """How many actions there are, of several robots joint ones."""
+        return int(self.actions.num_actions**self.extent.robots)
 
     def make(self, levels: Sequence[Level], others: Sequence[Level]) -> tuple[EnvParams, Room]:
         """Return the tables of levels, and their size.
@@ -158,7 +174,7 @@ class Loader:
 
     def _check(self, room: Room, what: str) -> None:
         """Raise a ValueError if tables would be too large."""
-        entries = room.total.states * self.actions.num_actions + room.total.branches * room.outcomes
+        entries = room.total.states * self.num_actions + room.total.branches * room.outcomes
         if entries > MOST_ENTRIES:
             raise ValueError(
                 f"{what} have {entries:,} outcomes, more than the {MOST_ENTRIES:,} that can be "
@@ -168,7 +184,7 @@ class Loader:
         dynamics = entries * (5 + floats) + room.total.starts * 4
         dynamics += room.total.branches * (4 * (room.outcomes - 1) + floats * room.outcomes)
         dynamics += room.total.states * (
-            mask_type(self.actions.num_actions).itemsize + self.bounds.num_items
+            mask_type(self.num_actions).itemsize + self.bounds.num_items
         )
         dynamics += room.levels * (20 + floats)
         per_state, per_configuration = bytes_of(self.observation, self.extent)
@@ -186,7 +202,7 @@ class Loader:
         params = build(
             arrays,
             room,
-            self.actions.num_actions,
+            self.num_actions,
             self.bounds.num_items,
             has_movers=self.bounds.has_movers,
             draws_levels=self.draw_levels and room.levels > 1,
@@ -339,12 +355,17 @@ def _outcomes(part: Part, exits: NDArray[np.bool_]) -> NDArray[np.uint8]:
 
 
 def mask_type(num_actions: int) -> np.dtype[Any]:
-    """Return the type of action masks with a bit for each action."""
+    """Return the type of action masks with a bit for each action, of several robots of each."""
+    if num_actions > MOST_ACTIONS:
+        return np.dtype(np.uint32)
     return np.dtype(np.uint8 if num_actions <= 8 else np.uint16)
 
 
 def _mask_bits(state_info: NDArray[np.uint64], num_actions: int) -> NDArray[Any]:
-    """Return action masks as bits, `[states]`."""
+    """Return action masks as bits, `[states]`; of several robots, bit 4 i + k for action i of k."""
+    if num_actions > MOST_ACTIONS:
+        robots = masks_of(state_info, NUM_ACTIONS).astype(np.uint32)
+        return robots @ (1 << MOST_ROBOTS * np.arange(NUM_ACTIONS, dtype=np.uint32))
     bits = masks_of(state_info, num_actions) @ (1 << np.arange(num_actions))
     return bits.astype(mask_type(num_actions))
 

@@ -47,7 +47,7 @@ class EnvParams:
         probability: float, `[stochastic rows, most outcomes]`: the exact probabilities, of which
             the thresholds are those that 32 bits can tell apart; 0 for outcomes that do not exist.
         mask: uint8 `[states]`, or uint16 if there are more than eight actions: the action mask,
-            bit i for action i.
+            bit i for action i; of several robots uint32, bit 4 i + k for action i of robot k.
         held: bool `[states, items]`: which items are held.
         offset: int32 `[levels + 1]`: where each level's states begin.
         first_branch: int32 `[levels + 1]`: where its stochastic rows begin.
@@ -106,6 +106,12 @@ class EnvParams:
     def num_rows(self) -> int:
         """How many pairs of state and action there are."""
         return self.num_states * self.num_actions
+
+    @property
+    def allowed(self) -> Array:
+        """Which actions nothing refuses, bool `[states, actions]`."""
+        bits = self.mask[:, None] >> jnp.arange(self.num_actions, dtype=self.mask.dtype)
+        return (bits & 1) > 0
 
     @property
     def max_steps_in_episode(self) -> Array:

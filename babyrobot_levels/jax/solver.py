@@ -188,8 +188,7 @@ def random_policy(params: EnvParams) -> Array:
     Returns:
         The probabilities, float `[states, actions]`.
     """
-    bits = params.mask[:, None] >> jnp.arange(params.num_actions, dtype=params.mask.dtype)
-    allowed = (bits & 1).astype(params.reward.dtype)
+    allowed = params.allowed.astype(params.reward.dtype)
     allowed = jnp.where(allowed.any(axis=1, keepdims=True), allowed, 1)
     return allowed / allowed.sum(axis=1, keepdims=True)
 
