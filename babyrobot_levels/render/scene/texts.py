@@ -33,8 +33,8 @@ def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]
     colors, display, grounds = level.resolved_theme.colors, level.display, CellGrounds(level)
     exits = level.exits if level.exit_one_of is None else ()
     # Where one of several robots begins, another may leave; a frame tells whose exit it is.
-    left = frozenset(exits)
-    starts = [cell for cell in level.starts if cell not in left]
+    ends = frozenset(exits)
+    starts = [cell for cell in level.starts if cell not in ends]
     own = {robot.exit for robot in level.robots}
     exits = tuple(cell for cell in exits if cell not in own)
     for word, cells, shown, fill in (
