@@ -1,6 +1,6 @@
 """The difference of two levels: sizes, ends, cells, walls, rules, transitions and returns."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -263,7 +263,7 @@ def _common_cells(before: GridWorld, after: GridWorld) -> tuple[Ints, Ints]:
 def cell_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Changes:
     """Return the cells with other properties: blocked, wet, slippery, costly, ending, warping."""
     cells = _common_cells(before, after)
-    known: list[dict[str, Any]] = []
+    known = _Known()
     tables = [
         _properties(level, where, known)
         for level, where in zip((before, after), cells, strict=True)
@@ -280,18 +280,33 @@ def cell_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Chan
     return Changes.of(places, len(cells[0]), describe, limit)
 
 
-def _properties(level: GridWorld, cells: Ints, known: list[dict[str, Any]]) -> NDArray[np.float64]:
+class _Known:
+    """Plain data with numbers from 0; equal data have the same."""
+
+    def __init__(self) -> None:
+        self.data: list[dict[str, Any]] = []
+        self._numbers: dict[Hashable, int] = {}
+
+    def number(self, data: dict[str, Any]) -> int:
+        """Return the number of data, a new one for new data."""
+        number = self._numbers.setdefault(_frozen(data), len(self.data))
+        if number == len(self.data):
+            self.data.append(data)
+        return number
+
+
+def _frozen(value: Any) -> Hashable:
+    """Return what is equal, and has the same hash, for plain data that are equal."""
+    if isinstance(value, dict):
+        return frozenset((key, _frozen(each)) for key, each in value.items())
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
+def _properties(level: GridWorld, cells: Ints, known: _Known) -> NDArray[np.float64]:
     """Return what is special about each cell, `[cells, properties]`; nan for nothing special.
 
-    Warps, and rewards that are drawn, are told by their numbers in `known`, to which new ones are
-    added.
+    Warps, and rewards that are drawn, are told by their numbers in `known`.
     """
-
-    def number(data: dict[str, Any]) -> int:
-        if data not in known:
-            known.append(data)
-        return known.index(data)
-
     grid = level.grid()
     terrain = build_terrain(level, grid)
     table = np.full((terrain.reward.size, 8), np.nan)
@@ -306,16 +321,16 @@ def _properties(level: GridWorld, cells: Ints, known: list[dict[str, Any]]) -> N
     table[own, REWARD] = terrain.reward[own]
     for cell, reward in build_ground(level).random.items():
         if free[cell]:
-            table[cell, RANDOM] = number(plain(reward))
+            table[cell, RANDOM] = known.number(plain(reward))
     own = free & ~is_usual
     table[own, SKID], table[own, RULE] = terrain.skid[own], terrain.rule[own]
     table[free & terrain.over & ~terrain.exit, ENDS] = 1
     for warp in level.warps:
-        table[_number(warp.at, level), WARP] = number(_warp_data(warp))
+        table[_number(warp.at, level), WARP] = known.number(_warp_data(warp))
     return table[cells]
 
 
-def _cell_data(row: NDArray[np.float64], known: list[dict[str, Any]]) -> dict[str, Any]:
+def _cell_data(row: NDArray[np.float64], known: _Known) -> dict[str, Any]:
     """Return a row of the table of properties as plain data."""
     given = {column: value for column, value in enumerate(row.tolist()) if value == value}
     data: dict[str, Any] = {}
@@ -326,13 +341,13 @@ def _cell_data(row: NDArray[np.float64], known: list[dict[str, Any]]) -> dict[st
     if REWARD in given:
         data["reward"] = given[REWARD]
     if RANDOM in given:
-        data["reward"] = known[int(given[RANDOM])]
+        data["reward"] = known.data[int(given[RANDOM])]
     if SKID in given:
         data["skid"] = {"probability": given[SKID], "to": RULES[int(given[RULE])].value}
     if ENDS in given:
         data["ends"] = True
     if WARP in given:
-        data["warp"] = known[int(given[WARP])]
+        data["warp"] = known.data[int(given[WARP])]
     return data
 
 
@@ -426,7 +441,8 @@ def _ends(change: Change, number: int) -> Iterator[tuple[int, int]]:
     """Yield the starts or exits that only one of the levels has."""
     if change.name in ("start", "exit"):
         both = (change.before, change.after)
-        yield from (tuple(cell) for cell in both[number] if cell not in both[1 - number])
+        others = {*map(tuple, both[1 - number])}
+        yield from (tuple(cell) for cell in both[number] if tuple(cell) not in others)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -126,6 +126,28 @@ def test_cells(fields: World, cell: tuple[int, int], after: dict[str, Any]) -> N
     assert difference.transitions.count > 0
 
 
+def test_warps_are_not_compared_with_all_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    compared = []
+
+    class Counted(dict[str, Any]):
+        def __eq__(self, other: object) -> bool:
+            compared.append(other)
+            return super().__eq__(other)
+
+    module = "babyrobot_levels.extensions.compare.diff"
+    monkeypatch.setattr(f"{module}._warp_data", lambda warp: Counted(to=warp.to))
+    level = {
+        "version": 1,
+        "size": [12, 9],
+        "warps": [{"at": [x, 0], "to": [x, 1]} for x in range(1, 12)],
+    }
+    found = diff({"version": 1, "size": [12, 9]}, level, limit=None)
+    assert [change.after["warp"]["to"] for change in found.cells.first] == [
+        (x, 1) for x in range(1, 12)
+    ]
+    assert not compared
+
+
 def test_walls() -> None:
     walls = [{"at": [0, 0], "side": "E"}, {"at": [1, 0], "side": "S", "pass": 0.25}]
     difference = changed(walls=walls)
