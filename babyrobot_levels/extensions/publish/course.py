@@ -1,5 +1,6 @@
 """Courses: a folder to begin with, and what students and teachers get of one."""
 
+import math
 import os
 import shutil
 from collections.abc import Callable, Iterator
@@ -23,7 +24,7 @@ from babyrobot_levels.extensions.publish.schools import (
     requirements,
     scorm,
 )
-from babyrobot_levels.extensions.publish.sheet import PAPERS, Sheet, sheet
+from babyrobot_levels.extensions.publish.sheet import MAX_CELLS, PAPERS, Sheet, sheet
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.search_path import data_folder
@@ -117,7 +118,7 @@ def course(
         progress: told how many of how many parts are done.
 
     Raises:
-        PackError: there is no course in the folder.
+        PackError: there is no course in the folder, or a level is too large for sheets.
         LevelError: a file of the course has errors, or a maze is random.
         FolderError: the output is a folder of something else, or inside the course.
         RuntimeFileError: a file of Python for browsers cannot be had.
@@ -164,6 +165,10 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
     """Yield what makes each part."""
     entries = course.fields.levels
     everything = {each.level: load(course.files[each.level]) for each in entries}
+    for name, level in everything.items():
+        if (cells := math.prod(level.size)) > MAX_CELLS:
+            told = f"the level {name} has {cells:,} cells; sheets show at most {MAX_CELLS:,}"
+            raise PackError(told, "use a smaller level")
     given = [everything[each.level] for each in entries if not each.hidden]
     students, teacher, code = new / "students", new / "teacher", new / "students" / "code"
     pages = partial(gallery, title=title, points={each.level: each.points for each in entries})

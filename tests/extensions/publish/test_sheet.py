@@ -419,6 +419,19 @@ def test_other_errors_are_those_of_levels_and_pictures(tmp_path: Path) -> None:
     assert not [*tmp_path.iterdir()]
 
 
+def test_a_course_with_a_level_too_large_for_sheets_is_refused(tmp_path: Path) -> None:
+    levels = tmp_path / "course" / "levels"
+    levels.mkdir(parents=True)
+    (levels / "wide.yaml").write_text("version: 1\nsize: [101, 100]\n")
+    fields = (
+        "name: c\nversion: 1.0.0\ndescription: One level.\nlevels: [{level: wide, points: 1}]\n"
+    )
+    (tmp_path / "course" / "pack.yaml").write_text(fields)
+    with pytest.raises(brl.PackError, match="level wide has 10,100 cells; sheets show at most 10,"):
+        brl.course(tmp_path / "course", tmp_path / "built")
+    assert not (tmp_path / "built").exists()
+
+
 def test_progress_is_told() -> None:
     told: list[tuple[int, int]] = []
     brl.sheet(NAMES[:3], progress=lambda done, total: told.append((done, total)))
