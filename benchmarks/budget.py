@@ -21,6 +21,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -29,7 +30,10 @@ sys.path.append(str(ROOT / "tests"))
 
 from support.worst import WORST  # noqa: E402
 
-from babyrobot_levels.text.budget import CHECKED, COMMAND, READ  # noqa: E402
+import babyrobot_levels as brl  # noqa: E402
+from babyrobot_levels.extensions.formats.tiled import write_tiled  # noqa: E402
+from babyrobot_levels.language.play import PlayFields  # noqa: E402
+from babyrobot_levels.text.budget import CHECKED, COMMAND, READ, within  # noqa: E402
 
 MOST_MEMORY = 3_000
 """The megabytes after which a command is ended."""
@@ -76,6 +80,7 @@ COMMANDS = {
     "share --link": "share level.yaml --link https://example.org/play.html",
     "sheet": "sheet level.yaml -o x.pdf",
     "sheet --key": "sheet level.yaml --key -o x.pdf",
+    "import": "import level.tmj",
     "export --to umb": "export level.yaml --to umb -o x.umb",
     "export --to prism": "export level.yaml --to prism",
     "export --to tiled": "export level.yaml --to tiled",
@@ -100,6 +105,14 @@ ASKED = {
     "mcp play_start": ("play_start",),
 }
 """The tools for assistants that take a level."""
+
+COURSE = """
+name: zoo
+version: 1.0.0
+description: A level that asks for much.
+levels:
+- {level: level, points: 1}
+"""
 
 TOOL = """
 import sys
@@ -219,7 +232,10 @@ def _end_if_large(pid: int) -> None:
 
 
 def prepare(folder: Path, text: bytes) -> None:
-    """Write a level, one that differs from it in its discount, and a pack of it."""
+    """Write a level, one that differs from it in its discount, a pack, a map of Tiled, and a play.
+
+    The map and the play are left out where the level is too large for them.
+    """
     level = folder / "level.yaml"
     level.write_bytes(text)
     other = text.replace(b"version: 1\n", b"version: 1\ndiscount: 0.5\n", 1)
@@ -228,9 +244,35 @@ def prepare(folder: Path, text: bytes) -> None:
     zoo = folder / "zoo" / "levels"
     zoo.mkdir(parents=True, exist_ok=True)
     (zoo / "level.yaml").write_bytes(text)
-    (folder / "zoo" / "pack.yaml").write_text("name: zoo\nversion: 1.0.0\n")
+    (folder / "zoo" / "pack.yaml").write_text(COURSE)
     (folder / "levels").mkdir(exist_ok=True)
     (folder / "levels" / "level.yaml").write_bytes(text)
+    with suppress(brl.BabyRobotError), within(COMMAND):
+        read = brl.load(level)
+        (folder / "play.brlplay").write_text(play_of(read.share_code()) + "\n")
+        (folder / "level.tmj").write_text(write_tiled(read).text)
+
+
+def play_of(code: str) -> str:
+    """Return an episode of one step, whose digest is that of no level: it is found out late."""
+    fields = {
+        "name": None,
+        "digest": f"sha256:{0:064}",
+        "code": code,
+        "action_set": "all",
+        "discount": 1,
+        "max_steps": None,
+        "seed": None,
+        "seed_kind": "environment",
+        "start": "drawn",
+        "states": [0, 0],
+        "actions": [0],
+        "rewards": [0],
+        "return": 0,
+        "end": "unfinished",
+        "made_by": "a stranger",
+    }
+    return PlayFields.model_validate(fields).to_line()
 
 
 def measured(names: list[str], levels: list[str], package: Path) -> Iterator[tuple[str, str, Cost]]:
