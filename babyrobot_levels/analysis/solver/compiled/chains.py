@@ -32,12 +32,6 @@ MOST_ITERATIONS = 300
 AT_A_TIME = 6
 """So many of them are done by one call: between calls, signals are heard."""
 
-DROPPED = 0.7
-"""Which share of what elimination would fill in is taken from the diagonal instead.
-
-All of it (I. Gustafsson, 1978) is best where chance spreads, none of it where there is wind.
-"""
-
 
 class Chain(NamedTuple):
     """A Markov chain over `n` states.
@@ -92,8 +86,9 @@ def followed(rows: Rows, chosen: Ints) -> Chain:
         for at in range(middle[state], begin[state + 1]):
             other = target[at]
             for back in range(begin[other], middle[other]):
-                share = 1.0 if target[back] == state else DROPPED
-                left -= share * weight[at] * weight[back] * pivot[other]
+                if target[back] == state:
+                    left -= weight[at] * weight[back] * pivot[other]
+                    break
         left = left if left > 0.0 else 1.0
         pivot[state], shift[state] = 1.0 / left, diagonal / left - 2.0
     return Chain(begin, middle, target, weight, killing, pivot, shift)
