@@ -429,9 +429,7 @@ def _opened(level: Level, rng: random.Random) -> Level:
         for side in SIDES[1:3]
         if not bits & BIT[side] and grid.neighbour(cell, side) is not None and rng.getrandbits(1)
     )
-    opened = changed(level, openings=openings)
-    opened.__dict__.pop("_grid", None)
-    return opened
+    return changed(level, openings=openings)
 
 
 def _draw_puddles(

@@ -168,9 +168,7 @@ class GridWorld(LevelSpec):
             raise LevelError(message=f"the seed of a maze must be an integer, not {seed!r}")
         fields = {**self.maze.model_dump(exclude_unset=True), "seed": operator.index(seed)}
         maze = Maze.model_validate(fields)
-        other = changed(self, maze=maze)
-        other.__dict__.pop("_grid", None)
-        return other
+        return changed(self, maze=maze)
 
     def draw(self) -> str:
         """Return the level as the language's ASCII drawing, which a `map` may contain.
@@ -218,9 +216,13 @@ WorldT = TypeVar("WorldT", bound=GridWorld)
 
 
 def changed(level: WorldT, **fields: Any) -> WorldT:
-    """Return a level with other values for fields that do not affect the grid, not validated."""
+    """Return a level with other values for fields, not validated.
+
+    Of what affects the grid, these may be the maze and its openings.
+    """
     other = level.model_copy(update=fields)
-    for name in ("_things", "_mdp", "_numbering", "_digest"):
+    grid = () if fields.keys().isdisjoint({"maze", "openings"}) else ("_grid",)
+    for name in ("_things", "_mdp", "_numbering", "_digest", *grid):
         other.__dict__.pop(name, None)
     return other
 
