@@ -8,19 +8,22 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.extensions.formats.conversion import ConversionError
 from babyrobot_levels.extensions.formats.movingai import plain_cells, rows_of_map, scenarios_of
+from babyrobot_levels.extensions.robots.level_plans import Fault, Walk
 from babyrobot_levels.extensions.robots.plan_files import Cells, count_fault, read_plan
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.library.catalogue import LevelLike, load
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.text import budget
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import START, Position
@@ -37,6 +40,8 @@ _FAULTS = {
     "edge": "{who} change places at time {time}, the first of them to {cell}",
     "vertex": "{who} are both at {cell} at time {time}",
     "goal": "{who} ends at {cell}, which is not its goal",
+    "kept": "{who} is kept from {cell} at time {time}, by a wall, a door or another robot",
+    "over": "the episode is over at time {time}, before {who} is at its goal",
 }
 
 
@@ -47,7 +52,8 @@ class PlanFault(Telling, public=True):
     Attributes:
         kind: `"start"` or `"goal"`, it begins or ends elsewhere; `"outside"`, off the map;
             `"blocked"`; `"jump"`, no move to a neighbour; `"vertex"`, two agents in one cell;
-            `"edge"`, two agents that change places.
+            `"edge"`, two agents that change places; in a level also `"kept"`, what is in the way
+            of a robot, and `"over"`, the episode ends before.
         agents: the numbers of the agents, counted from 1 as the scenarios are.
         time: after how many steps.
         cell: where the first of them is then, `(x, y)`.
@@ -74,7 +80,7 @@ class PlanCheck(Telling, public=True):
             None for a plan that is not valid.
         makespan: the largest of these.
         sum_of_costs_lower_bound: the sum of the lengths of all shortest paths: no plan costs less.
-            None where a goal cannot be reached.
+            None where a goal cannot be reached, and in a level of one's own.
         makespan_lower_bound: the largest of these.
     """
 
@@ -93,7 +99,7 @@ class PlanCheck(Telling, public=True):
 
 def check_plan(
     plan: str | os.PathLike[str] | Sequence[Sequence[Cell]],
-    scen: str | os.PathLike[str],
+    scen: LevelLike,
     map_file: str | os.PathLike[str] | None = None,
     *,
     agents: int | None = None,
@@ -103,7 +109,10 @@ def check_plan(
     Args:
         plan: a file of the MAPF tracker, or of PIBT or LaCAM; or the cells of each agent, one for
             each time, `[agents][steps + 1][2]`. An agent with fewer stays in the last one.
-        scen: MovingAI's file of scenarios, the first of which are the agents.
+        scen: MovingAI's file of scenarios, the first of which are the agents; or a level with
+            several robots, as a file (`.yaml`), a mapping or a `Level`, which may also come first.
+            Its own rules are followed, in which nothing may happen by chance: a robot is at its
+            goal when it has arrived at its exit, and there are no lower bounds.
         map_file: the map; by default, that which the scenarios name, in the same folder.
         agents: how many agents the plan must have; of several plans in a file, which.
 
@@ -111,6 +120,11 @@ def check_plan(
         LevelError: a file cannot be read, or is not what it should be.
         ValueError: the cells are not of this shape.
     """
+    if _is_level(plan):
+        plan, scen = cast(Any, scen), cast(Any, plan)
+    if _is_level(scen):
+        return _check_in_level(plan, load(scen))
+    assert isinstance(scen, str | os.PathLike)
     field = _Field.of(Path(scen), None if map_file is None else Path(map_file))
     readings = [(cells, field.fault(cells)) for cells in field.readings(plan, agents)]
     # Of two readings, the one that is the right way up goes wrong later, if it does.
@@ -120,6 +134,35 @@ def check_plan(
     costs = None if fault else _costs(cells, goals)
     alone = _distances(field.free, starts, goals)
     return PlanCheck(count, fault, *_totals(costs), *_totals(alone if alone.min() >= 0 else None))
+
+
+def _is_level(given: Any) -> bool:
+    if isinstance(given, str | os.PathLike):
+        return Path(given).suffix.lower() in (".yaml", ".yml")
+    return isinstance(given, Level | Mapping)
+
+
+def _check_in_level(plan: Any, level: Level) -> PlanCheck:
+    """Check a plan for the robots of a level."""
+    walk = Walk(level)
+    readings = walk.read(Path(plan)) if isinstance(plan, str | os.PathLike) else [_aligned(plan)]
+    count, found = len(walk.starts), []
+    for cells in readings:
+        if wrong := count_fault(cells.shape[1], count, count):
+            raise ValueError(wrong)
+        away = np.flatnonzero((cells[0] != walk.starts).any(axis=1)).tolist()
+        fault: Fault | None
+        fault, costs = walk.take(cells)
+        if away:
+            fault = "start", (away[0],), 0
+        found.append((math.inf if fault is None else fault[2], fault, cells, costs))
+    _, fault, cells, costs = max(found, key=lambda each: each[0])
+    if fault is None:
+        return PlanCheck(count, None, int(costs.sum()), int(costs.max()), None, None)
+    kind, agents, time = fault
+    numbers = tuple(agent + 1 for agent in agents)
+    told = PlanFault(kind, numbers, time, tuple(cells[time, agents[0]].tolist()))
+    return PlanCheck(count, told, None, None, None, None)
 
 
 def _totals(costs: NDArray[np.intp] | None) -> tuple[int, int] | tuple[None, None]:

@@ -314,7 +314,7 @@ class Robots(Numbering):
     def mask(self, state: int) -> NDArray[np.int8]:
         """Return which joint actions nothing refuses in a state, int8 `[actions]`."""
         (scene, states), *_ = self._groups(np.array([state]))
-        cell, away = self._places(*self.decoded(states))
+        cell, away = self.places(states)
         (found,), _ = self._hindrances(scene, cell, away, np.arange(self.num_actions))
         mask: NDArray[np.int8] = (found != REFUSED).astype(np.int8)
         return mask
@@ -352,8 +352,8 @@ class Robots(Numbering):
 
     def _step(self, scene: _Scene, states: Ints, actions: Ints) -> Part:
         """Take some steps of all robots from some states."""
-        values, joint, first_cell = self.decoded(states)
-        cell, away = self._places(values, joint, first_cell)
+        values, joint, _ = self.decoded(states)
+        cell, away = self.places(states)
         ends = self._moved(scene, cell, away, values, joint, actions)
         self._settle_meetings(scene, ends)
         self._change_things(ends)
@@ -377,10 +377,9 @@ class Robots(Numbering):
             over[which],
         )
 
-    def _places(
-        self, values: NDArray[np.int16], joint: Ints, first_cell: Ints
-    ) -> tuple[Ints, Flags]:
+    def places(self, states: Ints) -> tuple[Ints, Flags]:
         """Return the cell of each robot, and whether it has arrived, `[robots, states]`."""
+        values, _, first_cell = self.decoded(states)
         robots = values[:, self._columns].astype(np.int64).T
         away = np.stack([robots[0] == 1, *(row >= self.cells for row in robots[1:])])
         return np.stack([first_cell, *(row % self.cells for row in robots[1:])]), away
