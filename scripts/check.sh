@@ -50,7 +50,7 @@ with_jax() {
 }
 make_jax() {
     make_venv .venv-jax
-    install_into .venv-jax --editable ".[fast,jax]" hatchling hypothesis jaxued==0.0.1 pytest pytest-xdist
+    install_into .venv-jax --editable ".[fast,jax]" hatchling hypothesis jaxdp==0.4.0 jaxued==0.0.1 pytest pytest-xdist
 }
 make_libraries() {
     make_venv .venv-libraries

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+import numpy as np
 import pytest
 from support.places import ROOT
 
@@ -42,11 +43,20 @@ def test_levels_are_measured_beside_others_and_missing_peers_are_named(
 def test_optima_and_regret_in_jax_are_those_of_solve_and_score() -> None:
     import jax_solve
 
-    optimum, regret = jax_solve.compare(1, 3)
+    beside, optimum, regret = jax_solve.compare(1, 3)
+    assert not beside.missing
     for found in (optimum, regret):
         assert not found.missing
         assert float(found.note.split()[3]) < 1e-3
     assert [*regret.peers] == ["brl.score"]
+
+
+def test_jaxdp_finds_the_same_values() -> None:
+    import jax_solve
+
+    levels = jax_solve.mazes(3)
+    own, theirs = (made(levels)() for made in (jax_solve.optima, jax_solve.iterated))
+    assert np.allclose(own, theirs, rtol=1e-5)
 
 
 def test_the_tables_name_the_device(
