@@ -6,7 +6,7 @@ level="$(realpath "${1:-"$(dirname "$0")/../levels/final-maze.yaml"}")"
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
 make_venv .venv
-install_into .venv .
+.venv/bin/pip install --quiet --disable-pip-version-check .
 .venv/bin/babyrobot validate "$level"
 .venv/bin/babyrobot preview "$level" --output demo.png
 .venv/bin/babyrobot preview "$level" --policy best --output demo.gif
