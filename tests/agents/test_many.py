@@ -179,6 +179,7 @@ def test_a_file_of_policies_may_not_change(here: Path) -> None:
         next(rows)
 
 
+@pytest.mark.slow
 @BOTH
 def test_levels_are_measured(executor: Executor) -> None:
     levels = ["final-maze", "first-key"]
@@ -190,6 +191,7 @@ def test_levels_are_measured(executor: Executor) -> None:
     assert ["difficulty" in (row.metrics or {}) for row in rows] == [False, True]
 
 
+@pytest.mark.slow
 @BOTH
 def test_an_error_is_told_with_the_index_of_its_level(executor: Executor, here: Path) -> None:
     Path("bad.yaml").write_text("version: 1\nsize: [4, 4]\nexit: [9, 9]\n", encoding="utf-8")

@@ -195,6 +195,7 @@ def test_a_film_of_a_robot_that_turns_is_refused() -> None:
         level.to_gif(policy=brl.solve(level, actions="turns"))
 
 
+@pytest.mark.slow
 def test_a_film_that_is_cut_and_a_page_without_a_solution_warn() -> None:
     with pytest.warns(UserWarning, match="does not end within 500 steps") as found:
         film = ENDLESS.to_gif(policy="random", scale=0.1)
@@ -210,6 +211,7 @@ def test_a_film_that_is_cut_and_a_page_without_a_solution_warn() -> None:
 # -- progress ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [pictures.to_png, pictures.to_gif])
 def test_progress_is_told_while_a_picture_is_made(make: Any) -> None:
     level = brl.Level(version=1, size=(15, 15), maze={"seed": 1})

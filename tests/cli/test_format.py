@@ -71,6 +71,7 @@ def test_tidy_files_are_not_touched() -> None:
     assert path.stat().st_mtime == 1
 
 
+@pytest.mark.slow
 def test_line_ends_stay() -> None:
     # And a byte order mark goes.
     path = write("a.yaml", "\ufeff" + UNTIDY.replace("\n", "\r\n"))

@@ -24,6 +24,7 @@ def ids(folder: str) -> list[str]:
     return [each["id"] for each in json.loads(Path(folder, "gallery.json").read_text())["levels"]]
 
 
+@pytest.mark.slow
 def test_levels_of_all_kinds_become_a_gallery() -> None:
     write_files(Path("mine"), {"a.yaml": GOOD, "b/a.yaml": "version: 1\nsize: [5, 5]\n"})
     given = b"version: 1\nname: typed\nsize: [3, 3]\n"
@@ -32,6 +33,7 @@ def test_levels_of_all_kinds_become_a_gallery() -> None:
     assert ids("site") == ["a", "a-2", "first-key", "typed"]
 
 
+@pytest.mark.slow
 def test_errors_of_files_are_reported_as_by_validate_and_nothing_is_written() -> None:
     write_files(Path("mine"), {"0.yaml": GOOD, "1.yaml": BAD, "2.yaml": BAD})
     report = babyrobot("validate", "mine").out

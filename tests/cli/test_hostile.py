@@ -47,6 +47,7 @@ def test_files_that_hold_no_level(name: str) -> None:
     assert babyrobot("validate", "-", given=BYTES[name]).status == 1
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes and links")
 @pytest.mark.parametrize("command", ["validate", "preview", "show"])
 def test_places_that_are_no_files(command: str) -> None:

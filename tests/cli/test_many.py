@@ -65,6 +65,7 @@ def solved(*options: str) -> bytes:
     return Path("whole.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cut", [5, 13, 600, -1], ids=lambda cut: f"at byte {cut}")
 def test_rows_that_are_there_are_kept(cut: int) -> None:
     written("few.yaml", SUITE)

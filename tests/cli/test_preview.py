@@ -94,6 +94,7 @@ def test_an_svg_is_shown_larger_and_is_the_same_otherwise() -> None:
     assert usual.splitlines()[1:] == twice.splitlines()[1:]
 
 
+@pytest.mark.slow
 def test_pictures_of_pixels_are_as_large_as_asked() -> None:
     scene = build_scene(load("maze"))
     for options, name in ((("--scale", "0.5"), "a.png"), (("--cell", "32"), "a.gif")):
@@ -125,6 +126,7 @@ def test_a_film_shows_the_best_policys_episode(options: tuple[str, ...]) -> None
     assert made("puddles", *options, "--seed", "5", "walk.gif") == expected
 
 
+@pytest.mark.slow
 def test_a_random_walk_is_the_environments() -> None:
     expected = to_gif(load("frozen-lake"), episode("frozen-lake", 2, None))
     assert made("frozen-lake", "--policy", "random", "--seed", "2", "walk.gif") == expected
@@ -293,6 +295,7 @@ def test_without_answers_the_random_policy_is_watched() -> None:
 # -- agents ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_an_agent_is_shown_in_pages_pictures_and_films() -> None:
     level = load("frozen-lake")
     policy = np.array(solve(level, actions="moves").policy)
@@ -429,6 +432,7 @@ def test_pictures_of_several_levels_have_names_that_every_system_allows() -> Non
     assert names == {"con-2.svg", "con-3.svg", "ready.svg", "ready-2.svg"}
 
 
+@pytest.mark.slow
 def test_pages_of_several_levels_lead_from_one_to_the_next() -> None:
     assert preview("maze", "first-key", "maze", "--format", "html", "-o", "pages").status == 0
     links = {

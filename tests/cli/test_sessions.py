@@ -15,11 +15,17 @@ def session(name: str) -> str:
 LONG = ("gallery", "generate", "list", "preview", "sheet")
 """Sessions that search for levels, read all of them, or draw many pictures, for seconds each."""
 
+SLOW = ("compare", "course", "grade", "many", "score", "sight")
+"""Those that score agents or start processes."""
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.sweep] if name in LONG else []) for name in SESSIONS],
-)
+
+def marks_of(name: str) -> list[pytest.MarkDecorator]:
+    if name in LONG:
+        return [pytest.mark.sweep]
+    return [pytest.mark.slow] if name in SLOW else []
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=marks_of(name)) for name in SESSIONS])
 def test_what_the_commands_print(name: str) -> None:
     assert played(session(name)) == session(name)
 

@@ -49,6 +49,7 @@ def test_a_file_of_that_name_has_another_one(folder: Path) -> None:
 # -- what is put out ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_dash_is_standard_output(folder: Path) -> None:
     (folder / "lake.txt").write_text("SFFF\nFHFH\nFFFH\nHFFG\n", encoding="utf-8")
     for call in ("preview walls --format svg", "export walls --to maze-map", "resolve maze",

@@ -62,6 +62,7 @@ def save(path: Path, text: str) -> None:
     new.replace(path)
 
 
+@pytest.mark.slow
 def test_every_save_is_answered(watch: Watch, tmp_path: Path) -> None:
     first, second = tmp_path / "levels" / "a.yaml", tmp_path / "levels" / "b.yaml"
     watch.until(CLEAN)

@@ -6,6 +6,7 @@ import re
 
 import pytest
 from level_pictures.examples import Example, example_of
+from support.reports import each_rule
 
 from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import all_pages
@@ -140,7 +141,7 @@ def test_what_is_off_the_grid_is_in_the_picture() -> None:
     assert far.scene.width < 4 * 64
 
 
-@pytest.mark.parametrize("page", EXAMPLES, ids=lambda page: page.code)
+@pytest.mark.parametrize("page", each_rule(EXAMPLES), ids=lambda page: page.code)
 def test_the_example_of_a_rule_is_marked(page: Rule) -> None:
     bad, good = blocks_of(page)
     faulty, better = example_of(bad, code=page.code), example_of(good)

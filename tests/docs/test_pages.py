@@ -27,6 +27,7 @@ def faults(tmp_path: Path, page: str, *extras: str) -> list[str]:
 # -- what is right ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_blocks_are_done_in_one_folder_in_their_order(tmp_path: Path) -> None:
     page = """\
 <!-- file: levels/my.yaml -->

@@ -41,6 +41,7 @@ def test_the_commands_of_the_readme_name_scripts_that_are_there(script: str) -> 
     assert (ROOT / "scripts" / script).is_file()
 
 
+@pytest.mark.slow
 def test_the_demo_shows_the_robot_at_the_exit_in_a_few_lines(tmp_path: Path) -> None:
     level = GALLERY_FOLDER / "final-maze.yaml"
     done = python(EXAMPLES / "play.py", str(level), cwd=tmp_path, timeout=120)

@@ -19,6 +19,7 @@ def babyrobot(*arguments: str) -> str:
     return done.out
 
 
+@pytest.mark.slow
 def test_schema() -> None:
     for name in ("level", "suite", "theme", "pack", "play"):
         assert brl.schema(name) == json.loads(babyrobot("schema", name))

@@ -309,6 +309,7 @@ def test_a_command_reads_the_brief_and_writes_a_level(command: Any) -> None:
     assert done.solved == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "message"),
     [
@@ -352,6 +353,7 @@ def test_the_table_counts_by_family(capsys: pytest.CaptureFixture[str], tmp_path
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_tells_what_was_judged(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

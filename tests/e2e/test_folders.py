@@ -23,6 +23,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_all_that_take_levels_take_a_folder(folder: Path, tmp_path: Path) -> None:
     assert [each.name for each in brl.solve_many(folder)] == ["level-3", "level-2"]
     assert [each.level for each in brl.score(folder, "random")] == ["level-3", "level-2"]

@@ -144,6 +144,7 @@ def test_what_cannot_be_put_together_is_told(modules: dict[str, str], message: s
         together(**modules)
 
 
+@pytest.mark.slow
 def test_no_script_has_what_belongs_to_modules() -> None:
     scripts = {"widget": widget_script(), "editor": served_script()}
     scripts |= {name: make() for name, make in ASSETS.items() if name.endswith(".js")}

@@ -90,6 +90,7 @@ def test_a_video_is_recorded(tmp_path: Path) -> None:
         assert abs(clip.size[1] - height) <= 1
 
 
+@pytest.mark.slow
 def test_a_window_shows_the_frames(pygame: Any) -> None:
     env: Any = HumanRendering(level_named("default").make(render_mode="rgb_array"))
     env.reset(seed=0)

@@ -160,6 +160,7 @@ import gymnasium
     assert "babyrobot/Level-v0" in run(code + SHOW_IDS, tmp_path).split()
 
 
+@pytest.mark.slow
 def test_without_gymnasium_levels_are_read_all_the_same(tmp_path: Path) -> None:
     code = """
 import sys

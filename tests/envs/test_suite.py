@@ -207,6 +207,7 @@ def test_he_cheers_at_the_exit_of_every_level() -> None:
     assert len(ends) > 3
 
 
+@pytest.mark.slow
 def test_what_is_written_stays_in_levels_of_the_same_size() -> None:
     sizes = [level.size for level in load_suite(FIELDS)]
     same = sizes.index(sizes[0], 1)

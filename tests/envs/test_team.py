@@ -25,6 +25,7 @@ SLIPPERY = {
 }
 
 
+@pytest.mark.slow
 def test_an_id_makes_it_and_gymnasium_finds_no_fault() -> None:
     for level in (PASSING, PADS, SLIPPERY):
         env = gymnasium.make("babyrobot/Level-v0", level=level)
@@ -85,6 +86,7 @@ def test_samples_are_allowed_actions() -> None:
                 break
 
 
+@pytest.mark.slow
 def test_episodes_are_those_of_the_tables() -> None:
     """The same seed gives the same episode; outcomes are as likely as the tables say."""
     level = brl.load(SLIPPERY)

@@ -108,6 +108,7 @@ def test_a_hit_is_told_and_ends_the_episode_if_it_is_to(ends: bool) -> None:
     assert walked(env, [EAST], "hit") == [(2, 0, -7, ends, True)]
 
 
+@pytest.mark.slow
 @for_each("seed", range(15))
 def test_hits_and_what_is_held_are_those_of_the_reference(seed: int) -> None:
     random = Random(seed)

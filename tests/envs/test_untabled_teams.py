@@ -97,6 +97,7 @@ def test_episodes_of_random_teams_are_those_of_tables(first: int) -> None:
         assert_same_episodes(level, 1, 12)
 
 
+@pytest.mark.slow
 def test_what_is_surely_too_large_is_so() -> None:
     for given in ("passing-place", "two-pads", SLIPPERY):
         level = brl.load(given)
@@ -105,6 +106,7 @@ def test_what_is_surely_too_large_is_so() -> None:
         assert exceed(robots, size // 20)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", [ROOM, THREE], ids=["two", "three"])
 def test_too_many_joint_states_are_refused_soon_and_played(level: brl.Level) -> None:
     begin = time.process_time()
@@ -161,6 +163,7 @@ def test_episodes_tell_what_robots_get() -> None:
     assert math.isnan(both.error)
 
 
+@pytest.mark.slow
 def test_mean_returns_are_near_the_exact_ones() -> None:
     exact = brl.score_team("passing-place", "random", discount=0.9)
     for agents in ("random", ["random", "random"]):

@@ -269,6 +269,7 @@ def sees(level: Level, configuration: int, here: tuple[int, int], there: tuple[i
     return True
 
 
+@pytest.mark.slow
 @for_each("seed", range(20))
 def test_lines_are_those_of_the_reference_and_the_same_from_both_ends(seed: int) -> None:
     random = Random(seed)

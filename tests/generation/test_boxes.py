@@ -98,6 +98,7 @@ def test_too_little_room_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
         suite[0]
 
 
+@pytest.mark.slow
 def test_mutants_with_boxes_are_won() -> None:
     (level,) = brl.load_suite({**FIELDS, "count": 1, "boxes": 2, "size": [4, 4]})
     kinds = ["box", "target", "wall", "start"]

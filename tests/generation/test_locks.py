@@ -194,6 +194,7 @@ def test_winning_is_best_whatever_is_paid(fields: dict[str, Any], is_plain: bool
         assert brl.solve(suite[number]).exit_probability == 1
 
 
+@pytest.mark.slow
 def test_a_drawn_level_keeps_its_things() -> None:
     suite = load_suite({**FIELDS, "start": "farthest", "keys": 1, "guards": 1, "count": 5})
     for level in suite:

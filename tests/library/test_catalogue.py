@@ -293,6 +293,7 @@ def test_a_place_that_is_a_loop_is_none(monkeypatch: pytest.MonkeyPatch) -> None
     assert brl.load("default").name == "default"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 def test_a_pipe_among_the_levels_does_not_hang(here: Path) -> None:
     Path("levels").mkdir()
@@ -326,6 +327,7 @@ def test_a_name_of_its_own_is_found() -> None:
 # -- the catalogue ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_catalogue_tells_of_each_level() -> None:
     path = write(
         "levels/mine.yaml", f"{LEVEL}title: Mine\ntags: [easy, small]\nsource: a book\nauthor: me\n"

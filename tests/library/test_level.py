@@ -253,6 +253,7 @@ def test_levels_are_frozen() -> None:
     assert isinstance(level.walls, tuple)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
 def test_levels_can_be_pickled_and_copied(path: Path) -> None:
     level = brl.loads(path.read_text(encoding="utf-8"))

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from support.reports import each_rule
 
 import babyrobot_levels
 from babyrobot_levels.linter.finding import Needs
@@ -26,7 +27,7 @@ WITHOUT_EXAMPLES = {
     # About several files and about names of files.
     *("BR515", "BR601", "BR611"),
 }
-each_page = pytest.mark.parametrize("page", all_pages(), ids=lambda page: page.code)
+each_page = pytest.mark.parametrize("page", each_rule(all_pages()), ids=lambda page: page.code)
 
 
 def examples(page: Rule) -> list[str]:
@@ -74,7 +75,7 @@ def test_a_page_has_its_headings_and_its_examples_are_right(page: Rule) -> None:
         assert [str(each) for each in lint(page, good)] == []
 
 
-@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
+@pytest.mark.parametrize("rule", each_rule(RULES), ids=lambda rule: rule.code)
 def test_a_fix_is_described_and_fixes_the_bad_example(rule: Rule) -> None:
     described = rule.page.partition("\n## Fix safety\n")[2]
     assert bool(described) == any(fixes(rule, text) for text in examples(rule))

@@ -8,7 +8,7 @@ from unittest.mock import patch
 import pytest
 from support.combinations import swept
 from support.places import GALLERY_FOLDER
-from support.reports import GOOD, LINT_BAD, LINT_GOOD, RULES, lint_report, linted
+from support.reports import GOOD, LINT_BAD, LINT_GOOD, RULES, each_rule, lint_report, linted
 
 from babyrobot_levels.library.level import load_file
 from babyrobot_levels.library.search_path import yaml_files
@@ -31,7 +31,7 @@ def of(rule: Rule, paths: list[Path]) -> list[Path]:
     return [path for path in paths if path.parent.name == rule.name]
 
 
-@pytest.mark.parametrize("rule", PLAY, ids=lambda rule: rule.name)
+@pytest.mark.parametrize("rule", each_rule(PLAY), ids=lambda rule: rule.name)
 def test_a_rule_reports_its_bad_files_as_expected_and_no_good_ones(rule: Rule) -> None:
     """`python scripts/renew.py tests/linter` writes the expectations."""
     assert of(rule, LINT_BAD)

@@ -20,6 +20,7 @@ def level(**fields: Any) -> brl.Level:
     return brl.Level.from_fields({"version": 1, **fields})
 
 
+@pytest.mark.slow
 @for_each("seed", range(40))
 def test_without_boxes_the_search_finds_what_that_of_other_things_finds(seed: int) -> None:
     fields = random_level(Random(seed))

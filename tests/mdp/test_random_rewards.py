@@ -35,6 +35,7 @@ def test_model_checkers_get_the_mean_as_a_fraction() -> None:
     assert "[east] s=0 : 12/7;" in brl.export({**LEVEL, "areas": areas}, "prism").content
 
 
+@pytest.mark.slow
 def test_each_step_draws_the_reward_anew_by_the_seed() -> None:
     def episode(seed: int) -> tuple[float, ...]:
         env = brl.load(LEVEL).make()

@@ -247,6 +247,7 @@ CHANGES: dict[str, World] = {
 }
 
 
+@pytest.mark.slow
 def test_every_change_of_the_game_changes_the_digest() -> None:
     fields = [
         {name: each for name, each in changed(**change).items() if each is not None}

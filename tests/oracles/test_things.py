@@ -394,6 +394,7 @@ def test_movers_move_while_the_robot_turns() -> None:
 # Random levels.
 
 
+@pytest.mark.slow
 def test_most_random_levels_have_several_configurations() -> None:
     levels = [Reference(random_level(Random(seed))) for seed in range(40)]
     assert sum(len(level.configurations) > 1 for level in levels) >= 32
@@ -442,6 +443,7 @@ def compare(seed: int, things: bool = True, *, turning: bool = False) -> None:
         raise
 
 
+@pytest.mark.slow
 @for_each("seed", range(settings().max_examples))
 def test_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
     compare(seed)
@@ -480,6 +482,7 @@ def compare_chances(add: Callable[[Random, Fields], None], seed: int) -> None:
 CHANCES = [add_weights, add_gusts, add_diagonals, add_draws]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("add", CHANCES)
 @for_each("seed", range(settings().max_examples // 2))
 def test_more_chances_are_those_of_the_reference(

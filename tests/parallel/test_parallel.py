@@ -68,6 +68,7 @@ def test_an_error_that_cannot_be_sent_is_told_by_its_text() -> None:
     assert str(failure.error) == "UnreadableError: 5 and 5"
 
 
+@pytest.mark.slow
 @BOTH
 def test_few_items_are_taken_ahead_of_what_is_yielded(executor: Executor) -> None:
     items = tasks.Counted(100_000)
@@ -91,6 +92,7 @@ def test_work_is_done_by_several_processes() -> None:
     pytest.fail("one process did all the work", pytrace=False)
 
 
+@pytest.mark.slow
 def test_closing_cancels_what_has_not_been_done() -> None:
     items = tasks.Counted(100_000)
     with closing(Processes(2).map(tasks.slow, items)) as outcomes:

@@ -179,6 +179,7 @@ def within(where: str) -> set[str]:
 # -- references -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_random_levels_with_things_have_every_field() -> None:
     drawn = {where for _, fields, _ in drawn_levels() for where in fields}
     expected = playing(Role.GEOMETRY, Role.DYNAMICS, Role.REWARD).keys()

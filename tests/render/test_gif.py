@@ -117,6 +117,7 @@ def test_the_same_film_is_the_same_file() -> None:
     assert to_gif(ROW, WALK) == to_gif(level(size=[4, 1]), list(WALK))
 
 
+@pytest.mark.slow
 def test_a_film_of_the_final_maze_is_small() -> None:
     world = load("final-maze")
     path = [0, 1, 2, 10, 9, 8, 16, 17, 18, 19, 20, 21, 29, 30, 31, 39, 38, 37]

@@ -126,6 +126,7 @@ def test_things_are_what_the_configurations_tell(level: Level) -> None:
 KINDS = ("exit", "switch", "item", "door", "mover")
 
 
+@pytest.mark.slow
 def test_things_are_called_as_in_the_level() -> None:
     data = told()
     assert [(thing["kind"], thing["name"]) for thing in data["things"]] == [
@@ -270,6 +271,7 @@ def test_tables_that_are_too_large_are_refused(monkeypatch: pytest.MonkeyPatch) 
 # -- links -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_links_of_levels_that_older_pages_cannot_play_have_version_2() -> None:
     plain = Level.from_fields({"version": 1, "size": [3, 1]})
     looking = Level.from_fields({"version": 1, "size": [3, 1], "heading": "S"})

@@ -56,6 +56,7 @@ def test_it_is_a_sequence_of_levels(mixed: Suite) -> None:
         mixed[120]
 
 
+@pytest.mark.slow
 def test_a_level_does_not_depend_on_what_was_asked_before(mixed: Suite) -> None:
     fresh = load_suite(FIELDS)
     assert (
@@ -90,6 +91,7 @@ def test_parts_have_the_theme_that_stands_beside_the_suite(tmp_path: Path) -> No
     assert load_suite(suite.to_dict(whole=True))[91].to_svg() == picture
 
 
+@pytest.mark.slow
 def test_levels_have_what_the_suite_states(mixed: Suite) -> None:
     seen: dict[str, set[Any]] = {"size": set(), "algorithm": set(), "puddles": set()}
     for level in mixed:
@@ -220,6 +222,7 @@ def test_success_is_expected_unless_a_suite_asks_for_less() -> None:
     assert {*either} == {0, 1}
 
 
+@pytest.mark.slow
 def test_needs_are_names() -> None:
     suite = load_suite({**EXPECTING, "keys": {"min": 1, "max": 2}, "expect": {"needs": ["key"]}})
     assert {brl.metrics(level).needs for level in suite} == {("key",)}

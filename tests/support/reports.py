@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.linter.rule import Rule
 from babyrobot_levels.linter.rules import find
 from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
@@ -20,6 +25,12 @@ BAD = sorted((LEVELS / "bad").glob("*.yaml"))
 RULES = TESTS / "linter" / "rules"
 LINT_GOOD = sorted(RULES.glob("*/good-*.yaml"))
 LINT_BAD = sorted(RULES.glob("*/bad-*.yaml"))
+
+
+def each_rule(rules: Iterable[Rule]) -> list[Any]:
+    """Return values for `parametrize`; slow is the one whose examples compile large levels."""
+    slow = [pytest.mark.slow]
+    return [pytest.param(rule, marks=slow if rule.code == "BR539" else []) for rule in rules]
 
 
 @cache

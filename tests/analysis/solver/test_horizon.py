@@ -84,6 +84,7 @@ def test_small_gains_are_not_lost_in_many_steps() -> None:
     assert followed == pytest.approx(found.expected_return, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_what_does_not_repeat_has_a_bound_of_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("babyrobot_levels.analysis.solver.horizon.MAX_WORK", 10**9)
     level = brl.Level.from_fields({**ENDLESS, "discount": 0.999999, "skid": SKID})

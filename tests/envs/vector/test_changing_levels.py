@@ -203,6 +203,7 @@ class Shadows:
             assert np.array_equal(info[key][number], value), key
 
 
+@pytest.mark.slow
 @combined(1, family=["dry", "mazes"], observation=OBSERVATIONS, mode=MODES, engine=ENGINES)
 def test_each_environment_plays_the_level_that_it_says(
     family: str, observation: str, mode: AutoresetMode, engine: str
@@ -306,6 +307,7 @@ def test_with_seeds_of_their_own_they_walk_as_single_environments(
                 told[number], over[number] = single.reset(), False
 
 
+@pytest.mark.slow
 def test_levels_are_drawn_evenly() -> None:
     envs = make("wet", 6000, split="test")
     _, info = envs.reset(seed=1)
@@ -425,6 +427,7 @@ def test_infos_are_the_same_numbers_at_reset_and_step(family: str, engine: str) 
     assert [*alone.reset(seed=1)[1]] == [*alone.step(0)[4]] == [*kinds[0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["dry", "cornered"])
 def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
     envs = make(family, 8, render_mode="rgb_array")

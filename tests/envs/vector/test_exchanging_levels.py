@@ -149,6 +149,7 @@ def test_without_a_call_nothing_changes_and_infos_tell_of_one_level_as_before() 
     assert info["level_index"].tolist() == [0, 1]
 
 
+@pytest.mark.slow
 @each_engine
 def test_memory_is_bounded(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_slots, "KEPT_STATES", 1)

@@ -118,6 +118,7 @@ def test_metrics_are_those_of_the_level_with_reasons() -> None:
     assert TOOLS.metrics("version: 1\nmaze: {seed: random}\n").metrics == {}
 
 
+@pytest.mark.slow
 def test_levels_are_generated_by_conditions() -> None:
     made = TOOLS.generate(size="7x6", count=2, seed=4, keys=1, coins="1..2", detour="4..")
     levels = [brl.loads(text) for text in made.levels]

@@ -32,6 +32,7 @@ def count_of_game(difference: Difference) -> int:
     return len(difference.game) + sum(changes.count for changes in listed)
 
 
+@pytest.mark.slow
 @given(worlds(4), worlds(4))
 def test_what_differs_is_told_and_only_that(one: World, two: World) -> None:
     difference = diff(one, two)
@@ -42,6 +43,7 @@ def test_what_differs_is_told_and_only_that(one: World, two: World) -> None:
         assert count_of_game(difference) > 0
 
 
+@pytest.mark.slow
 @given(decorated_worlds())
 def test_a_level_does_not_differ_from_itself(world: World) -> None:
     difference = diff(world, level_of(world).share_code())
@@ -51,6 +53,7 @@ def test_a_level_does_not_differ_from_itself(world: World) -> None:
     assert difference.best_return[0] == difference.best_return[1]
 
 
+@pytest.mark.slow
 @given(worlds(4), st.integers(0, 10**6))
 def test_the_transitions_are_those_of_the_tables(world: World, place: int) -> None:
     level = level_of(world)
@@ -412,6 +415,7 @@ def test_a_mover_with_another_path_changes_where_it_is_met() -> None:
     assert longer.transitions.count == 0
 
 
+@pytest.mark.slow
 @for_each("seed", range(3))
 def test_random_levels_with_things(seed: int) -> None:
     fields = random_level(Random(seed))

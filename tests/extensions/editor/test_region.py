@@ -154,6 +154,7 @@ def test_nothing_copied_and_cells_off_the_grid_are_refused() -> None:
     assert refused(session, "stamp", at=[7, 7]) == "this is off the grid"
 
 
+@pytest.mark.slow
 @given(worlds(5) | thing_worlds(), st.sampled_from(["x", "y", "xy"]))
 @settings(max_examples=settings().max_examples // 3)
 def test_mirrored_twice_all_stands_where_it_stood(world: dict[str, Any], mirror: str) -> None:

@@ -113,6 +113,7 @@ def test_robot_that_cannot_be_added_is_refused(
 # -- moved and changed ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_robots_and_their_exits_are_places_and_starts_are_none() -> None:
     for text, cells in ((TWO, [[0, 0], [3, 2]]), (DRAWN, [[0, 0], [0, 1]])):
         session = Session(text)
@@ -150,6 +151,7 @@ def test_start_that_is_given_to_a_robot_takes_the_place_of_a_drawn_one() -> None
     assert "  |     p   E |\n" in session.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("field", [field["name"] for field in forms()["robot"]])
 def test_each_field_of_a_robot_can_be_set_and_reset(field: str) -> None:
     session = Session(TWO)

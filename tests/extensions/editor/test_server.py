@@ -86,6 +86,7 @@ def client(served_client: Client) -> Iterator[Client]:
     assert json.loads(served_client.content)["state"]["text"] == TEXT
 
 
+@pytest.mark.slow
 def test_saving_does_not_wait_for_the_optimum(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -129,6 +130,7 @@ def test_saving_does_not_wait_for_the_optimum(
             go_on.set()
 
 
+@pytest.mark.slow
 def test_what_there_is_is_told_while_a_change_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     begun, go_on = Event(), Event()
 

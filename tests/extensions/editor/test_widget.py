@@ -133,6 +133,7 @@ def test_a_level_is_saved_to_its_file_or_to_another_one(
     assert edit(tmp_path / "maze.yaml").yaml == TEXT
 
 
+@pytest.mark.slow
 def test_it_takes_what_load_takes(tmp_path: Path) -> None:
     level = brl.load("final-maze")
     fields = {"version": 1, "size": [3, 2]}
@@ -146,6 +147,7 @@ def test_it_takes_what_load_takes(tmp_path: Path) -> None:
         edit(7)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_outside_of_notebooks_it_is_the_widget_and_a_picture() -> None:
     bundle, _ = edit("gallery/final-maze")._repr_mimebundle_()
     assert {"application/vnd.jupyter.widget-view+json", "image/svg+xml", "image/png"} <= {*bundle}

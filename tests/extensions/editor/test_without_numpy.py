@@ -121,6 +121,7 @@ def test_every_message_has_the_same_answer(told: dict[str, Any]) -> None:
     assert {*QUESTIONS} <= {message["do"] for message in [*MESSAGES, *NUMERIC]}
 
 
+@pytest.mark.slow
 def test_what_needs_numpy_says_so_in_a_sentence(told: dict[str, Any]) -> None:
     assert [reply["error"] for reply in told["numeric"]] == [NEEDS_NUMPY] * len(NUMERIC)
     state = told["messages"][0]["state"]

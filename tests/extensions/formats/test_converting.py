@@ -251,6 +251,7 @@ def test_pictures_are_those_of_preview() -> None:
     assert Path("a.png").read_bytes() == Path("b.png").read_bytes()
 
 
+@pytest.mark.slow
 def test_models_are_named_by_their_suffixes_and_need_their_package(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

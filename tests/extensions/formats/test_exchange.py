@@ -153,6 +153,7 @@ OTHER_LEVELS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", [*CAUSES, *OTHER_LEVELS])
 def test_levels_come_back_as_files(level: str) -> None:
     for name in WRITTEN:

@@ -224,6 +224,7 @@ HOSTILE = {
 HEAVY = ("walls", "blocked")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

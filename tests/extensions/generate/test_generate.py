@@ -129,6 +129,7 @@ MIXED: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 def test_a_level_of_a_suite_is_the_file_that_generate_writes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

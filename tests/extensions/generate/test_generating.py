@@ -96,6 +96,7 @@ def test_the_call_in_a_file_makes_the_file(order: tuple[str, ...]) -> None:
 # -- splits and exclusions -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_no_game_of_another_folder_is_made() -> None:
     order = ["generate", "--size", "3x3", "--algorithm", "wilson", "--exit", "random"]
     assert babyrobot(*order, "--count", "20", "-o", "first").status == 0
@@ -293,6 +294,7 @@ def test_resuming_ends_with_the_same_files() -> None:
     assert contents(Path("part")) == contents(Path("whole"))
 
 
+@pytest.mark.slow
 def test_resuming_knows_which_games_are_there() -> None:
     # So few games that many tries are of one that is there.
     order = ["generate", "--count", "30", "--size", "3x4", "--exit", "random"]

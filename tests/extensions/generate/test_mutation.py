@@ -74,6 +74,7 @@ def test_edits_that_undo_each_other_are_no_mutant() -> None:
     assert level.digest not in {mutant.digest for mutant in mutants}
 
 
+@pytest.mark.slow
 @untimed
 @given(st.sampled_from(PARENTS), st.integers(0, 2**53), st.integers(1, 12))
 def test_mutants_are_won_by_default(name: str, seed: int, edits: int) -> None:
@@ -168,6 +169,7 @@ def test_an_evolution_of_many_edits_stays_playable(tmp_path: Path) -> None:
     assert not [finding for finding in brl.lint(path) if finding.severity == "error"]
 
 
+@pytest.mark.slow
 @untimed
 @given(st.sampled_from(PARENTS[:3]), st.integers(0, 2**53))
 def test_what_stands_in_a_crossing_stands_in_one_of_its_parents(name: str, seed: int) -> None:
@@ -182,6 +184,7 @@ def test_what_stands_in_a_crossing_stands_in_one_of_its_parents(name: str, seed:
             assert all(entry in first.get(field, []) + second.get(field, []) for entry in entries)
 
 
+@pytest.mark.slow
 def test_crossings_have_parts_of_both() -> None:
     wet = [[x, y] for x in range(6) for y in range(6)][1:-1]
     base = {"version": 1, "size": [6, 6], "puddles": [{"at": cell} for cell in wet]}
@@ -227,6 +230,7 @@ def test_levels_of_different_sizes_are_not_crossed() -> None:
 # -- files -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_files_of_mutants_are_those_of_the_command() -> None:
     options = ["--from", "final-maze", "--edits", "1..5", "--path-length", "10..", "--seed", "3"]

@@ -65,6 +65,7 @@ def test_q_learning_comes_to_the_optimal_action_values() -> None:
     assert np.isnan(found.values[0, 2])
 
 
+@pytest.mark.slow
 def test_sarsa_without_learning_the_best_is_worth_what_its_policy_is() -> None:
     """With epsilon 1, Sarsa evaluates going in all directions evenly."""
     found = last(sarsa("gridworld-4-1", 2000, step_size=0.05, epsilon=1, discount=0.9))

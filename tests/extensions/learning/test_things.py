@@ -76,6 +76,7 @@ def test_action_values_have_the_shape_of_the_tables(
     assert evaluate("first-key", found, 0.9, actions).exit_probability == 1
 
 
+@pytest.mark.slow
 def test_nothing_follows_a_hit_that_ends_the_episode() -> None:
     # With steps of size 1, all that happens is that exact values spread.
     found = last(q_learning(GUARD, 3000, step_size=1, epsilon=1, actions="all"))

@@ -185,6 +185,7 @@ def test_a_link_put_there_by_hand_is_not_followed(tmp_path: Path) -> None:
     assert (home() / "zoo").is_symlink()
 
 
+@pytest.mark.slow
 @needs_posix
 def test_a_lock_that_is_a_link_is_refused(tmp_path: Path) -> None:
     archive = packed()

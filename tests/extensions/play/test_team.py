@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from support.games import DOWN, RIGHT, UP, Game
 
 import babyrobot_levels as brl
@@ -12,6 +13,7 @@ from babyrobot_levels.agents.verify import verify_play
 TWO_PADS = "two-pads"
 
 
+@pytest.mark.slow
 def test_two_players_share_the_keyboard(tmp_path: Path) -> None:
     with Game(tmp_path, TWO_PADS, "--seed", "1", "--record", "a.brlplay") as game:
         assert "WASD red · ←↑↓→ blue" in game.until("Move all robots to the exit. And red?")
@@ -40,6 +42,7 @@ def test_two_players_share_the_keyboard(tmp_path: Path) -> None:
     assert (play.end, play.steps, verify_play(play).fault) == ("terminated", 7, None)
 
 
+@pytest.mark.slow
 def test_a_team_does_not_turn(tmp_path: Path) -> None:
     with Game(tmp_path, TWO_PADS, "--actions", "turns") as game:
         status, told = game.ended()

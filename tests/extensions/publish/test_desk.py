@@ -87,6 +87,7 @@ def test_policies_are_right_as_elsewhere(name: str) -> None:
                 hashed.graded(changed, "policy", DATA[name])
 
 
+@pytest.mark.slow
 def test_agents_learn_in_episodes_of_the_page() -> None:
     learned = (SOLUTIONS / "q_learning.py").read_text("utf-8")
     passed, message = asked(learned, "q_learning", "agent", "puddle-test")
@@ -127,6 +128,7 @@ def test_episodes_are_those_of_the_tables() -> None:
     assert ends > 40
 
 
+@pytest.mark.slow
 def test_solutions_are_right_and_skeletons_are_not_written() -> None:
     told = desk._told(read_course(ROOT / "course"), "Robots")
     for function in told["functions"][:2]:

@@ -75,6 +75,7 @@ def test_it_has_the_files_that_its_list_names_and_no_others(site: Path) -> None:
     assert [each["id"] for each in data["levels"]] == LEVELS
 
 
+@pytest.mark.slow
 def test_the_packages_levels_come_in_their_chosen_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -109,6 +110,7 @@ def test_its_files_are_those_of_the_level(site: Path, name: str) -> None:
             assert max(image.size) <= 400
 
 
+@pytest.mark.slow
 def test_small_pictures_leave_out_the_panels(site: Path) -> None:
     width, height = brl.load("final-maze").size
     for file in ("tile.png", "film.gif"):
@@ -125,6 +127,7 @@ def test_it_does_not_depend_on_the_number_of_processes(tmp_path: Path) -> None:
 # -- names ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_ids_are_unique_slugs_that_no_name_can_lead_out_of_the_folder(tmp_path: Path) -> None:
     names = ["a", "A", "a-2", "assets", "CON", "ä ö", "..", "a/../../b", "x" * 300, "", "a"]
     ids = [*writing._ids(names)]
@@ -137,6 +140,7 @@ def test_ids_are_unique_slugs_that_no_name_can_lead_out_of_the_folder(tmp_path: 
     assert [each["id"] for each in made.levels] == ["level", "level-2", "level-3"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("editor", "link"),
     [
@@ -176,6 +180,7 @@ def test_a_suite_gives_title_names_and_splits(tmp_path: Path) -> None:
     assert {each["split"] for each in part.levels} == {"test"}
 
 
+@pytest.mark.slow
 def test_a_random_maze_is_that_of_seed_0(tmp_path: Path) -> None:
     made = brl.gallery(["random-maze"], tmp_path / "site")
     found, loaded = made.levels[0], brl.load("random-maze")
@@ -207,6 +212,7 @@ def test_any_level_has_a_page_and_pictures(tmp_path: Path) -> None:
 # -- without answers -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_gallery_without_answers_is_written_without_solving(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -223,6 +229,7 @@ def test_a_gallery_without_answers_is_written_without_solving(
     assert len(brl.gallery(LEVELS, tmp_path / "site", answers=False).levels) == len(LEVELS)
 
 
+@pytest.mark.slow
 def test_no_file_of_a_gallery_without_answers_contains_the_optimum(
     site: Path, tmp_path: Path
 ) -> None:
@@ -279,6 +286,7 @@ def beside(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
+@pytest.mark.slow
 def test_a_gallery_is_replaced_by_the_next_one(tmp_path: Path) -> None:
     brl.gallery([level(name="before")], tmp_path / "site")
     brl.gallery([SMALL], tmp_path / "site")
@@ -308,6 +316,7 @@ def test_what_is_no_gallery_is_refused(tmp_path: Path) -> None:
     assert brl.gallery([SMALL], tmp_path / "empty").levels
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("added", ["notes.txt", "small/notes.txt", "assets/notes.txt", "other/a"])
 def test_files_that_were_added_are_deleted_only_if_that_is_asked_for(
     tmp_path: Path, added: str
@@ -339,6 +348,7 @@ def test_an_error_leaves_what_was_there(tmp_path: Path) -> None:
     assert beside(tmp_path) == ["bad.yaml", "site"]
 
 
+@pytest.mark.slow
 def test_levels_with_errors_can_be_left_out(tmp_path: Path) -> None:
     bad = tmp_path / "bad.yaml"
     bad.write_text("version: 1\nsize: [3, 3]\nexit: [9, 9]\n")

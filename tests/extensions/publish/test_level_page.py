@@ -141,6 +141,7 @@ def test_the_optimum_within_the_time_limit_is_told_where_it_differs() -> None:
     assert not [name for name in facts_on(page_of(load("final-maze"))) if "within" in name]
 
 
+@pytest.mark.slow
 def test_values_of_things_are_there_for_all_that_can_be_held() -> None:
     def told(name: str) -> str:
         return page_of(load(name)).texts["figcaption"][0]
@@ -312,6 +313,7 @@ def test_bibtex_escapes_what_latex_would_read() -> None:
     assert entry.count("{") == entry.count("}")
 
 
+@pytest.mark.slow
 def test_the_file_keeps_comments_but_not_the_way_to_a_schema(tmp_path: Path) -> None:
     brl.gallery(["lookout"], tmp_path / "site")
     text = (tmp_path / "site" / "lookout" / "level.yaml").read_text("utf-8")

@@ -78,6 +78,7 @@ def test_fewer_levels_than_have_room_share_the_whole_page() -> None:
     assert width(brl.sheet("frozen-lake")) > 1.2 * width(brl.sheet(["frozen-lake"] * 4))
 
 
+@pytest.mark.slow
 def test_a_key_has_a_picture_for_each_set_of_held_things() -> None:
     (text,) = texts(brl.sheet(["first-key", "three-gems", "final-maze"], key=True))
     # In the order of the level, fewer before more, and no more than four.
@@ -132,6 +133,7 @@ def test_levels_do_not_overlap(per_page: int, landscape: bool, key: bool) -> Non
             assert all(mark.y < top for top in below)
 
 
+@pytest.mark.slow
 def test_pictures_are_grey_unless_another_theme_is_asked_for() -> None:
     def is_grey(sheet: brl.Sheet) -> bool:
         pixels = pdfium.PdfDocument(sheet.to_pdf())[0].render().to_numpy().astype(int)
@@ -176,6 +178,7 @@ def test_rules_can_be_left_out() -> None:
     assert "ends the episode" not in text
 
 
+@pytest.mark.slow
 def test_many_rules_stand_on_a_page_of_their_own_and_none_is_lost() -> None:
     levels = [
         {"version": 1, "size": [4, 4], "rewards": {"step": -number, "exit": number},
@@ -298,6 +301,7 @@ def test_grids_of_levels_with_things_are_those_of_the_beginning() -> None:
 # -- formats ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_pdf_has_the_pages_with_texts_that_can_be_searched() -> None:
     sheet = brl.sheet(NAMES, title="Week 3", per_page=3)
     file = pdfium.PdfDocument(sheet.to_pdf())
@@ -336,6 +340,7 @@ def test_html_prints_page_by_page(page: Page, tmp_path: Path, landscape: bool) -
         assert f"Page {number + 1} of 3" in file[number].get_textpage().get_text_bounded()
 
 
+@pytest.mark.slow
 def test_files_are_named_by_their_pages(tmp_path: Path) -> None:
     two = brl.sheet([{"version": 1, "size": [2, 1]}] * 2, per_page=1)
     assert [*two.files(tmp_path / "two.png", "png")] == [tmp_path / f"two-{n}.png" for n in (1, 2)]

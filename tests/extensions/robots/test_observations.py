@@ -34,6 +34,7 @@ def walked(level: brl.Level, seed: int) -> Any:
         observations, *_ = env.step({name: rng.integers(5) for name in env.agents})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_each_robot_sees_the_others_where_they_are(seed: int) -> None:
     fields = random_team(Random(seed))

@@ -17,6 +17,7 @@ PASSING = "passing-place"
 TEAMS = [fields for seed in range(30) if (fields := random_team(Random(seed))) is not None]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_pettingzoo_finds_no_fault() -> None:
     with warnings.catch_warnings():

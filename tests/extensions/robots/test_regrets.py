@@ -88,9 +88,8 @@ def pairs() -> list[brl.Level]:
     return [level for level in levels if level.compile().num_states <= 1_000][:8]
 
 
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 8))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
 def test_best_answers_are_those_of_value_iteration(seed: int) -> None:
     level = pairs()[seed]
     mdp, rng = level.compile(), np.random.default_rng(seed)

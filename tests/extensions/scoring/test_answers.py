@@ -280,6 +280,7 @@ def test_what_students_begin_with_takes_no_action_that_was_never_possible(
     assert "impossible" not in message
 
 
+@pytest.mark.slow
 def test_no_message_tells_the_solution() -> None:
     """The digits of a right value stand in no sentence about a wrong one."""
     solution = brl.solve(LAKE)

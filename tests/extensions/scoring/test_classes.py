@@ -85,6 +85,7 @@ NOTES: dict[str, list[str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_code_is_found_in_whatever_form_it_is_handed_in(tmp_path: Path) -> None:
     values: Any = {
         each: brl.solve(COURSE / "levels" / f"{each}.yaml").values for each in ("row", "bend")
@@ -140,6 +141,7 @@ ROSTERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXPORTS)
 def test_exports_of_schools_are_read_and_their_lists_filled(name: str, tmp_path: Path) -> None:
     own = EXPORTS[name]
@@ -251,6 +253,7 @@ def test_what_could_not_be_graded_is_no_0(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_typos_are_errors_and_no_marks(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     with zipfile.ZipFile(tmp_path / "empty.zip", "w"):
@@ -288,6 +291,7 @@ def test_results_are_kept_until_files_change(tmp_path: Path) -> None:
     assert first.shared == {"value_iteration.py": [["ada", "ben"]]}
 
 
+@pytest.mark.slow
 def test_an_interrupt_ends_all_that_runs(tmp_path: Path) -> None:
     sleeping = f"import time\ndef {NAME}(level): time.sleep(60)"
     files = {"ada/value_iteration.py": RIGHT, "ben/value_iteration.py": sleeping}
@@ -322,6 +326,7 @@ def test_plays_count_beside_code(tmp_path: Path) -> None:
     assert found.totals["ben"] == {"value_iteration.py": 0, "row": 0, "bend": 0, "total": 0}
 
 
+@pytest.mark.slow
 def test_pages(tmp_path: Path) -> None:
     files = {f"{who}/value_iteration.py": f"def {NAME}(level): return level.{who[0]}"
              for who in ("Ada <b>", "Adà b", "../x")}  # fmt: skip
@@ -344,6 +349,7 @@ def test_pages(tmp_path: Path) -> None:
     assert "all 4 values are right" in own
 
 
+@pytest.mark.slow
 def test_one_folder_is_one_student(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hand_in(tmp_path / "ada", {"value_iteration.py": RIGHT, "extra/notes.py": "x = 1"})
     found = brl.grade(tmp_path / "ada", COURSE, functions=[NAME])

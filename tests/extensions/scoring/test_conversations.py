@@ -57,6 +57,7 @@ def test_the_last_line_of_a_reply_is_the_move(reply: Any, move: str | None) -> N
     assert move_of(reply) == move
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sight", ["map", "view", "words"])
 def test_an_optimal_agent_has_no_regret_in_any_episode(sight: str) -> None:
     lake = brl.load("frozen-lake").replace(max_steps=5000)
@@ -121,6 +122,7 @@ def test_a_chat_model_gets_all_messages() -> None:
     assert "Rules:" not in "".join(texts[1:])
 
 
+@pytest.mark.slow
 def test_episodes_are_plays(tmp_path: Path) -> None:
     file = tmp_path / "east.brlplay"
     lake = brl.load("frozen-lake")

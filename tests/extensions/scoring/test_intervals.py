@@ -39,6 +39,7 @@ def test_two_values_have_the_interval_of_clopper_and_pearson(
     assert found == pytest.approx(known, abs=0.01)
 
 
+@pytest.mark.slow
 def test_many_values_are_grouped() -> None:
     values = np.random.default_rng(3).exponential(size=20_000)
     low, high = interval(values, 0, 20)

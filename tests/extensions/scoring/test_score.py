@@ -99,6 +99,7 @@ class Turner:
         return heading
 
 
+@pytest.mark.slow
 def test_an_agent_with_memory_plays_episodes() -> None:
     scores = brl.score(["maze", "final-maze"], Turner(), actions="moves", episodes=200, seed=3)
     maze, wet = scores
@@ -127,6 +128,7 @@ class Drawer:
         return int(self.random.choice(np.flatnonzero(mask)))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:of an agent with memory")
 def test_few_episodes_do_not_hide_what_is_rare() -> None:
     (exact,) = brl.score("frozen-lake", "random")

@@ -22,6 +22,7 @@ def pixels_of(png: bytes) -> NDArray[np.uint8]:
         return np.array(image.convert("RGB"))
 
 
+@pytest.mark.slow
 def test_the_picture_is_that_of_the_environment() -> None:
     world = brl.TextWorld("night-watch", sight="picture")
     assert (world.pixels, world.picture, world.data_url) == (None, None, None)

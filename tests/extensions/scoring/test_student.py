@@ -76,6 +76,7 @@ def test_what_is_no_answer_is_a_fault(head: bytes, tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_half_an_answer_is_not_waited_for(tmp_path: Path) -> None:
     head = b'["<f8", [4]]'.ljust(4096) + bytes(20)
     assert answered(tmp_path, SENDS.format(head=head), seconds=1) == [

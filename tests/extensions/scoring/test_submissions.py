@@ -230,6 +230,7 @@ def test_what_is_no_course(small: Path, tmp_path: Path) -> None:
         brl.grade_functions(small)
 
 
+@pytest.mark.slow
 def test_what_is_graded_so_far_is_told_and_what_is_left_is_not_graded(
     small: Path, tmp_path: Path
 ) -> None:

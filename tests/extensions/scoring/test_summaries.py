@@ -72,6 +72,7 @@ def test_intervals_hold_for_other_levels_of_skewed_populations(
         assert held([each[statistic] for each in found], value) >= 0.9, statistic
 
 
+@pytest.mark.slow
 def test_improvement_holds_for_other_levels() -> None:
     # Better in every other level, by chance, or in nearly none.
     for chance in (0.5, 0.02):
@@ -83,6 +84,7 @@ def test_improvement_holds_for_other_levels() -> None:
         assert held(found, chance) >= 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stratified", [False, True])
 def test_intervals_hold_for_other_runs(stratified: bool) -> None:
     summaries = [

@@ -26,6 +26,7 @@ def best() -> Any:
     return lambda observation: known[tuple(np.asarray(observation).tolist())]
 
 
+@pytest.mark.slow
 def test_a_function_chooses_the_action_of_each(best: Any) -> None:
     (row,) = brl.score(PADS, best)
     assert (row.expected_return, row.regret, row.success) == (-10.0, 0.0, 1.0)

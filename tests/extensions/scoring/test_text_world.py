@@ -39,6 +39,7 @@ def follow(world: brl.TextWorld) -> None:
         act(world, NAMES[int(policies[len(world.moves)].ravel()[world.state])])
 
 
+@pytest.mark.slow
 @settings(max_examples=min(settings().max_examples, 60), deadline=None)
 @given(
     st.one_of(worlds(5), thing_worlds()),
@@ -68,6 +69,7 @@ def test_advantages_and_luck_add_up_to_what_an_episode_misses_of_the_optimum(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["frozen-lake", "night-watch", "first-key", "final-maze"])
 def test_only_optimal_play_has_no_regret(name: str) -> None:
     world = brl.TextWorld(name)
@@ -192,6 +194,7 @@ def test_trainers_get_a_class_without_arguments_and_its_methods_as_tools() -> No
         assert all(f"{argument}:" in documentation for argument in arguments)
 
 
+@pytest.mark.slow
 def test_wrong_arguments_are_refused() -> None:
     for arguments, message in (
         ({"sight": "smell"}, "sight must be"),
@@ -248,6 +251,7 @@ def test_decisions_are_those_of_text_worlds(tmp_path: Path) -> None:
 # -- how sure one can be ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_it_is_told_how_sure_one_can_be() -> None:
     world = brl.TextWorld("three-gems", sight="words", tell_sure=True)
     assert "one can be 25 % sure how everything stands" in world.reset(seed=1)

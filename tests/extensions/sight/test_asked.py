@@ -21,6 +21,7 @@ from babyrobot_levels.registry.own import PLACES
 from babyrobot_levels.text.budget import COMMAND, OverBudgetError, within
 
 
+@pytest.mark.slow
 def test_solve_with_a_sight_is_the_optimum_of_the_sight() -> None:
     how: Any = {"view_radius": 1, "within": "max_steps", "actions": "moves", "discount": 0.9}
     found = brl.solve("shell-game", sight="view", **how)
@@ -74,6 +75,7 @@ def test_exact_values_are_those_of_full_sight() -> None:
         brl.solve("shell-game", sight="view", exact=True)
 
 
+@pytest.mark.slow
 def test_within_a_budget_the_search_ends_with_two_bounds() -> None:
     with within(replace(COMMAND, steps=100_000_000)):
         found = brl.solve("small-corridor", sight="view")
@@ -84,6 +86,7 @@ def test_within_a_budget_the_search_ends_with_two_bounds() -> None:
         brl.solve("small-corridor", sight="view")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sight", ["planes", "text-words"])
 def test_what_is_observed_counts_as_work(sight: str) -> None:
     level = brl.loads("version: 1\nsize: [30, 30]\nmax_steps: 9\n")
@@ -124,6 +127,7 @@ def test_other_formats_hold_no_sight() -> None:
         brl.export("frozen-lake", "prism", sight="view")
 
 
+@pytest.mark.slow
 def test_a_score_says_what_can_be_known() -> None:
     options: Any = {"observation": "view", "view_radius": 1, "actions": "moves", "discount": 0.99}
     seen: Any = {"sight": "view", "view_radius": 1, "actions": "moves", "discount": 0.99}
@@ -149,6 +153,7 @@ def test_who_sees_where_it_is_can_know_all_of_a_lake() -> None:
     assert row.knowable_share == pytest.approx(row.share)
 
 
+@pytest.mark.slow
 def test_a_score_of_a_reader_is_set_beside_what_its_texts_tell() -> None:
     options: Any = {"within": 10, "episodes": 2}
     (row,) = brl.score("shell-game", lambda text: "east", sight="view", knowable=True, **options)
@@ -192,6 +197,7 @@ def test_all_places_of_own_extensions_can_be_imported() -> None:
         assert callable(resolve(place))
 
 
+@pytest.mark.slow
 def test_who_gives_no_sight_loads_nothing_of_it() -> None:
     code = (
         "import sys, babyrobot_levels as brl; brl.solve('frozen-lake');"
@@ -220,6 +226,7 @@ def test_what_sight_is_worth_is_a_metric_of_the_sight_view() -> None:
     assert "sight_cost" not in measured.to_dict()
 
 
+@pytest.mark.slow
 def test_the_metric_has_no_value_where_it_is_not_found_or_makes_no_sense() -> None:
     corridor = brl.metrics("large-corridor")
     assert corridor.sight_cost is None
@@ -230,6 +237,7 @@ def test_the_metric_has_no_value_where_it_is_not_found_or_makes_no_sense() -> No
     assert brl.metrics(cancelling).sight_cost is None
 
 
+@pytest.mark.slow
 def test_a_level_states_what_sight_is_worth(here: Path) -> None:
     Path("doors.yaml").write_text(brl.load("shell-game").to_yaml(), "utf-8")
     brl.expect("doors.yaml", add=["sight_cost"], write=True)
@@ -240,6 +248,7 @@ def test_a_level_states_what_sight_is_worth(here: Path) -> None:
     assert finding.message == "`sight_cost` is 0.666667, not 0.7..1"
 
 
+@pytest.mark.slow
 def test_levels_are_found_in_which_sight_is_worth_something() -> None:
     found = brl.mutate("shell-game", edits=2, seed=0, expect={"sight_cost": "0.8.."})
     cost = brl.metrics(found).sight_cost

@@ -53,6 +53,7 @@ def worth(name: str, data: dict[str, Any], steps: int) -> float:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["shell-game", "three-gems", "red-blue-doors"])
 def test_the_agent_of_a_page_earns_the_optimum_of_the_sight(name: str) -> None:
     found = brl.solve(name, **FOGGY)
@@ -81,6 +82,7 @@ def data_of(page: str) -> dict[str, Any]:
     return data
 
 
+@pytest.mark.slow
 def test_a_page_with_a_sight_knows_nothing_of_who_sees_everything() -> None:
     data = data_of(brl.load("shell-game").to_html(**FOGGY))
     assert (data["walker"], data["policy"], data["alt"]) == ("sight", None, "")

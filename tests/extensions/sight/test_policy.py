@@ -37,6 +37,7 @@ def earned(agent: SightPolicy, slow: Beliefs, now: Weights, steps: int) -> Fract
     return total
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sight", [blind, parity, walls])
 def test_it_earns_the_lower_bound(sight: Any) -> None:
     for seed in range(12):
@@ -84,6 +85,7 @@ def test_it_goes_on_where_nothing_was_explored() -> None:
         assert sum(chance for _, _, chance in agent.belief) == pytest.approx(1)
 
 
+@pytest.mark.slow
 def test_a_seed_draws_the_same_actions() -> None:
     found = solve_sight("shell-game", "view", view_radius=1, beliefs=3)
     options: dict[str, Any] = {"observation": "view", "view_radius": 1, "episodes": 100}

@@ -11,6 +11,7 @@ import babyrobot_levels as brl
 SIGHT: Any = {"view_radius": 1}
 
 
+@pytest.mark.slow
 def test_the_best_agent_of_a_sight_earns_its_optimum() -> None:
     agent = brl.solve("shell-game", sight="view", **SIGHT).policy()
     data = brl.rollout("shell-game", agent, 20, 100, seed=1, observation="view", **SIGHT)

@@ -22,6 +22,7 @@ def rounds(*args: Any, **options: Any) -> Bounds:
     return found
 
 
+@pytest.mark.slow
 def test_bounds_close_from_round_to_round() -> None:
     found = rounds("ice-rink", blind, discount=0.9, beliefs=1000)
     beliefs, lower, upper = zip(*found, strict=True)
@@ -33,6 +34,7 @@ def test_bounds_close_from_round_to_round() -> None:
     assert upper[-1] - lower[-1] < (upper[0] - lower[0]) / 3
 
 
+@pytest.mark.slow
 def test_bounds_are_the_same_each_time() -> None:
     options: dict[str, Any] = {"discount": 0.9, "beliefs": 300}
     assert rounds("ice-rink", walls, **options) == rounds("ice-rink", walls, **options)

@@ -75,6 +75,7 @@ def test_the_mask_tells_walls_that_a_picture_of_one_cell_does_not() -> None:
     assert shown[0] > shown[1] == solve_sight(levels, nothing_but_the_cell).upper
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sight", ["map", "view", "words"])
 @pytest.mark.parametrize("level", ["shell-game", "glasshouse", "two-levers"])
 def test_worlds_of_text_tell_what_their_sight_says(level: str, sight: str) -> None:

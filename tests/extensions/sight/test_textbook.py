@@ -31,6 +31,7 @@ END = """\
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("drawing", "steps"),
     [
@@ -129,6 +130,7 @@ WORLD = """
 """
 
 
+@pytest.mark.slow
 def test_the_4x3_world_with_two_detectors() -> None:
     # Russell and Norvig, with the sensors of Parr and Russell (1995), "Approximating optimal
     # policies for partially observable stochastic domains": who knows the start gets by with them.

@@ -23,6 +23,7 @@ CORRIDOR = {
 }
 
 
+@pytest.mark.slow
 def test_cassandra_files_have_the_same_values() -> None:
     draws = 0
     for seed in range(22):

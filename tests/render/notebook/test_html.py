@@ -44,6 +44,7 @@ def test_a_level_whose_maze_is_random_shows_one_of_its_mazes() -> None:
     assert shown(level) == shown(level.with_maze_seed(0))
 
 
+@pytest.mark.slow
 def test_a_picture_that_is_wider_than_cells_is_as_wide_as_its_cell() -> None:
     # Without a size of its own. A narrow one would be enlarged.
     sizes = {}
