@@ -311,12 +311,17 @@ class Boxed(Candidate):
 class Maker:
     """Draws the levels of a suite.
 
+    Attributes:
+        is_made_of_others: whether they are not grown, but made of other levels.
+
     Args:
         suite: its fields.
         names: the names of the levels: a text with `{index}` or `{index:05}` in it.
         folder: the folder that may have `themes/` in it.
         first: the index of the first level in its name.
     """
+
+    is_made_of_others = False
 
     def __init__(
         self, suite: SuiteFields, names: str, folder: Path | None = None, first: int = 0

@@ -56,6 +56,20 @@ def changed(fields: Fields, changes: Fields) -> Fields:
     return {name: value for name, value in {**fields, **changes}.items() if value not in (None, [])}
 
 
+def entries_in(fields: Fields) -> int:
+    """Return how many entries lists have, and the lists in these."""
+    listed = [value for value in fields.values() if isinstance(value, list)]
+    within = (
+        part
+        for value in listed
+        for entry in value
+        if isinstance(entry, dict)
+        for part in entry.values()
+        if isinstance(part, list)
+    )
+    return sum(map(len, listed)) + sum(max(0, len(part) - 2) for part in within)
+
+
 class Edits:
     """Draws edits of a level, which may turn out not to be valid.
 

@@ -13,6 +13,7 @@ from babyrobot_levels.language.metric_names import NEEDS, PUSHES, SEEN, SOLVED
 from babyrobot_levels.language.ranges import CountRange, NumberRange, bounds
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.errors import BabyRobotError
 
 MOST_TRIES, MOST_CELLS = 10_000, 10_000_000
@@ -127,6 +128,7 @@ class Tally:
     layouts: tuple[float, float]
     split: str | None
     promised: Mapping[str, Any]
+    is_made_of_others: bool = False
     tries: int = 0
     playable: int = 0
     in_split: int = 0
@@ -233,6 +235,9 @@ class Tally:
         if not self.in_split:
             reason = f"none of {self.tries:,} candidates has a maze of this split"
             return UnsatisfiableError("splits", str(self.split), reason)
+        if self.crowded and not self.roomy and self.is_made_of_others:
+            reason = f"the tables of {self.crowded:,} of {self.tries:,} candidates are too large"
+            return UnsatisfiableError("edits", "", reason)
         if self.crowded and not self.roomy:
             reason = (
                 f"in none of {self.tries:,} candidates was there room for all keys, doors, coins "
@@ -281,15 +286,24 @@ def find_level(
 
     Raises:
         UnsatisfiableError: no candidate meets them, within the limits of the search.
+        OverBudgetError: all candidates together take more work than may be done for one level.
     """
     layouts = maker.layouts(number)
-    tally = Tally(maker.suite, layouts, maker.split(number), maker.promised)
+    tally = Tally(
+        maker.suite, layouts, maker.split(number), maker.promised, maker.is_made_of_others
+    )
+    budget.begin()
     for attempt in range(first, first + most_tries(maker.suite, layouts)):
-        candidate = maker.draw(number, attempt)
-        if tally.accepts(candidate):
-            if is_new is None or is_new(candidate.level):
-                return Found(number, attempt, candidate.level)
-            tally.again += 1
+        try:
+            candidate = maker.draw(number, attempt)
+            if tally.accepts(candidate):
+                if is_new is None or is_new(candidate.level):
+                    return Found(number, attempt, candidate.level)
+                tally.again += 1
+        except budget.OverBudgetError as error:
+            if attempt == first:
+                raise
+            raise budget.OverBudgetError(f"{tally.error()}; {error}", error.help) from None
         if tally.is_enough:
             break
     raise tally.error()

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NoReturn
 
@@ -134,6 +134,32 @@ def limited(function: Callable[..., Any]) -> Callable[..., Any]:
 def _called_within(limits: Limits, function: Callable[..., Any], *arguments: Any) -> Any:
     with within(limits):
         return function(*arguments)
+
+
+def fits(limits: Limits, work: Callable[[], object]) -> bool:
+    """Do some work within limits of its own, whose steps those at hand count as well.
+
+    Unlike with `within`, its limits count also where there are none around.
+
+    Returns:
+        Whether it could be done within its own limits.
+
+    Raises:
+        OverBudgetError: those at hand are used up.
+    """
+    inner = _Budget(replace(limits, steps=min(limits.steps, left())))
+    token = _budget.set(inner)
+    try:
+        work()
+        is_done = True
+    except OverBudgetError:
+        is_done = False
+    finally:
+        _budget.reset(token)
+    if (budget := _budget.get()) is not None:
+        budget.left -= int(inner.limits.steps - inner.left)
+        spend(0)
+    return is_done
 
 
 def begin() -> None:

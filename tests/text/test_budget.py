@@ -18,6 +18,7 @@ from babyrobot_levels.text.budget import (
     UNLIMITED,
     Limits,
     OverBudgetError,
+    fits,
     left,
     limited,
     spend,
@@ -124,3 +125,16 @@ def test_no_limit_is_asked_for_in_the_sentence(tmp_path: Path) -> None:
     result = babyrobot("solve", path, status=2)
     assert "490,000 states, and 4 or more outcomes of an action; together at most" in result.err
     assert "--no-limit" in result.err
+
+
+def test_what_fits_counts_for_the_limits_around() -> None:
+    def work() -> None:
+        spend(40)
+
+    assert fits(Limits(50, 9), work)
+    assert not fits(Limits(30, 9), work)
+    with within(Limits(100, 9)):
+        assert fits(Limits(50, 9), work)
+        assert not fits(Limits(30, 9), work)
+        with pytest.raises(OverBudgetError, match="more than 100 steps"):
+            fits(Limits(50, 9), work)

@@ -14,7 +14,7 @@ from typing import Any
 
 from babyrobot_levels.extensions.generate.mutation import Mutants
 from babyrobot_levels.generation.candidates import Maker
-from babyrobot_levels.generation.edits import EDITED, flat_fields
+from babyrobot_levels.generation.edits import EDITED, entries_in, flat_fields
 from babyrobot_levels.generation.search import Found, UnsatisfiableError, find_level
 from babyrobot_levels.language.names import SLUG
 from babyrobot_levels.language.plain_data import plain
@@ -22,9 +22,11 @@ from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.library.level import Level, loads
 from babyrobot_levels.parallel.executor import Executor, Failure
+from babyrobot_levels.text.budget import OverBudgetError
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import FolderError
+from babyrobot_levels.text.errors import FolderError, LevelError
 from babyrobot_levels.text.files import SUFFIXES, write_text
+from babyrobot_levels.text.reader import MAX_NODES
 from babyrobot_levels.text.words import Telling
 
 FORMAT_VERSION = 1
@@ -52,9 +54,32 @@ class Original:
         """Return a level as workers and marks need it.
 
         Raises:
-            LevelError: its maze has no seed yet.
+            LevelError: its maze has no seed yet; or written out, with each wall by itself, it is
+                larger than a level file may be, as its mutants would be.
         """
-        return cls(emit(flat_fields(level)), edits)
+        # All sides that are walls, each from both cells, but for those at the edge.
+        around = 2 * (level.width + level.height)
+        walls = (sum(map(int.bit_count, level.grid().wall_bits)) - around) // 2
+        fields = {} if _VALUES * walls > MAX_NODES else flat_fields(level)
+        if not fields or _VALUES * entries_in(fields) > MAX_NODES:
+            raise _too_large()
+        text = emit(fields)
+        try:
+            loads(text)
+        except LevelError:
+            raise _too_large() from None
+        return cls(text, edits)
+
+
+_VALUES = 3
+"""The fewest values that an entry of a list consists of in a file."""
+
+
+def _too_large() -> LevelError:
+    return LevelError(
+        message="with each wall written by itself, as in its mutants, the level is larger than a "
+        "level file may be; use one with fewer walls and entries"
+    )
 
 
 @dataclass(frozen=True)
@@ -206,7 +231,7 @@ def _another(batch: Batch, made: Made, digests: set[str]) -> Made | Failure:
             first=made.attempt + 1,
             is_new=lambda level: level.digest not in digests,
         )
-    except UnsatisfiableError as error:
+    except (UnsatisfiableError, OverBudgetError) as error:
         return Failure(made.number, error)
     return _written(batch, found)
 

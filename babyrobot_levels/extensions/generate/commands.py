@@ -275,11 +275,11 @@ def _batch(
         maker = batch.maker()
         if original is None:
             maker.draw(0, 0)
-    except ValueError as error:
-        fail(f"--{error}")
     except brl.LevelError as error:
         # Only the theme can be wrong: the files must be valid wherever they are.
         fail(error.diagnostics[0].message, error.diagnostics[0].help)
+    except ValueError as error:
+        fail(f"--{error}")
     return batch
 
 
@@ -376,8 +376,10 @@ def _reason(target: Target, error: Exception) -> str:
 
 
 def _note_help(target: Target, error: Exception) -> None:
-    needs = getattr(error, "needs", None)
-    if str(error).startswith("expect success 1:"):
+    needs, help_text = getattr(error, "needs", None), getattr(error, "help", None)
+    if help_text:
+        note(f"  help: {help_text}")
+    elif str(error).startswith("expect success 1:"):
         note("  help: the best policy has to win: change what steps, hits and exits pay")
     elif needs is not None:
         note(f"  help: use a larger size, for example {_grown(target.batch.suite, needs)}")

@@ -9,6 +9,7 @@ EXTENSION = Extension(
             "Create",
             "babyrobot_levels.extensions.generate.commands:generate",
             "Generate many levels.",
+            limited=True,
         )
     },
 )

@@ -15,6 +15,7 @@ from babyrobot_levels.generation.edits import (
     Entry,
     Fields,
     changed,
+    entries_in,
     flat_fields,
 )
 from babyrobot_levels.generation.search import UnsatisfiableError, find_level
@@ -28,7 +29,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.drawn import inner_walls, wall_entries
 from babyrobot_levels.mdp.grid import placement_issues
 from babyrobot_levels.mdp.mazes.lattice import below
-from babyrobot_levels.text.budget import Limits, OverBudgetError, within
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import did_you_mean, listed
 
 MOST_DRAWN = 1_000
@@ -39,8 +40,11 @@ MOST_EDITS = 1_000
 MUTANT_FIELDS = ("seed", "splits", "path_length", "dead_ends", "detour", "difficulty", "expect")
 """The fields of a suite that are conditions on mutants, or how they are drawn."""
 
-ROOM = Limits(1_000_000_000, 1_000_000)
+ROOM = budget.Limits(1_000_000_000, 1_000_000)
 """Of a level with larger tables, another one is drawn."""
+
+CHECK, ENTRY = 100, 5_000
+"""Steps of work for a cell, and for an entry, of a level that is made and checked."""
 
 
 def mutate(
@@ -148,12 +152,7 @@ class Mutant(Candidate):
     @cached_property
     def has_room(self) -> bool:
         """Whether its tables are not too large."""
-        try:
-            with within(ROOM):
-                self.level.compile()
-        except OverBudgetError:
-            return False
-        return True
+        return budget.fits(ROOM, self.level.compile)
 
     @property
     def path_length(self) -> int:
@@ -182,6 +181,8 @@ class Descendants(Maker):
         names: the names of the levels, as for `Maker`; empty for none.
         first: the index of the first level in its name.
     """
+
+    is_made_of_others = True
 
     def __init__(
         self,
@@ -333,7 +334,13 @@ def _cells(entry: Entry) -> list[Any]:
 
 
 def valid(fields: Fields) -> Level | None:
-    """Return the level of some fields; None if it is not valid."""
+    """Return the level of some fields; None if it is not valid.
+
+    Raises:
+        OverBudgetError: to check it takes more work than is left.
+    """
+    width, height = fields["size"]
+    budget.spend(CHECK * width * height + ENTRY * entries_in(fields))
     try:
         level = Level.model_validate(fields)
     except ValidationError:

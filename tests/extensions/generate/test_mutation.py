@@ -15,9 +15,11 @@ from support.sessions import environment, run_here
 from support.worlds import level_of, worlds
 
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.generate import mutation
 from babyrobot_levels.extensions.generate.mutation import valid
 from babyrobot_levels.generation import search
 from babyrobot_levels.generation.edits import EDITABLE, EDITED, flat_fields
+from babyrobot_levels.text.budget import Limits, OverBudgetError, within
 
 untimed = settings(
     max_examples=15,
@@ -273,6 +275,35 @@ def test_wrong_options_end_the_command(call: list[str], message: str) -> None:
     assert result.status in (1, 2)
     assert message in result.err
     assert not Path("levels").exists()
+
+
+def test_all_candidates_for_a_mutant_have_one_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Nobody wins, so that another candidate is drawn each time.
+    hopeless = {"version": 1, "size": [3, 3], "rewards": {"step": 1}, "discount": 0.9}
+    monkeypatch.setattr(search, "MOST_SOLVED", 20)
+    with (
+        within(Limits(700_000, 10_000, help="use less")),
+        pytest.raises(OverBudgetError, match=r"success 1: .*; the level takes more than 700,000"),
+    ):
+        brl.mutate(hopeless, seed=0)
+    with pytest.raises(brl.UnsatisfiableError, match="of 20 candidates"):
+        brl.mutate(hopeless, seed=0)
+
+
+def test_that_tables_of_mutants_are_too_large_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mutation, "ROOM", Limits(1_000_000, 80))
+    monkeypatch.setattr(search, "MOST_TRIES", 3)
+    with pytest.raises(brl.UnsatisfiableError) as caught:
+        brl.mutate({"version": 1, "size": [9, 9], "skid": 0.3}, seed=0)
+    assert str(caught.value) == "edits: the tables of 3 of 3 candidates are too large"
+
+
+@pytest.mark.parametrize("side", [200, pytest.param(130, marks=pytest.mark.slow)])
+def test_a_level_too_large_to_write_out_has_no_files_of_mutants(side: int, tmp_path: Path) -> None:
+    large = {"version": 1, "size": [side, side], "maze": {"seed": 1}}
+    with pytest.raises(brl.LevelError, match="each wall written by itself, as in its mutants"):
+        brl.generate(base=large, count=1, folder=tmp_path / "made")
+    assert not (tmp_path / "made").exists()
 
 
 def test_conditions_that_mutants_do_not_have_are_refused() -> None:
