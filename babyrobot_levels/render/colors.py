@@ -110,9 +110,13 @@ def ink_on(grounds: Iterable[str], preferred: str, least: float = TEXT) -> str:
             transparent is hidden, and remains so.
         least: the contrast that suffices: `TEXT` or `GRAPHICS`.
     """
+    return _ink_on(tuple(grounds), preferred, least)
+
+
+@lru_cache(maxsize=1024)
+def _ink_on(below: tuple[str, ...], preferred: str, least: float) -> str:
     if rgba(preferred)[3] == 0:
         return preferred
-    below = tuple(grounds)
     is_clear = min(contrast(preferred, ground) for ground in below) >= least
     return preferred if is_clear else rim_on(below)
 

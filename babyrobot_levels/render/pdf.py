@@ -423,6 +423,10 @@ def _colored(
 
 def _runs(text: str) -> Iterator[str]:
     """Yield the parts of a text: characters of Helvetica together, others one by one."""
+    if text.isascii() and text.isprintable() and text:
+        # As nearly all are, of which there may be one in each cell.
+        yield text
+        return
     for is_western, run in groupby(text, CODES.__contains__):
         if is_western:
             yield "".join(run)
@@ -432,7 +436,9 @@ def _runs(text: str) -> Iterator[str]:
 
 
 def _encoded(characters: str) -> str:
-    return bytes(map(CODES.__getitem__, characters)).hex().upper()
+    is_ascii = characters.isascii() and characters.isprintable()
+    codes = characters.encode() if is_ascii else bytes(map(CODES.__getitem__, characters))
+    return codes.hex().upper()
 
 
 def _eastern(character: str, text: str) -> str:

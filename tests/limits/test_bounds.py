@@ -189,3 +189,11 @@ def test_lint_and_show_say_what_they_leave_out(
     assert re.search(
         "^not computed: the level has .* 1,048,576|more than [0-9,]+ steps", facts.lines()["digest"]
     )
+
+
+def test_a_text_counts_more_than_another_shape() -> None:
+    level = brl.load({"version": 1, "size": [60, 60]})
+    with within(Limits(9_000_000, 50_000)):
+        level.to_svg()
+        with pytest.raises(OverBudgetError, match="too many shapes"):
+            level.to_pdf(coordinates=True)

@@ -102,6 +102,9 @@ _SHAPE, _STEP, _NUMBER = 700, 250, 80
 """The work that a shape counts as, a step of a path, and each of its numbers, for the memory that
 they take until the picture is written."""
 
+_TEXT = 2_000
+"""The work that a text counts as beside this: it is placed, coloured, encoded and written."""
+
 P = ParamSpec("P")
 
 
@@ -121,7 +124,7 @@ def _counted(made: Callable[P, Commands]) -> Callable[P, Commands]:
 def counted(shapes: Iterable[Shape]) -> Iterator[Shape]:
     """Yield shapes; each of them counts as work before the next one is made."""
     for shape in shapes:
-        budget.spend(_SHAPE)
+        budget.spend(_SHAPE + _TEXT * isinstance(shape, Text))
         yield shape
 
 
