@@ -60,6 +60,25 @@ def robot_cells(level: GridWorld, state: int) -> tuple[Cell, ...]:
     return (numbering.cell(state), *level.configuration(number).robots)
 
 
+def check_sight(level: GridWorld, sight: str) -> None:
+    """Check that a level is small enough for a sight.
+
+    Raises:
+        ValueError: its drawing, or its picture, is too large to be shown.
+    """
+    columns, rows = level.size
+    if sight == "map" and columns * rows > MAX_MAP:
+        raise ValueError(
+            f"a level of {columns} x {rows} cells is too large for sight='map', which has "
+            f"{MAX_MAP:,} cells at most; use sight='view'"
+        )
+    if sight == PICTURE and max(columns, rows) > MAX_PICTURE:
+        raise ValueError(
+            f"a level of {columns} x {rows} cells is too large for sight='picture', in which "
+            f"cells are told apart up to {MAX_PICTURE} a side; use sight='view'"
+        )
+
+
 class Narrator:
     """Tells the rules of a level, and the states of its episodes.
 
@@ -74,17 +93,7 @@ class Narrator:
     """
 
     def __init__(self, level: GridWorld, sight: str, seen: Seen, robot: int = 0) -> None:
-        columns, rows = level.size
-        if sight == "map" and columns * rows > MAX_MAP:
-            raise ValueError(
-                f"a level of {columns} x {rows} cells is too large for sight='map', which has "
-                f"{MAX_MAP:,} cells at most; use sight='view'"
-            )
-        if sight == PICTURE and max(columns, rows) > MAX_PICTURE:
-            raise ValueError(
-                f"a level of {columns} x {rows} cells is too large for sight='picture', in which "
-                f"cells are told apart up to {MAX_PICTURE} a side; use sight='view'"
-            )
+        check_sight(level, sight)
         self._level, self._sight, self._seen, self._robot = level, sight, seen, robot
         self._painter = TextPainter(level, plain=True)
         self._rules = rules_of(level, drawn=sight == PICTURE)

@@ -13,6 +13,7 @@ from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.text import budget
 
 MAX_SIZE = 25_000_000
 """The most values: states times steps after which they still change."""
@@ -35,6 +36,7 @@ class ValuesByStep:
 
     Raises:
         EpisodeTooLongError: there are too many states and steps.
+        OverBudgetError: that takes more work than is left.
         UndefinedReturnError: without a limit, there is no solution.
     """
 
@@ -50,6 +52,7 @@ class ValuesByStep:
             self._values[0][:-1] = solution.values.ravel()[model.states]
         while limit is not None and len(self._values) <= limit:
             before = self._values[-1]
+            budget.spend(2 * model.probability.size)
             best = model.action_values(before[:-1], discount).max(axis=1)
             if np.array_equal(best, before[:-1]):
                 # Further steps change nothing.

@@ -33,7 +33,7 @@ from babyrobot_levels.extensions.assistants.skill import language_page
 from babyrobot_levels.extensions.scoring.text_world import MOVES, TextWorld
 from babyrobot_levels.language.documents import is_suite, theme_folders
 from babyrobot_levels.language.share_code import decode, is_code
-from babyrobot_levels.library.level import Level, load_source
+from babyrobot_levels.library.level import Level, load_document
 from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.linter.linting import Options, outcome_of
 from babyrobot_levels.linter.rules import rule
@@ -43,6 +43,7 @@ from babyrobot_levels.render.text import TextPainter
 from babyrobot_levels.suites.checking import formatted
 from babyrobot_levels.suites.suite import load_suite
 from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.files import SUFFIXES, is_within, read_source, source_of, write_text
 from babyrobot_levels.text.reader import read
@@ -245,7 +246,11 @@ class Tools:
     # -- levels and files ------------------------------------------------------------------
 
     def _level(self, given: str) -> Level:
-        return load_source(*self._source(given))
+        """Return a level; see `_source` for errors."""
+        source, path = self._found(given)
+        document = read(source)
+        _refuse_suite(document)
+        return load_document(document, path)
 
     def _source(self, given: str) -> tuple[SourceFile, Path | None]:
         """Return the text of a level, and the file that it is from, if it is from one.
@@ -254,6 +259,12 @@ class Tools:
             RefusedError: it is a suite, which can name other files, or it may not be read.
             LevelError: the text cannot be read.
         """
+        source, path = self._found(given)
+        with suppress(LevelError):
+            _refuse_suite(read(source))
+        return source, path
+
+    def _found(self, given: str) -> tuple[SourceFile, Path | None]:
         path = None
         if is_code(given):
             source = decode(given)
@@ -262,9 +273,6 @@ class Tools:
         else:
             path = _in_gallery(given) or self._path(given)
             source = read_source(path, given)
-        with suppress(LevelError):
-            if is_suite(read(source)):
-                raise RefusedError("this is a suite; the tools take one level")
         return source, path if path is not None and self._has_its_themes(path) else None
 
     def _has_its_themes(self, path: Path) -> bool:
@@ -287,6 +295,12 @@ class Tools:
         if path.suffix not in SUFFIXES or not is_within(path, self.folder):
             raise RefusedError("a file must lie below the folder of the server, and end in .yaml")
         return path
+
+
+def _refuse_suite(document: Document) -> None:
+    """Refuse a suite, which can name other files."""
+    if is_suite(document):
+        raise RefusedError("this is a suite; the tools take one level")
 
 
 def _is_level(path: Path) -> bool:

@@ -20,7 +20,7 @@ from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import has_succeeded
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.render.sights import PICTURE, SIGHTS, Narrator
+from babyrobot_levels.render.sights import PICTURE, SIGHTS, Narrator, check_sight
 from babyrobot_levels.text.words import Telling
 
 REWARDS = ("world", "advantage", "success")
@@ -182,6 +182,7 @@ class GradedEpisode(Telling):
 
     def _enter(self, level: Level) -> None:
         """Go over to a level."""
+        check_sight(level, self._sight)
         given = "max_steps" if self._limit is None else self._limit
         limit = check_within(given, level.max_steps)
         assert limit is not None

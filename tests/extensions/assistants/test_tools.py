@@ -19,6 +19,7 @@ from babyrobot_levels.extensions.assistants.tools import (
     Tools,
 )
 from babyrobot_levels.render.templates import static
+from babyrobot_levels.text.budget import COMMAND, within
 from babyrobot_levels.text.errors import BabyRobotError
 
 EXAMPLE = static("extensions/assistants/example.yaml")
@@ -168,6 +169,13 @@ def test_regret_is_told_after_the_end() -> None:
     assert over.is_over
     assert over.regret is not None
     assert "regret" in over.told
+
+
+def test_a_level_that_is_too_large_for_a_sight_is_refused_before_it_is_compiled() -> None:
+    # Its tables would be too large, which is not asked.
+    wide = "version: 1\nsize: [1024, 1024]\nskid: 0.3\n"
+    with within(COMMAND), pytest.raises(ValueError, match="too large for sight='map'"):
+        TOOLS.play_start(wide)
 
 
 def test_the_last_plays_are_kept() -> None:
