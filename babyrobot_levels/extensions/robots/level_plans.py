@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,11 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import DELTAS, MOVES, Action
 from babyrobot_levels.mdp.compiler.things import stepper
 from babyrobot_levels.mdp.states import has_succeeded
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.errors import LevelError
+
+_TIME, _OUTCOMES = 10_000, 150_000
+"""The steps of work for each time of a plan, and to find out what a step of all robots comes to."""
 
 _TAKEN = {DELTAS[move]: int(move) for move in MOVES[:4]} | {(0, 0): int(Action.STAY)}
 
@@ -59,16 +64,32 @@ class Walk:
 
         Raises:
             LevelError: what a step leads to is drawn.
+            OverBudgetError: there are too many steps.
         """
+        try:
+            return self._taken(cells)
+        except budget.OverBudgetError as error:
+            message = f"to follow a plan of {len(cells) - 1:,} steps is too much work"
+            raise budget.OverBudgetError(message, error.help) from None
+
+    def _taken(self, cells: Cells) -> tuple[Fault | None, NDArray[np.intp]]:
         state, count = int(self.robots.starts[0]), cells.shape[1]
+
+        # Robots that wait come to the same again and again.
+        @cache
+        def told_of(state: int, joint: int) -> list[Any]:
+            budget.spend(_OUTCOMES)
+            return self.robots.outcomes(state, joint)[0]
+
         done = np.zeros(count, np.intp)
         for time in range(1, len(cells)):
+            budget.spend(_TIME)
             moved = cells[time] - cells[time - 1]
             far = np.flatnonzero(np.abs(moved).sum(axis=1) > 1)
             if far.size:
                 return ("jump", (int(far[0]),), time), done
             taken = [_TAKEN[x, y] for x, y in moved.tolist()]
-            told, _ = self.robots.outcomes(state, int(self.robots.joint_action(taken)))
+            told = told_of(state, int(self.robots.joint_action(taken)))
             if len({outcome[1] for outcome in told}) > 1:
                 raise LevelError(message=f"{_BY_CHANCE}: that of step {time} of this plan is drawn")
             before = self._away(state)

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
+from babyrobot_levels.text.budget import Limits, OverBudgetError, within
 
 CROSSING: dict[str, Any] = {
     "version": 1,
@@ -72,3 +73,21 @@ def test_chance_and_single_robots_are_refused() -> None:
         brl.check_plan(paths, brl.load("final-maze"))
     with pytest.raises(ValueError, match="not for 2"):
         brl.check_plan(paths[:1], CROSSING)
+
+
+def test_long_plans_are_followed_within_limits(tmp_path: Path) -> None:
+    team = [{"name": name, "start": [x, 0], "exit": [2, 0]} for x, name in enumerate("ab")]
+    level = {"version": 1, "size": [3, 2], "robots": team}
+    waiting, moving = tmp_path / "waiting.txt", tmp_path / "moving.txt"
+    waiting.write_text("300w\n300w\n")
+    moving.write_text(f"{'du' * 150}\n{'du' * 150}\n")
+    with within(Limits(10_000_000, 10_000, help="use less")):
+        told = brl.check_plan(waiting, level)
+        assert told.fault is not None
+        assert told.fault.time == 300
+        # Where robots have been before, nothing is worked out again.
+        assert not brl.check_plan(moving, level).is_valid
+        long = tmp_path / "long.txt"
+        long.write_text("1100w\n1100w\n")
+        with pytest.raises(OverBudgetError, match="to follow a plan of 1,100 steps is too much"):
+            brl.check_plan(long, level)
