@@ -124,9 +124,9 @@ def _displacements(mdp: Mdp, state: Ints, next_state: NDArray[np.int32]) -> Ints
     return shift
 
 
-def _hits(level: GridWorld, mdp: Mdp) -> NDArray[np.int8]:
+def _hits(level: GridWorld, mdp: Mdp) -> NDArray[np.int32]:
     """Return the number of the mover that hits the robot, counted from 1; 0 for none."""
-    numbers = np.zeros(mdp.next_state.shape, np.int8)
+    numbers = np.zeros(mdp.next_state.shape, np.int32)
     for mover, is_hit in enumerate(hits_by_mover(level, mdp), 1):
         numbers[is_hit & (numbers == 0)] = mover
     return numbers

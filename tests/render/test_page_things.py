@@ -90,6 +90,14 @@ def test_an_event_names_the_mover_that_hits() -> None:
     assert divmod(event, len(EVENTS)) == (0, EVENTS.index("move"))
 
 
+def test_of_many_movers_the_one_that_hits_is_told() -> None:
+    far = [{"path": [[x, y]]} for y in range(1, 5) for x in range(7)]
+    fields = {"version": 1, "size": [7, 5], "exit": [6, 0]}
+    level = Level.from_fields({**fields, "movers": [*far, {"path": [[1, 0]]}]})
+    ((_, _, _, _, event, _),) = outcomes(page_data(level), 0, 2)
+    assert divmod(event, len(EVENTS)) == (29, EVENTS.index("move"))
+
+
 # -- what is where -----------------------------------------------------------------------------
 
 
