@@ -24,6 +24,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT / "tests"))
@@ -74,6 +75,9 @@ COMMANDS = {
     "score best": "score best level.yaml",
     "score random": "score random level.yaml",
     "score --knowable": "score best level.yaml --knowable",
+    "score of plays": "score real.brlplay --level level.yaml",
+    "grade": "grade handed-in --course level.yaml",
+    "check-plan": "check-plan plan.txt level.yaml",
     "compare": "compare level.yaml other.yaml",
     "diff": "diff level.yaml other.yaml",
     "share": "share level.yaml",
@@ -93,6 +97,7 @@ COMMANDS = {
     "gallery": "gallery level.yaml -o site --jobs 1",
     "dataset": "dataset level.yaml -o data --jobs 1",
     "pack": "pack zoo -o zoo.brlpack",
+    "install": "install zoo.brlpack",
     "course build": "course build zoo -o built",
 }
 """The commands that take a level, or a folder with one."""
@@ -232,9 +237,10 @@ def _end_if_large(pid: int) -> None:
 
 
 def prepare(folder: Path, text: bytes) -> None:
-    """Write a level, one that differs from it in its discount, a pack, a map of Tiled, and a play.
+    """Write a level, and what commands take beside it.
 
-    The map and the play are left out where the level is too large for them.
+    That is one that differs from it in its discount, the folder of a pack, and a long plan; and
+    where the level is not too large for them, a map of Tiled, and plays.
     """
     level = folder / "level.yaml"
     level.write_bytes(text)
@@ -251,9 +257,16 @@ def prepare(folder: Path, text: bytes) -> None:
         read = brl.load(level)
         (folder / "play.brlplay").write_text(play_of(read.share_code()) + "\n")
         (folder / "level.tmj").write_text(write_tiled(read).text)
+    robots = max(1, text.count(b'"start": [')) if b'"robots"' in text else 1
+    (folder / "plan.txt").write_text("100000w\n" * robots)
+    with suppress(brl.BabyRobotError), within(COMMAND):
+        (folder / "real.brlplay").write_text(real_play_of(brl.load(level)) + "\n")
+        handed_in = folder / "handed-in" / "ada"
+        handed_in.mkdir(parents=True, exist_ok=True)
+        (handed_in / "real.brlplay").write_bytes((folder / "real.brlplay").read_bytes())
 
 
-def play_of(code: str) -> str:
+def play_of(code: str, **real: Any) -> str:
     """Return an episode of one step, whose digest is that of no level: it is found out late."""
     fields = {
         "name": None,
@@ -272,7 +285,24 @@ def play_of(code: str) -> str:
         "end": "unfinished",
         "made_by": "a stranger",
     }
-    return PlayFields.model_validate(fields).to_line()
+    return PlayFields.model_validate({**fields, **real}).to_line()
+
+
+def real_play_of(level: brl.Level) -> str:
+    """Return an episode of one step that can have happened."""
+    mdp = level.compile()
+    state = int(mdp.start.nonzero()[0][0])
+    reward = float(mdp.reward[state, 0, 0])
+    real = {
+        "digest": level.digest,
+        "discount": level.discount,
+        "max_steps": level.max_steps,
+        "states": [state, int(mdp.next_state[state, 0, 0])],
+        "rewards": [reward],
+        "return": reward,
+        "end": "terminated" if mdp.terminal[state, 0, 0] else "unfinished",
+    }
+    return play_of(level.share_code(), **real)
 
 
 def measured(names: list[str], levels: list[str], package: Path) -> Iterator[tuple[str, str, Cost]]:
@@ -282,6 +312,8 @@ def measured(names: list[str], levels: list[str], package: Path) -> Iterator[tup
             with tempfile.TemporaryDirectory() as made:
                 folder = Path(made)
                 prepare(folder, WORST[title]())
+                if name == "install":
+                    cost("pack", folder, package)
                 yield name, title, cost(name, folder, package)
 
 
