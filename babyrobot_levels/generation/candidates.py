@@ -29,6 +29,7 @@ from babyrobot_levels.mdp.graph import Graph, Successors, distances
 from babyrobot_levels.mdp.grid import BIT
 from babyrobot_levels.mdp.gridworld import changed
 from babyrobot_levels.mdp.mazes.lattice import below
+from babyrobot_levels.text import budget
 
 SEED_BITS = 48
 """Bits of a maze's seed: enough that no two levels draw the same one."""
@@ -44,6 +45,9 @@ PLACED = (*(kind.field for kind in THINGS), "hit", "wind")
 """The fields of levels that are drawn after their mazes, besides puddles, or follow from that."""
 
 SIZES_KEPT = 256
+
+CELL = 60
+"""Steps of work for a cell of a candidate."""
 
 TOLERANCE = 1e-6
 """Optima that differ by less are the same."""
@@ -351,13 +355,18 @@ class Maker:
         return 0.0, 1.0
 
     def draw(self, number: int, attempt: int) -> Candidate:
-        """Return a candidate for a level."""
+        """Return a candidate for a level.
+
+        Raises:
+            OverBudgetError: it takes more work than is left.
+        """
         suite, rng = self.suite, self._rng(number, attempt)
         (least_wide, least_high), (most_wide, most_high) = bounds(suite.size)
         width = _between(rng, least_wide, most_wide)
         height = _between(rng, least_high, most_high)
         maze = self._draw_maze(rng)
         cells = width * height
+        budget.spend(CELL * cells)
         start, exit_ = 0, cells - 1
         if suite.start == "random":
             start = _another(rng, cells, exit_ if suite.exit == "corner" else None)
