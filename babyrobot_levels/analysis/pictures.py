@@ -269,14 +269,14 @@ def episode(level: GridWorld, policy: Any, seed: int) -> tuple[list[Step], bool]
     env = make(level, observation="index")
     state, _ = env.reset(seed=seed)
     env.action_space.seed(seed)
-    mdp = level.compile()
+    numbering = level.numbering()
     choose = _chooser(level, policy, seed) or (lambda _: env.action_space.sample())
     steps: list[Step] = []
     is_over = False
     while not is_over and len(steps) < MAX_STEPS:
         action = choose(state)
         if level.robots:
-            action = mdp.robot_actions(action) if np.ndim(action) == 0 else action
+            action = numbering.robot_actions(action) if np.ndim(action) == 0 else action
         next_state, reward, terminated, truncated, info = env.step(action)
         # What the film shows of an action is that of the first robot.
         taken = int(np.ravel(action)[0])

@@ -193,6 +193,15 @@ def test_words_are_told_without_grades() -> None:
         brl.TextTeam(ROOM, reward="advantage")
 
 
+@pytest.mark.slow
+def test_films_of_random_moves_are_those_with_tables() -> None:
+    level = brl.load({**SLIPPERY, "max_steps": 8})
+    film = level.to_gif(policy="random", seed=1, scale=0.1)
+    assert untabled(level).to_gif(policy="random", seed=1, scale=0.1) == film
+    with pytest.raises(brl.UnplayableError, match="25,000,000 outcomes"):
+        ROOM.to_gif()
+
+
 def test_a_grid_of_too_many_cells_is_refused() -> None:
     level = brl.load({**FIELDS, "size": [128, 128]})
     with pytest.raises(brl.UnplayableError, match="16,383 cells at most, and the level has 16,384"):

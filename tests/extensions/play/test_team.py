@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from support.games import DOWN, RIGHT, UP, Game
+from support.games import DOWN, LEFT, RIGHT, UP, Game
 
 import babyrobot_levels as brl
 from babyrobot_levels.agents.verify import verify_play
@@ -48,3 +48,24 @@ def test_a_team_does_not_turn(tmp_path: Path) -> None:
         status, told = game.ended()
     assert status == 2
     assert "the robots of a team do not turn" in told
+
+
+@pytest.mark.slow
+def test_a_team_without_tables_is_played_without_an_optimum(tmp_path: Path) -> None:
+    corners = [{"name": "red", "start": [0, 0]}, {"name": "blue", "start": [29, 0]}]
+    level = brl.load({"version": 1, "size": [30, 30], "exit": [1, 0], "robots": corners})
+    level.save(tmp_path / "room.yaml")
+    with Game(tmp_path, "room.yaml", "--seed", "1") as game:
+        game.until("And red?")
+        game.press(b"h")
+        game.until("There is no hint: there are too many joint states to know the optimum.")
+        game.press(b"d" + LEFT)
+        game.until("Red moves east, and has arrived. Blue moves west.")
+        game.press(b"u")
+        game.until("Undone: back at the step before after 0 steps.")
+        game.press(b"q")
+        assert game.ended()[1].startswith("room: stopped after 0 steps, return 0, help: 1 undo")
+    with Game(tmp_path, "room.yaml", "--record", "a.brlplay") as game:
+        status, told = game.ended()
+    assert status == 2
+    assert "the tables would have more than 25,000,000 outcomes" in told

@@ -97,7 +97,10 @@ class Game:
         self._goal, self._best = goal_of(level), ""
         self._policy: list[int] | None = None
         self._level, self._painter = level, TextPainter(level, plain=not self._unicode)
-        self._mdp = level.compile().turning(level.heading) if self._turns else level.compile()
+        self._mdp = self._numbering(level)
+
+    def _numbering(self, level: brl.Level) -> Any:
+        return level.compile().turning(level.heading) if self._turns else level.compile()
 
     def begin(self, seed: int | None = None) -> None:
         """Begin an episode."""
@@ -186,12 +189,15 @@ class Game:
         """Whether the episode has ended and is recorded."""
         return bool(self._end) and self._recorder is not None
 
+    _no_hint = "no policy is the best here"
+    """Why there is no hint in an episode that goes on."""
+
     def hint(self) -> None:
         """Tell the best action, and count that it was asked for."""
         policy = self._solved()
         action = policy[self._state] if policy and not self._end else -1
         if action < 0:
-            why = "the episode has ended" if self._end else "no policy is the best here"
+            why = "the episode has ended" if self._end else self._no_hint
             self._say(f"There is no hint: {why}.", DIM)
             return
         self._hints += not self._is_hinted
@@ -343,7 +349,7 @@ class Game:
     def _shown(self) -> int:
         """Return the state in the numbering of the level's tables."""
         mdp = self._mdp
-        return mdp.configuration(self._state) * mdp.cells + self._state % mdp.cells
+        return int(mdp.configuration(self._state) * mdp.cells + self._state % mdp.cells)
 
     def _say(self, text: str, style: Style | None = None) -> None:
         """Set the message about what has just happened."""

@@ -7,6 +7,7 @@ from typing import Any
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.play.commands.game import DIM, MOVES, Game
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.render.words.happenings import moves_of_team
 from babyrobot_levels.text.source import printable
 
@@ -17,7 +18,8 @@ class TeamGame(Game):
     """The game of several robots.
 
     The keys' choices are actions, each with the number of the robot that has these keys, if there
-    are two robots; the one that is asked has the others.
+    are two robots; the one that is asked has the others. With too many joint states for tables, it
+    knows no optimum.
     """
 
     def _make_keys(self, _level: brl.Level) -> dict[str, Any]:
@@ -29,8 +31,15 @@ class TeamGame(Game):
     def _make(self, level: brl.Level) -> Any:
         return level.make(observation="index")
 
+    def _numbering(self, level: brl.Level) -> Any:
+        # A play has the digest of its level, for which there have to be tables.
+        return level.numbering() if self._recorder is None else level.compile()
+
     def _use(self, level: brl.Level) -> None:
         super()._use(level)
+        self._has_tables = isinstance(self._mdp, Mdp)
+        if not self._has_tables:
+            self._no_hint = "there are too many joint states to know the optimum"
         self._names = [printable(robot.name) for robot in level.robots]
 
     def _start(self, env: Any) -> None:
@@ -81,6 +90,12 @@ class TeamGame(Game):
         )
         told = [self._message[0]] if not self._picked else [f"{', '.join(chosen)}."]
         self._say(" ".join([*told, f"And {self._names[self._waiting()[0]]}?"]), DIM)
+
+    def _blow(self, before: int, action: Any) -> str:
+        return super()._blow(before, action) if self._has_tables else "A robot is hit!"
+
+    def _solved(self) -> list[int]:
+        return super()._solved() if self._has_tables else []
 
     def _moved(self, before: int, action: Any, then: Any, mask: Any, info: dict[str, Any]) -> str:
         numbers = before, self._number(action), self._state
