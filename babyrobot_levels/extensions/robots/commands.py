@@ -28,7 +28,7 @@ def check_plan(
     scen: Annotated[
         Path,
         typer.Argument(
-            metavar="SCEN", help="MovingAI's scenarios (.scen), or a level with robots (.yaml)."
+            metavar="SCEN", help="MovingAI's scenarios (.scen), or a level with robots."
         ),
     ],
     map_file: Annotated[
@@ -58,12 +58,16 @@ def check_plan(
       babyrobot check-plan plan.txt lane.scen --map lane.map --agents 2
 
       babyrobot check-plan plan.txt team.yaml
+
+      babyrobot check-plan plan.txt passing-place
     """
+    from babyrobot_levels.extensions.robots.plans import names_level
+
     found = brl.check_plan(plan, scen, map_file, agents=agents)
     if report_format is ReportFormat.JSON:
         write_json({**asdict(found), "valid": found.is_valid})
     else:
-        bounded = not {plan.suffix, scen.suffix} & {".yaml", ".yml"}
+        bounded = not ({plan.suffix, scen.suffix} & {".yaml", ".yml"} or names_level(scen))
         write(fact_lines(_facts(found, bounded=bounded)))
     if not found.is_valid:
         raise typer.Exit(FINDINGS)

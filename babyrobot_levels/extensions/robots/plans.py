@@ -22,6 +22,7 @@ from babyrobot_levels.extensions.robots.level_plans import Fault, Walk
 from babyrobot_levels.extensions.robots.plan_files import Cells, count_fault, read_plan
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text import budget
@@ -110,13 +111,14 @@ def check_plan(
         plan: a file of the MAPF tracker, or of PIBT or LaCAM; or the cells of each agent, one for
             each time, `[agents][steps + 1][2]`. An agent with fewer stays in the last one.
         scen: MovingAI's file of scenarios, the first of which are the agents; or a level with
-            several robots, as a file (`.yaml`), a mapping or a `Level`, which may also come first.
-            Its own rules are followed, in which nothing may happen by chance: a robot is at its
-            goal when it has arrived at its exit, and there are no lower bounds.
+            several robots: a name, a share code, or a file (`.yaml`), a mapping or a `Level`, which
+            may also come first. Its own rules are followed, in which nothing may happen by chance:
+            a robot is at its goal when it has arrived at its exit, and there are no lower bounds.
         map_file: the map; by default, that which the scenarios name, in the same folder.
         agents: how many agents the plan must have; of several plans in a file, which.
 
     Raises:
+        LevelNotFoundError: there is no such level.
         LevelError: a file cannot be read, or is not what it should be.
         ValueError: the cells are not of this shape.
     """
@@ -124,6 +126,8 @@ def check_plan(
         plan, scen = cast(Any, scen), cast(Any, plan)
     if _is_level(scen):
         return _check_in_level(plan, load(scen))
+    if names_level(scen):
+        return _check_in_level(plan, load(str(scen)))
     assert isinstance(scen, str | os.PathLike)
     field = _Field.of(Path(scen), None if map_file is None else Path(map_file))
     readings = [(cells, field.fault(cells)) for cells in field.readings(plan, agents)]
@@ -140,6 +144,14 @@ def _is_level(given: Any) -> bool:
     if isinstance(given, str | os.PathLike):
         return Path(given).suffix.lower() in (".yaml", ".yml")
     return isinstance(given, Level | Mapping)
+
+
+def names_level(given: Any) -> bool:
+    """Return whether what should be scenarios is a share code, or a name and no file."""
+    if not isinstance(given, str | os.PathLike):
+        return False
+    path = Path(given)
+    return is_code(str(given)) or not (path.suffix or path.exists())
 
 
 def _check_in_level(plan: Any, level: Level) -> PlanCheck:

@@ -65,6 +65,18 @@ def test_the_optimum_of_the_gallery_is_a_valid_plan() -> None:
         assert not brl.check_plan([*zip(*paths[:-1], strict=True)], level).is_valid
 
 
+def test_a_level_may_be_given_by_its_name_or_code(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.txt"
+    plan.write_text("w\nw", encoding="utf-8")
+    code = brl.load("passing-place").share_code()
+    for given in ("passing-place", Path("passing-place"), code):
+        assert brl.check_plan(plan, given).fault is not None
+    with pytest.raises(brl.LevelNotFoundError, match="no level called 'passing-plase'"):
+        brl.check_plan(plan, "passing-plase")
+    with pytest.raises(brl.LevelError, match="no such file"):
+        brl.check_plan(plan, tmp_path / "none.scen")
+
+
 def test_chance_and_single_robots_are_refused() -> None:
     paths = [[(0, 0), (1, 0)], [(2, 0), (2, 0)]]
     with pytest.raises(brl.LevelError, match="nothing happens by chance: that of step 1"):
