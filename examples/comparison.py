@@ -53,6 +53,24 @@ def print_mean_comparison(
     print_shares(f"{len(levels)} levels: mean return", f"{steps} steps", means)
 
 
+def print_teams(level: brl.Level, learned: Mapping[str, Any], discount: float) -> None:
+    """Print the exact returns of teams, and what each robot could get more if it alone changed.
+
+    Args:
+        level: a level with several robots.
+        learned: by their names, policies of all robots, as `brl.score_team` takes them.
+        discount: the factor by which each further reward counts less.
+    """
+    scores = {name: brl.score_team(level, each, discount) for name, each in learned.items()}
+    random = brl.score_team(level, "random", discount)
+    returns = {name: each.expected_return for name, each in scores.items()}
+    returns = {"random moves": random.expected_return, **returns, "optimum": random.best_return}
+    print_shares(f"{level.name}: return of the team, discount {discount:g}", "exactly", returns)
+    for name, score in scores.items():
+        regrets = ", ".join(f"{each.name} {each.regret:.3f}" for each in score.robots)
+        print(f"regrets, {name}: {regrets}")
+
+
 def print_shares(title: str, heading: str, returns: Mapping[str, float]) -> None:
     """Print returns, and how they share the way from random moves to the optimum."""
     worst, best = returns["random moves"], returns["optimum"]

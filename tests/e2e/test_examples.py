@@ -168,6 +168,32 @@ def test_libraries_with_loops_of_their_own_come_close(
     assert table["learned, greedy"][1] > 98
 
 
+@pytest.mark.libraries
+@pytest.mark.flaky(reruns=1)
+@pytest.mark.parametrize(
+    ("example", "level", "steps", "discount", "least"),
+    [
+        # Less than half of the default is enough to get far from random moves.
+        ("ppo_rllib_team", "passing-place", 5_120, 0.95, 20),
+        # Where one robot leaves the other behind, the share is below 20 %.
+        ("mappo_torchrl", "two-pads", 131_072, 0.99, 60),
+    ],
+)
+def test_teams_learn_with_libraries(
+    example: str, level: str, steps: int, discount: float, least: float, tmp_path: Path
+) -> None:
+    script = EXAMPLES / f"{example}.py"
+    done = python(script, "--steps", str(steps), cwd=tmp_path, timeout=600, warnings="ignore")
+    assert done.returncode == 0, done.stderr
+    table, random = table_of(done.stdout), brl.score_team(level, "random", discount)
+    assert table["random moves"] == (round(random.expected_return, 4), 0)
+    assert table["optimum"] == (round(random.best_return, 4), 100)
+    assert least < table["learned, as they explore"][1] <= 100
+    regrets = re.findall(r"^regrets, (.+?): red (\S+), blue (\S+)$", done.stdout, re.MULTILINE)
+    assert [name for name, *_ in regrets] == ["learned, as they explore", "learned, greedy"]
+    assert all(float(each) >= 0 for _, *found in regrets for each in found)
+
+
 @pytest.mark.sweep
 @pytest.mark.libraries
 def test_a_network_of_action_values_comes_close_to_the_best_policy(tmp_path: Path) -> None:
