@@ -105,6 +105,34 @@ def team_walk(level: str) -> Walk:
     return lambda num_envs: needing("jax gymnax", lambda: walk(num_envs, *make(num_envs)))
 
 
+def jaxmarl_walk(name: str, layout: str) -> Walk:
+    """Return a walk in a kitchen of JaxMARL, by random actions of each agent."""
+
+    def make(num_envs: int) -> Any:
+        import jax
+        import jax.numpy as jnp
+        import jaxmarl
+        from jaxmarl.environments.overcooked import overcooked_layouts
+
+        env = jaxmarl.make(name, layout=overcooked_layouts[layout])
+        agents, choices = env.agents, env.action_space(env.agents[0]).n
+        powers = jnp.array([choices**number for number in range(len(agents))])
+
+        def reset(key: Any) -> Any:
+            return jax.vmap(env.reset)(jax.random.split(key, num_envs))
+
+        def step(key: Any, state: Any, joint: Any) -> Any:
+            chosen = joint[:, None] // powers % choices
+            actions = dict(zip(agents, chosen.T, strict=True))
+            keys = jax.random.split(key, num_envs)
+            observation, state, rewards, done, _ = jax.vmap(env.step)(keys, state, actions)
+            return observation, state, rewards[agents[0]], done["__all__"]
+
+        return choices ** len(agents), reset, step
+
+    return lambda num_envs: needing("jax jaxmarl", lambda: walk(num_envs, *make(num_envs)))
+
+
 def gymnax_walk(name: str, **options: Any) -> Walk:
     """Return a walk in an environment of gymnax.
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import report
-from jax_walks import team_walk
+from jax_walks import jaxmarl_walk, team_walk
 from timing import Comparison, Measure, compare_in_turns, installed
 
 import babyrobot_levels as brl
@@ -98,9 +98,9 @@ def compare(count: int) -> Iterator[Comparison]:
     yield compare_in_turns(
         f"joint steps of {TEAMS:,} teams of two robots per second",
         {"brl.TeamVectorEnv": vector_steps(), "brl_jax.make_team": team_walk(LEVEL)(TEAMS)},
-        {},
+        {"JaxMARL's Overcooked": jaxmarl_walk("overcooked", "coord_ring")(TEAMS)},
         count,
-        versions=installed("babyrobot-levels", "numpy", "numba", "jax", "gymnax"),
+        versions=installed("babyrobot-levels", "numpy", "numba", "jax", "gymnax", "jaxmarl"),
     )
 
 
