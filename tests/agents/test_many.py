@@ -79,8 +79,10 @@ CROWDED: dict[str, Any] = {
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
-    [{"within": 25}, {"within": 9, "discount": 0.9, "actions": "turns"}],
-    ids=["moves", "turns"],
+    [
+        pytest.param({"within": 25}, id="moves", marks=pytest.mark.sweep),
+        pytest.param({"within": 9, "discount": 0.9, "actions": "turns"}, id="turns"),
+    ],
 )
 def test_very_many_levels_are_solved_with_the_same_result(options: dict[str, Any]) -> None:
     suite = brl.load_suite(CROWDED)

@@ -174,7 +174,9 @@ def test_libraries_with_loops_of_their_own_come_close(
     ("example", "level", "steps", "discount", "least"),
     [
         # Less than half of the default is enough to get far from random moves.
-        ("ppo_rllib_team", "passing-place", 5_120, 0.95, 20),
+        pytest.param(
+            *("ppo_rllib_team", "passing-place", 5_120, 0.95, 20), marks=pytest.mark.sweep
+        ),
         # Where one robot leaves the other behind, the share is below 20 %.
         ("mappo_torchrl", "two-pads", 131_072, 0.99, 60),
     ],
