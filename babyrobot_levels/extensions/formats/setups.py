@@ -118,9 +118,9 @@ class _Reader:
         steps = take("max_steps", None)
         if steps is not None:
             self.fields["max_steps"] = integer(steps, "max_steps")
-        for number, keyword in enumerate(self.setup):
+        for found, keyword in enumerate(self.setup):
             # A file can have so many that looking for what was meant takes seconds.
-            meant = did_you_mean(keyword, KEYWORDS) if number < 100 else ""
+            meant = did_you_mean(keyword, KEYWORDS) if found < 100 else ""
             unknown = f"the package has no such keyword{meant}"
             self._lose(shown(keyword).strip("'"), _PLAYING.get(keyword, unknown))
         origin = "A setup of PyPI babyrobot 1.0.40."
