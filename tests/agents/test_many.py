@@ -52,6 +52,7 @@ def value(index: int, level: brl.Level, found: brl.Evaluation) -> brl.LevelValue
     )
 
 
+@pytest.mark.slow
 @combined(
     1,
     executor=[InProcess(), Processes(2)],
@@ -97,6 +98,7 @@ def test_very_many_levels_are_solved_with_the_same_result(options: dict[str, Any
         assert replace(row, **unknown) == replace(wanted, **unknown)
 
 
+@pytest.mark.slow
 @BOTH
 def test_levels_of_all_kinds_are_solved(executor: Executor, here: Path) -> None:
     (here / "themes").mkdir()
@@ -151,6 +153,7 @@ def test_a_suite_without_a_name_is_called_as_its_file(here: Path) -> None:
     assert [row.name for row in brl.solve_many("mine.yaml")] == names
 
 
+@pytest.mark.slow
 @combined(1, executor=[InProcess(), Processes(2)], policy=["random", "uniform", policies.optimal])
 def test_a_policy_is_evaluated(executor: Executor, policy: Any) -> None:
     suite = brl.load_suite("small-mazes")[:8]

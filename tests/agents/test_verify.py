@@ -161,6 +161,7 @@ def test_a_chance_that_would_take_too_long_is_not_computed(
     assert math.isfinite(verification.log_probability)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("level", "actions"), [("final-maze", "all"), ("first-key", "turns")])
 def test_the_film_shows_the_steps(tmp_path: Path, level: str, actions: str) -> None:
     from babyrobot_levels.agents.verify import steps_of

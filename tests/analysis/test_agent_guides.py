@@ -158,6 +158,7 @@ def test_what_is_no_policy_of_the_level_is_refused(policy: Any, wrong: str) -> N
         brl.load("frozen-lake").to_html(policy=policy())
 
 
+@pytest.mark.slow
 def test_moves_are_numbered_as_they_say() -> None:
     level = brl.load("frozen-lake")
     moves = brl.solve(level, actions="moves")

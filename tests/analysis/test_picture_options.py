@@ -31,6 +31,7 @@ def test_help_and_completion_show_each_option(chosen: PictureFormat) -> None:
     assert all(each.default is not inspect.Parameter.empty for each in shown.values())
 
 
+@pytest.mark.slow
 def test_the_defaults_are_shown_and_are_what_they_say() -> None:
     level = brl.load("default")
     for chosen in MADE:

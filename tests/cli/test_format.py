@@ -126,6 +126,7 @@ def test_a_file_that_cannot_be_written_does_not_stop_the_others(
     assert (first.read_text(), second.read_text()) == (UNTIDY, TIDY)
 
 
+@pytest.mark.slow
 def test_the_same_whatever_the_jobs() -> None:
     names = [f"levels/{number:02}.yaml" for number in range(7)]
     outputs = []

@@ -109,6 +109,7 @@ def test_links_lead_to_no_other_files_of_the_machine() -> None:
         )
 
 
+@pytest.mark.slow
 def test_names_that_are_too_long() -> None:
     for call in (
         ("validate", LONG),
@@ -151,6 +152,7 @@ def is_harmless(text: str) -> bool:
     return all(character.isprintable() or character == "\n" for character in text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_level_cannot_steer_the_terminal(name: str) -> None:
     text = "".join(
@@ -164,6 +166,7 @@ def test_a_level_cannot_steer_the_terminal(name: str) -> None:
         assert is_harmless(result.out + result.err)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="such names are not allowed there")
 @pytest.mark.parametrize("command", ["validate", "show", "list", "new-level"])
 def test_a_file_name_cannot_steer_the_terminal(command: str) -> None:

@@ -48,6 +48,7 @@ def test_folders_packs_and_levels_of_all_kinds_have_rows() -> None:
     assert found[3]["expected_return"] == pytest.approx(14 / 17)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["solve", "show"])
 def test_rows_do_not_depend_on_the_number_of_processes(command: str) -> None:
     written("few.yaml", SUITE + "splits: {train: 0.5, test: 0.5}\n")
@@ -176,6 +177,7 @@ def test_a_suite_is_shown_as_a_whole_unless_its_levels_are_asked_for() -> None:
     assert len(babyrobot("show", "few.yaml", "--format", "csv").out.splitlines()) == 13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("call", "said"),
     [

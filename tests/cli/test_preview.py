@@ -184,6 +184,7 @@ def test_a_page_holds_the_answers() -> None:
     assert data["best"] == "\N{MINUS SIGN}36.58 within 500 steps"
 
 
+@pytest.mark.slow
 def test_a_page_shows_at_once_what_was_asked_for() -> None:
     def shown(*options: str) -> list[str]:
         names: list[str] = data_of(made("maze", *options, "play.html"))["shown"]
@@ -241,6 +242,7 @@ def test_the_film_of_the_docs_is_what_is_made_now() -> None:
 # -- without answers ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["final-maze", "door-key"])
 def test_without_answers_nothing_of_them_is_in_the_page(name: str) -> None:
     full, plain = made(name, "full.html"), made(name, "--no-answers", "plain.html")
@@ -332,6 +334,7 @@ def test_several_levels_have_the_agents_policy_of_each() -> None:
         assert picture == load(name).to_svg(policy=np.eye(5)[np.maximum(policy, 0)])
 
 
+@pytest.mark.slow
 def test_what_a_python_file_calls_by_a_name_is_an_agent() -> None:
     lines = ("def east(position):", "    return 2", "def bad(position):", "    1 / 0", "")
     Path("mine.py").write_text("\n".join(lines))
@@ -342,6 +345,7 @@ def test_what_a_python_file_calls_by_a_name_is_an_agent() -> None:
     assert refused.err.startswith("error: mine.py:4: the agent failed: ZeroDivisionError")
 
 
+@pytest.mark.slow
 def test_recorded_episodes_are_an_agent() -> None:
     record(Path("ada.brlplay"), "frozen-lake", episodes=2)
     page = made("frozen-lake", "--agent", "ada.brlplay", "a.html").decode()

@@ -37,6 +37,7 @@ def test_a_link_is_a_code_and_what_a_page_plays(base: str) -> None:
     assert babyrobot("share", link.out).out == f"{code}\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["final-maze", "door-key"])
 def test_a_link_without_answers_has_none(name: str) -> None:
     full = play_data(babyrobot("share", name, "--link", "p.html").out.strip())

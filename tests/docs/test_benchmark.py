@@ -68,6 +68,7 @@ def test_the_tables_are_those_of_the_results() -> None:
     assert f"{generalisation.STEPS:,} steps" in PAGE
 
 
+@pytest.mark.slow
 def test_each_result_is_that_of_its_levels() -> None:
     import generalisation
 

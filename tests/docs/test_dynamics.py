@@ -255,6 +255,7 @@ def test_actions_that_are_not_valid_may_be_taken() -> None:
     assert (after.tolist(), reward) == (before.tolist(), -1)
 
 
+@pytest.mark.slow
 def test_ten_coins_make_1024_configurations_which_are_named() -> None:
     items = [{"name": f"coin-{number}", "at": [number, 1]} for number in range(10)]
     level = brl.load({"version": 1, "size": [10, 2], "items": items, "exit": "none"})

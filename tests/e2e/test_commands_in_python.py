@@ -43,6 +43,7 @@ def test_rule() -> None:
         brl.rule("inescapable")
 
 
+@pytest.mark.slow
 def test_share() -> None:
     assert brl.share("final-maze") + "\n" == babyrobot("share", "final-maze")
     page = "https://example.org/play.html"

@@ -121,12 +121,14 @@ def test_text_and_facts_say_the_same(name: str) -> None:
         assert f"`{thing}`" in brief.text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BRIEFS)
 def test_each_can_be_met(name: str) -> None:
     level = brl.load(REFERENCES[name])
     assert BRIEFS[name].judge(level.to_yaml()) == []
 
 
+@pytest.mark.slow
 def test_none_is_met_by_an_empty_room_or_by_what_another_asks_for() -> None:
     names = sorted(BRIEFS)
     for name, other in zip(names, names[1:] + names[:1], strict=True):

@@ -168,6 +168,7 @@ def test_a_level_without_a_seed_for_its_maze_has_no_tables() -> None:
         brl.rollout("random-maze")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_policy_may_depend_on_the_step(engine: str) -> None:
     level = Level.from_fields({"version": 1, "size": [4, 1], "start": [0, 0], "exit": [3, 0]})

@@ -20,6 +20,7 @@ from babyrobot_levels.envs.vector.env import LevelVectorEnv
 NAMES = tuple(reversed([*OBSERVATIONS]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["final-maze", "things of all kinds", "random mazes with things"])
 def test_a_dict_has_what_each_shows_alone(level: str) -> None:
     env: Any = level_named(level).make(observation=NAMES, actions="turns")
@@ -37,6 +38,7 @@ def test_a_dict_has_what_each_shows_alone(level: str) -> None:
         assert same(dict(sorted(one.items())), dict(sorted(other.items())))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("copy", [True, False])
 def test_vector_environments_give_each_an_array_of_its_own(engine: str, copy: bool) -> None:

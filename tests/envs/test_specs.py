@@ -180,6 +180,7 @@ def test_the_spec_of_every_id_equals_its_copies(env_id: str) -> None:
     assert spec != gymnasium.spec("CartPole-v1")
 
 
+@pytest.mark.slow
 @combined(1, name=ENVIRONMENTS, mode=["single", "vector_entry_point"])
 def test_the_spec_of_an_environment_equals_its_copies_and_makes_it(name: str, mode: str) -> None:
     env_id, given, limit = ENVIRONMENTS[name]

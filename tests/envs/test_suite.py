@@ -191,6 +191,7 @@ def test_a_part_of_a_suite_is_not_written_as_the_whole() -> None:
             env.spec.to_json()
 
 
+@pytest.mark.slow
 def test_he_cheers_at_the_exit_of_every_level() -> None:
     env = make(suite={**FIELDS, "exit": "random"}, render_mode="rgb_array")
     ends = set()

@@ -128,6 +128,7 @@ def test_too_many_joint_states_are_refused_soon_and_played(level: brl.Level) -> 
             ask()
 
 
+@pytest.mark.slow
 def test_all_observations_but_vectors_need_no_tables() -> None:
     env = brl.TeamEnv(ROOM, observation=("position", "walls", "index", "planes", "view", "image"))
     row, _ = env.reset(seed=0)

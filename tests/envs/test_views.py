@@ -295,6 +295,7 @@ def test_lines_are_those_of_the_reference_and_the_same_from_both_ends(seed: int)
         assert (other, one) not in seen or seen[other, one] == is_seen
 
 
+@pytest.mark.slow
 @for_each("seed", range(15))
 def test_open_sides_are_those_of_the_walls_and_items_are_where_they_lie(seed: int) -> None:
     level = brl.Level.from_fields(random_level(Random(seed)))

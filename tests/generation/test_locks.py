@@ -132,6 +132,7 @@ def test_levels_without_things_are_what_they_were() -> None:
     assert load_suite({**plain, "keys": 0})[3].digest == load_suite(plain)[3].digest
 
 
+@pytest.mark.slow
 def test_a_hit_is_worse_than_the_way_and_changes_no_layout() -> None:
     suite = load_suite({**FIELDS, "size": [8, 6], "keys": 0, "coins": 0, "guards": 1, "count": 5})
     for level in suite:

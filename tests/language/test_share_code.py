@@ -225,6 +225,7 @@ def test_base64_can_be_written_in_one_way_only() -> None:
 # -- hostile codes ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_bomb_is_refused_before_it_is_unpacked() -> None:
     packer = zlib.compressobj(9, zlib.DEFLATED, -15)
     block = b" " * (1 << 20)

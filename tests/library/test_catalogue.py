@@ -352,6 +352,7 @@ def test_the_catalogue_tells_of_each_level() -> None:
         assert brl.load(info.path).size == info.size
 
 
+@pytest.mark.slow
 def test_broken_files_do_not_stop_the_catalogue() -> None:
     write("levels/a.yaml")
     for name, text in [("b", "version: 2\n"), ("c", "[" * 100_000), ("d", ""), ("e", "- x\n")]:

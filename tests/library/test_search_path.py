@@ -171,6 +171,7 @@ def test_the_theme_of_a_suite_of_a_pack(users_pack: Path) -> None:
 # -- what is broken --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_broken_pack_stops_nobody_else(users_pack: Path, site: Path) -> None:
     write(users_pack / "lion.yaml", "version: [\n")
     write(users_pack / "ape.yaml")

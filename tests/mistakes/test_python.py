@@ -114,6 +114,7 @@ MISTAKES = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize(("call", "told"), MISTAKES, ids=lambda text: text[:40])
 def test_each_call_says_what_is_meant(call: str, told: str) -> None:

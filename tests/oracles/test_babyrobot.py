@@ -70,6 +70,7 @@ def test_levels_are_equal(number: int) -> None:
 # -- value iteration -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @for_each("world", VALUES["worlds"], ids=lambda world: str(world["discount"]))
 def test_solutions_are_those_of_its_value_iteration(world: dict[str, Any]) -> None:
     solution = brl.solve(level_of(world["level"]), world["discount"])

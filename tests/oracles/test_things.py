@@ -455,6 +455,7 @@ def test_tables_of_worlds_are_those_of_the_reference(world: World) -> None:
     assert_same_tables(level_of(world).compile(), level, actions=5)
 
 
+@pytest.mark.slow
 @for_each("seed", range(settings().max_examples // 2))
 def test_turning_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
     compare(seed, turning=True)

@@ -31,6 +31,7 @@ def told(outcomes: list[Any]) -> list[Any]:
     ]
 
 
+@pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("items", [range(0), range(1), [3, 1, 2], range(5000)])
 def test_results_are_in_the_order_of_the_items(executor: Executor, items: Any) -> None:
@@ -81,6 +82,7 @@ def test_few_items_are_taken_ahead_of_what_is_yielded(executor: Executor) -> Non
     assert ahead <= (2 * 4 + 1) * 1000
 
 
+@pytest.mark.slow
 def test_work_is_done_by_several_processes() -> None:
     seen = set()
     # A minute's work: the second process may take long to start on a busy machine.
@@ -157,6 +159,7 @@ except KeyboardInterrupt:
     assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes show which processes are there")
 def test_no_process_stays_when_the_one_that_started_it_is_killed() -> None:
     program = """

@@ -41,6 +41,7 @@ OVERLAY = Overlay(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "overlay"), [(None, OVERLAY), ((160, 128), None), ((160, 128), OVERLAY)]
 )

@@ -101,6 +101,7 @@ def test_of_many_movers_the_one_that_hits_is_told() -> None:
 # -- what is where -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", [VAULT, load("shell-game")])
 def test_things_are_what_the_configurations_tell(level: Level) -> None:
     width, data = level.size[0], page_data(level)
@@ -179,6 +180,7 @@ def test_a_level_without_things_has_none() -> None:
     assert set(data["picture"]) == {"width", "height", "layers", "palette"}
 
 
+@pytest.mark.slow
 def test_the_picture_without_scripts_shows_things() -> None:
     # The label of the bat, which is a mover, and nothing of what is held: that is a strip below.
     html = to_html(VAULT)

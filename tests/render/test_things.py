@@ -226,6 +226,7 @@ def test_frames_are_what_painting_everything_gives(
     assert np.array_equal(frame, again)
 
 
+@pytest.mark.slow
 def test_every_state_looks_different() -> None:
     world = level(
         size=[4, 1],

@@ -123,6 +123,7 @@ def test_most_things_of_all_levels() -> None:
 # -- splits ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_digests_decide_on_splits() -> None:
     shares = {"train": 0.6, "test": 0.4}
     names = ["maze", "final-maze", "frozen-lake", "cliff-walking", "garden", "three-gems"]

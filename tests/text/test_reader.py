@@ -345,6 +345,7 @@ def bomb_of_mappings(height: int) -> str:
     return "".join(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "code"),
     [

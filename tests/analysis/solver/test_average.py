@@ -61,6 +61,7 @@ def continuing(seed: int) -> brl.Level:
     return brl.Level.from_fields(fields)
 
 
+@pytest.mark.slow
 @for_each("seed", range(40))
 def test_gains_are_those_of_a_linear_program(seed: int) -> None:
     level = continuing(seed)

@@ -90,6 +90,7 @@ def test_counted_returns_are_those_that_are_followed(
     assert counted.probabilities == pytest.approx(followed.probabilities)
 
 
+@pytest.mark.slow
 def test_many_steps_of_chance_are_still_exact_as_far_as_memory_allows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -201,6 +201,7 @@ def test_policies_of_the_gallery_are_the_same(name: str) -> None:
         assert of_these[np.arange(len(taken)), taken].all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seed", [*range(2), *(pytest.param(s, marks=pytest.mark.sweep) for s in range(2, 50))]
 )

@@ -53,6 +53,7 @@ def test_without_a_discount_they_add_up_to_the_steps(seed: int) -> None:
         assert hits or np.nansum(found.states[over]) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_simulated_episodes_visit_cells_as_often() -> None:
     level = brl.load("frozen-lake")
     found, env = occupancy(level, "random"), level.make()
@@ -77,6 +78,7 @@ def test_what_goes_on_for_ever_is_inf() -> None:
         brl.load({"version": 1, "size": [3, 1], "exit": "none"}).to_svg(visits="random")
 
 
+@pytest.mark.slow
 def test_the_successor_representation_gives_the_values() -> None:
     level = brl.load("frozen-lake")
     ahead = successor_representation(level, "random", 0.9)

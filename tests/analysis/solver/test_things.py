@@ -264,6 +264,7 @@ def test_a_loop_that_pays_is_named_with_what_is_held() -> None:
 # -- large levels --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_large_systems_are_solved_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     # Walking at random fills the matrix: such systems are solved iteratively, then by elimination.
     expected = {

@@ -239,6 +239,7 @@ def test_each_environment_plays_the_level_that_it_says(
     assert len(played) > 2 * SIZE
 
 
+@pytest.mark.slow
 @combined(1, family=FAMILIES, mode=MODES)
 def test_both_engines_walk_the_same_way(family: str, mode: AutoresetMode) -> None:
     given: dict[str, Any] = {"autoreset_mode": mode, "observation": "walls"}

@@ -102,6 +102,7 @@ def test_infos_are_the_same_contiguous_numbers_at_reset_and_step(
         assert ends > 0 or mode is not AutoresetMode.SAME_STEP
 
 
+@pytest.mark.slow
 @each_level_and(("mode", MODES), ("engine", ENGINES))
 def test_each_environment_is_a_single_one(name: str, mode: AutoresetMode, engine: str) -> None:
     level = level_named(name).replace(max_steps=7)
@@ -487,6 +488,7 @@ def test_a_montage_of_several_levels() -> None:
         assert (tile[:, own.shape[1] :] == 255).all()
 
 
+@pytest.mark.slow
 def test_there_is_a_frame_of_each_environment() -> None:
     levels = [level_named(name) for name in ("frozen-lake", "cliff-walking", "door-key")]
     envs = LevelVectorEnv(levels=levels, num_envs=20, render_mode="rgb_array", actions="all")

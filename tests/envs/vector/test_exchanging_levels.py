@@ -53,6 +53,7 @@ def stay(envs: brl.LevelVectorEnv, steps: int) -> dict[str, Any]:
     return info
 
 
+@pytest.mark.slow
 @combined(1, mode=MODES, engine=ENGINES, observation=OBSERVATIONS)
 def test_levels_change_at_the_next_episode(
     mode: AutoresetMode, engine: str, observation: str

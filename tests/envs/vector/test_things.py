@@ -216,6 +216,7 @@ def test_only_environments_that_are_reset_tell_what_is_held(engine: str) -> None
 # -- starts ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @combined(1, engine=ENGINES, actions=["all", "turns"])
 def test_a_start_that_is_asked_for_leaves_what_is_drawn_to_chance(
     engine: str, actions: str
@@ -299,6 +300,7 @@ def test_an_episode_goes_on_while_the_tables_grow_for_a_larger_level(engine: str
         assert not terminated.any()
 
 
+@pytest.mark.slow
 @combined(1, engine=ENGINES, actions=["all", "turns"])
 def test_random_mazes_with_things_are_walked_as_alone(engine: str, actions: str) -> None:
     level = level_named("random mazes with things").replace(max_steps=8)

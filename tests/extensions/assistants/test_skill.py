@@ -107,6 +107,7 @@ def test_what_it_warns_of_is_found(text: str, code: str) -> None:
     assert code in {each.code for each in found}, found
 
 
+@pytest.mark.slow
 def test_it_is_written_where_that_is_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "SKILL.md"
     assert brl.skill(path) == path.read_text("utf-8") == (ROOT / "docs/SKILL.md").read_text("utf-8")

@@ -29,6 +29,7 @@ TOOLS = Tools()
 # -- what they return ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_level_is_checked_and_mended() -> None:
     text = EXAMPLE.replace("best_steps: 12..16", "best_steps: 20")
     found = TOOLS.check(text)
@@ -139,6 +140,7 @@ def test_the_legend_of_a_policy_tells_what_cannot_occur() -> None:
     assert "-        cannot occur while nothing is held" in policy.splitlines()
 
 
+@pytest.mark.slow
 def test_rules_and_the_language_are_explained() -> None:
     assert TOOLS.explain_rule("BR503").text == brl.rule("BR503").page
     assert TOOLS.language_reference().text == language_page()

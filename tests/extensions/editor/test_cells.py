@@ -411,6 +411,7 @@ def test_items_of_a_shape_are_named_after_it() -> None:
     assert "  - {name: coin-2, at: [2, 1], reward: 2, shape: coin}\n" in text
 
 
+@pytest.mark.slow
 def test_item_with_a_name_has_the_shape_that_is_wanted() -> None:
     text = add(Session(PLAIN), "item", [1, 1], name="treasure", shape="box", color="gold")
     assert "  - {name: treasure, at: [1, 1], shape: box, color: gold}\n" in text

@@ -105,6 +105,7 @@ def test_color_of_a_named_theme_is_set_among_its_others() -> None:
     assert (colors.base, colors.exit, colors.puddle) == ("gold", "#00352a", "#bfe3fa")
 
 
+@pytest.mark.slow
 def test_one_name_is_no_list_and_none_is_no_field() -> None:
     session = Session(LOCKED)
     text = done(session, "set", route=["doors", 1, "needs"], value=["lever"])
@@ -113,6 +114,7 @@ def test_one_name_is_no_list_and_none_is_no_field() -> None:
     assert "exit_needs" not in text
 
 
+@pytest.mark.slow
 def test_item_is_renamed_wherever_it_is_needed() -> None:
     text = done(Session(LOCKED), "set", route=["items", 0, "name"], value="red-key")
     assert text == (
@@ -123,6 +125,7 @@ def test_item_is_renamed_wherever_it_is_needed() -> None:
     )
 
 
+@pytest.mark.slow
 def test_switch_is_renamed_wherever_it_is_needed() -> None:
     text = done(Session(LOCKED), "set", route=["switches", 0], value={"name": "bell", "at": [1, 2]})
     assert "lever" not in text
@@ -157,6 +160,7 @@ def test_route_that_leads_nowhere_is_refused(route: list[Any], value: Any, words
     assert words in refused(Session(LOCKED), "set", route=route, value=value)
 
 
+@pytest.mark.slow
 def test_value_that_is_nested_without_end_is_refused() -> None:
     value: Any = []
     for _ in range(5000):
@@ -171,11 +175,13 @@ def test_value_that_is_nested_without_end_is_refused() -> None:
 # -- remove --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_entry_is_removed_and_comments_on_lines_of_their_own_stay() -> None:
     text = done(Session(LOCKED), "remove", route=["doors", 0])
     assert text == LOCKED.replace("  - {at: [1, 0], side: E, needs: key}\n", "")
 
 
+@pytest.mark.slow
 def test_item_that_is_removed_is_no_longer_needed_and_takes_its_doors_along() -> None:
     text = done(Session(LOCKED), "remove", route=["items", 0])
     assert "key" not in "".join(line.partition("#")[0] for line in text.splitlines())

@@ -62,6 +62,7 @@ def shown(text: str, words: str) -> dict[str, Any]:
     return dict(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "words", "cells", "sides"), CASES.values(), ids=CASES)
 def test_a_finding_is_shown_at_what_it_is_about(
     text: str, words: str, cells: list[Any], sides: list[Any]

@@ -82,6 +82,7 @@ def test_weights_go_with_their_cells() -> None:
     assert "start_weights" not in text
 
 
+@pytest.mark.slow
 def test_everything_moves_with_what_is_added_at_the_left_and_the_top() -> None:
     assert (
         resize(Session(THINGS), 5, 5, 1, 2)
@@ -161,6 +162,7 @@ def test_a_size_without_a_cell_for_start_and_exit_is_refused() -> None:
     assert error == "start and exit would have no free cell there"
 
 
+@pytest.mark.slow
 def test_what_lies_outside_is_told() -> None:
     session = Session(THINGS + "exit_needs: [key, lever]\n")
     lost = send(session, "resize", size=[3, 2])["state"]["lost"]
@@ -174,6 +176,7 @@ def test_default_exit_stays_in_the_corner_and_the_default_start_moves() -> None:
     assert resize(session, 9, 5, 1) == "version: 1\nsize: [9, 5]\nstart: [1, 0]\n"
 
 
+@pytest.mark.slow
 def test_things_that_are_gone_are_no_longer_needed() -> None:
     session = Session(THINGS + "exit_needs: [key, lever]\n")
     assert "exit_needs: key\n" in resize(session, 3, 3)

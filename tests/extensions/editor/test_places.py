@@ -36,6 +36,7 @@ def found(session: Session) -> list[dict[str, Any]]:
     return places_of(session.level, session.document)
 
 
+@pytest.mark.slow
 @levels
 def test_places_are_those_of_all_that_a_level_has(name: str) -> None:
     session = session_of(name)

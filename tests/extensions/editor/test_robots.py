@@ -122,6 +122,7 @@ def test_robots_and_their_exits_are_places_and_starts_are_none() -> None:
     assert [each["label"] for each in places(Session(TWO), "exit")] == ["exit", "exit of red"]
 
 
+@pytest.mark.slow
 def test_robot_and_its_exit_are_moved() -> None:
     session = Session(TWO)
     done(session, "move", route=["robots", 0], from_=[0, 0], to=[1, 0])
@@ -129,6 +130,7 @@ def test_robot_and_its_exit_are_moved() -> None:
     assert robots(session)[0] == {"name": "red", "start": (1, 0), "exit": (2, 0)}
 
 
+@pytest.mark.slow
 def test_robot_that_is_moved_in_a_drawing_begins_where_nothing_is_drawn() -> None:
     session = Session(DRAWN)
     text = done(session, "move", route=["robots", 0], from_=[0, 0], to=[1, 1])
@@ -143,6 +145,7 @@ def test_renamed_robot_still_takes_its_items() -> None:
     assert "{name: key, at: [1, 1], robot: green}" in text
 
 
+@pytest.mark.slow
 def test_start_that_is_given_to_a_robot_takes_the_place_of_a_drawn_one() -> None:
     session = Session(DRAWN)
     done(session, "set", route=["robots", 1, "start"], value=[0, 1])
@@ -196,6 +199,7 @@ def test_exit_that_goes_with_a_robot_is_told() -> None:
     assert (session.level.starts, session.level.exits) == (((3, 2),), ((0, 2),))
 
 
+@pytest.mark.slow
 def test_eraser_takes_robots_and_their_exits_and_leaves_one() -> None:
     session = Session(TWO)
     done(session, "paint", brush="erase", cells=[[3, 0]])
@@ -217,6 +221,7 @@ def test_blocked_cells_leave_robots_and_their_exits() -> None:
     assert session.level.blocked[0].size == (2, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [TWO, DRAWN])
 def test_robots_stay_in_a_level_that_shrinks(text: str) -> None:
     session = Session(text)

@@ -310,6 +310,7 @@ def test_a_message_that_is_too_large_is_not_read_to_its_end(client: Client) -> N
     assert client.ask("POST", f"{client.path}message", endless(), **headers).status == 413
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "fields",
     [
@@ -353,6 +354,7 @@ def test_a_message_about_another_text_is_refused(session: Session, revision: obj
     assert reply["state"]["text"] == TEXT
 
 
+@pytest.mark.slow
 def test_a_level_that_is_too_large_for_a_picture_is_edited_as_text() -> None:
     text = "version: 1\nsize: [1024, 1024]\nstart: [0, 0]\nexit: [1023, 1023]\n"
     began = time.monotonic()

@@ -191,6 +191,7 @@ def test_a_new_file_that_another_program_made_first_is_a_conflict(tmp_path: Path
     assert (tmp_path / "new.yaml").read_text("utf-8") == OTHER
 
 
+@pytest.mark.slow
 def test_what_is_undone_and_done_again_is_told() -> None:
     session = Session(TEXT)
     send(session, "walls", at=[0, 0], side="E", to="wall")
@@ -273,6 +274,7 @@ def test_a_full_disk_leaves_the_file_as_it_was(file: Path, monkeypatch: pytest.M
 # -- copying ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_level_is_copied_in_every_form(file: Path) -> None:
     session = session_of("gallery/final-maze")
     level = brl.load("final-maze")

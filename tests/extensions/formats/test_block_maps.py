@@ -214,6 +214,7 @@ INSIDE = """
 """
 
 
+@pytest.mark.slow
 def test_a_sokoban_map_keeps_its_walls_player_and_goals() -> None:
     world = world_of(SOKOBAN, "sokoban")
     level = level_of_world(world)

@@ -193,6 +193,7 @@ def test_a_map_with_dots_and_an_exit_has_one_exit() -> None:
     assert result.err.startswith("map.txt:2:3: warning: `.`: read as free, because `E` is the exit")
 
 
+@pytest.mark.slow
 def test_a_map_that_has_no_room_in_a_file_is_told_what_has() -> None:
     Path("lake.txt").write_text("\n".join(["S" * 500] * 500), encoding="utf-8")
     result = babyrobot("import", "lake.txt")

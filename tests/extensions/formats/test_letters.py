@@ -203,6 +203,7 @@ def test_a_map_of_movingai_is_written_and_ends_that_are_elsewhere_are_told() -> 
     assert (plain.text.count("@"), plain.warnings) == (18, ())
 
 
+@pytest.mark.slow
 def test_a_large_map_is_a_list_of_rectangles() -> None:
     rows = "\n".join(["." * 400] * 399 + ["@" * 399 + "."])
     world = world_of(f"type tile\nheight 400\nwidth 400\nmap\n{rows}\n", "movingai")

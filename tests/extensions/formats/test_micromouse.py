@@ -150,6 +150,7 @@ def test_other_bytes_are_no_maze(data: bytes) -> None:
     assert decode_maz(data) is None
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32), st.sampled_from(["depth-first", "prim", "sidewinder"]))
 def test_a_maze_of_a_contest_goes_there_and_back(seed: int, algorithm: str) -> None:
     middle = [[x, y] for x in (7, 8) for y in (7, 8)]

@@ -23,6 +23,7 @@ def contents(folder: str) -> dict[str, bytes]:
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{}, {"jobs": 2}, {"executor": "processes"}])
 def test_the_files_are_those_of_the_command(options: dict[str, Any]) -> None:
     levels = brl.generate("wet-mazes", "here", count=10, **options)

@@ -70,6 +70,7 @@ def test_mutants_of_any_level_are_valid_levels(
     assert brl.mutate(level, solvable=False, **arguments) == mutant
 
 
+@pytest.mark.slow
 def test_edits_that_undo_each_other_are_no_mutant() -> None:
     level = brl.Level(version=1, size=[2, 2], exit=[1, 1])
     mutants = [brl.mutate(level, seed=seed, edits=2, kinds=["wall"]) for seed in range(20)]
@@ -88,6 +89,7 @@ def test_mutants_are_won_by_default(name: str, seed: int, edits: int) -> None:
     assert success == pytest.approx(1) or (expect is not None and success >= 0.1)
 
 
+@pytest.mark.slow
 @untimed
 @given(st.sampled_from(EDITED), st.integers(0, 2**20))
 def test_only_what_is_asked_for_is_edited(kind: str, seed: int) -> None:

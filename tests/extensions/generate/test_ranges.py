@@ -19,6 +19,7 @@ def lines(level: brl.Level) -> int:
     return sum(map(sum, pushes))
 
 
+@pytest.mark.slow
 def test_the_command_takes_ranges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     command = "generate --count 4 --size 6x6 --keys 1..2 --coins 2 --detour 4.. -o out"

@@ -80,6 +80,7 @@ def test_it_yields_after_every_so_many_episodes_and_at_the_end() -> None:
     np.testing.assert_array_equal(other.values, sweeps[-1].values)
 
 
+@pytest.mark.slow
 def test_the_seed_decides_and_global_chance_is_left_alone() -> None:
     before = random.getstate(), np.random.get_state()[1].tolist()  # type: ignore[index]
     one, same = estimates("frozen-lake", 1), estimates("frozen-lake", 1)

@@ -88,6 +88,7 @@ def test_trials_are_numbered_by_episodes_and_keep_all_returns(learn: Learn) -> N
         trials[0].action_values[0, 0, 0] = 1
 
 
+@pytest.mark.slow
 @each_way
 def test_the_seed_decides_and_global_chance_is_left_alone(learn: Learn) -> None:
     before = random.getstate(), np.random.get_state()[1].tolist()  # type: ignore[index]
@@ -115,6 +116,7 @@ def test_ties_are_broken_by_chance(learn: Learn) -> None:
     assert taken == {0, 1, 2, 3}
 
 
+@pytest.mark.slow
 @each_way
 def test_episodes_without_end_are_cut_off(learn: Learn) -> None:
     level = {"version": 1, "size": [2, 1], "exit": "none", "max_steps": 9}
@@ -147,6 +149,7 @@ def test_wrong_arguments_are_told_at_once(learn: Learn, wrong: dict[str, Any]) -
 # -- Dyna-Q, n-step Sarsa, and where episodes begin ----------------------------------------------
 
 
+@pytest.mark.slow
 def test_planning_finds_the_way_in_fewer_episodes() -> None:
     few, many = (
         last(q_learning("dyna-maze", 6, planning_steps=planning, discount=0.95, seed=1))
@@ -180,6 +183,7 @@ def test_returns_of_n_steps_reach_back_at_once() -> None:
     assert one.returns.tolist() == many.returns.tolist()
 
 
+@pytest.mark.slow
 def test_exploring_starts_come_everywhere_but_where_no_robot_can_stand() -> None:
     found = last(q_learning("cliff-walking", 200, exploring_starts=True, seed=4))
     visited = (found.action_values != 0).any(axis=-1)

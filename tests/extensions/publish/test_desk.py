@@ -56,6 +56,7 @@ def asked(text: str, name: str, kind: str, level: str = "frozen-lake") -> tuple[
     return found["passed"], found["message"]
 
 
+@pytest.mark.slow
 @given(st.sampled_from(LEVELS), st.data())
 def test_values_are_right_if_each_is_near_the_right_one(name: str, data: st.DataObject) -> None:
     level = DATA[name]
@@ -175,6 +176,7 @@ def test_what_is_wrong_is_told(body: str) -> None:
     assert asked(text, "value_iteration", "values") == (False, WRONG[body])
 
 
+@pytest.mark.slow
 def test_mistakes_have_names() -> None:
     text = PLAIN.replace("level.discount", "0.9")
     told = "these are the values for the discount 0.9, not 1"

@@ -36,6 +36,7 @@ def test_what_is_in_a_level(name: str, things: tuple[str, ...], features: tuple[
     assert (found.things, found.features) == (things, features)
 
 
+@pytest.mark.slow
 def test_what_is_in_a_level_has_the_words_by_which_people_search_it() -> None:
     assert {"guard", "monster"} <= {*facts("night-watch").words}
     assert "guard" not in facts("bat-cave").words

@@ -258,6 +258,7 @@ def test_no_file_of_a_gallery_without_answers_contains_the_optimum(
     assert not [name for name in contents(made.folder) if name.endswith(".gif")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("answers", [True, False])
 def test_comments_which_may_tell_the_way_are_for_galleries_with_answers(
     tmp_path: Path, answers: bool
@@ -271,6 +272,7 @@ def test_comments_which_may_tell_the_way_are_for_galleries_with_answers(
     assert sorted(told) == (["own/index.html", "own/level.yaml"] if answers else [])
 
 
+@pytest.mark.slow
 def test_the_key_shows_values_and_policy_in_its_pictures(tmp_path: Path) -> None:
     made = brl.gallery([SMALL], tmp_path / "site", key=True)
     shown = (made.folder / "small" / "picture.svg").read_text("utf-8")
@@ -295,6 +297,7 @@ def test_a_gallery_is_replaced_by_the_next_one(tmp_path: Path) -> None:
     assert beside(tmp_path) == ["site"]
 
 
+@pytest.mark.slow
 def test_what_is_no_gallery_is_refused(tmp_path: Path) -> None:
     for number, text in enumerate(
         ["", "{", "[]", '{"format": 1}', '{"format": 1, "made_by": "other", "levels": []}']
@@ -334,6 +337,7 @@ def test_files_that_were_added_are_deleted_only_if_that_is_asked_for(
     assert not (site / added).exists()
 
 
+@pytest.mark.slow
 def test_an_error_leaves_what_was_there(tmp_path: Path) -> None:
     site, bad = tmp_path / "site", tmp_path / "bad.yaml"
     bad.write_text("version: 1\nsize: [3, 3]\nexit: [9, 9]\n")

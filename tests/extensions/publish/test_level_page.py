@@ -128,6 +128,7 @@ def test_facts_are_those_of_the_level_as_the_game_writes_them() -> None:
     assert facts["Digest"] == load("final-maze").digest
 
 
+@pytest.mark.slow
 def test_the_optimum_within_the_time_limit_is_told_where_it_differs() -> None:
     facts = facts_on(page_of(load("frozen-lake")))
     assert (facts["Optimal return within 100 steps"], facts["Optimal return without a limit"]) == (

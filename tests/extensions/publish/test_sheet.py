@@ -52,6 +52,7 @@ def lines(page: Scene) -> Iterator[Text]:
 # -- what stands on the pages ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_pages_have_so_many_levels_with_number_title_name_and_digest() -> None:
     sheet = brl.sheet(NAMES, per_page=4)
     found = texts(sheet)
@@ -64,6 +65,7 @@ def test_pages_have_so_many_levels_with_number_title_name_and_digest() -> None:
     assert all("Exercise sheet" in text and "Name" in text and "Date" in text for text in found)
 
 
+@pytest.mark.slow
 def test_a_single_level_and_a_suite_are_levels_too() -> None:
     assert "The final maze" in texts(brl.sheet("final-maze"))[0]
     suite = brl.load_suite("small-mazes")
@@ -312,6 +314,7 @@ def test_a_pdf_has_the_pages_with_texts_that_can_be_searched() -> None:
     assert sheet.to_pdf() == brl.sheet(NAMES, title="Week 3", per_page=3).to_pdf()
 
 
+@pytest.mark.slow
 def test_html_is_a_picture_per_page_that_asks_for_nothing() -> None:
     text = brl.sheet(NAMES, per_page=3).to_html()
     found = Reader(text).elements
@@ -352,6 +355,7 @@ def test_files_are_named_by_their_pages(tmp_path: Path) -> None:
     assert (tmp_path / "one.PNG").read_bytes()[16:24] == size
 
 
+@pytest.mark.slow
 def test_a_sheet_shows_itself_in_notebooks() -> None:
     sheet = brl.sheet(NAMES, per_page=3)
     bundle = sheet._repr_mimebundle_()

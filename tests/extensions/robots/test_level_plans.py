@@ -47,6 +47,7 @@ def test_a_plan_that_makes_way_is_valid(tmp_path: Path) -> None:
         assert brl.check_plan(*given) == brl.PlanCheck(2, None, 7, 5, None, None)
 
 
+@pytest.mark.slow
 def test_the_optimum_of_the_gallery_is_a_valid_plan() -> None:
     for name in ("two-pads", "passing-place"):
         level, env = brl.load(name), brl.TeamEnv(name, observation="index")

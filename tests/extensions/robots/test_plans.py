@@ -88,6 +88,7 @@ def conflicts(paths: list[Path2]) -> bool:
     return meet or swap
 
 
+@pytest.mark.slow
 def test_conflicts_are_those_of_each_pair(tmp_path: Path) -> None:
     random, cells = Random(0), [*product(range(3), range(2))]
     written(tmp_path, "type tile\nheight 2\nwidth 3\nmap\n...\n...\n", "a.map")

@@ -11,6 +11,7 @@ from babyrobot_levels.analysis.guides import guide_of
 from babyrobot_levels.render.page_format import rounded
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["frozen-lake", "first-key", "cliff-walking", "puddles", "treasure-chests", "gridworld-3-5"],

@@ -57,6 +57,7 @@ def test_solutions_are_right(level: str) -> None:
     assert brl.grade_values(level, np.ravel(solution.values))
 
 
+@pytest.mark.slow
 def test_values_of_policies_and_of_sweeps() -> None:
     assert brl.grade_values(LAKE, brl.evaluate(LAKE, "random").values, policy="random")
     sweeps = list(brl.value_iteration(LAKE))
@@ -226,6 +227,7 @@ def test_floats_that_are_whole_are_actions() -> None:
     assert brl.grade_policy(LAKE, BEST.astype(float))
 
 
+@pytest.mark.slow
 def test_agents() -> None:
     assert brl.grade_agent(LAKE, brl.solve(LAKE))
     chance = brl.grade_agent(LAKE, "random", points=4)
@@ -239,6 +241,7 @@ def test_agents() -> None:
         brl.grade_agent(LAKE, lambda _: 1 // 0)
 
 
+@pytest.mark.slow
 def test_an_agent_passes_from_the_bound_on_and_its_share_counts_below() -> None:
     best = np.eye(5)[brl.solve(LAKE).policy.ravel()]
     mixed = 0.9 * best + 0.1 / 5

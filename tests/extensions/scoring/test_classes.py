@@ -233,6 +233,7 @@ def test_hostile_code_is_named_and_touches_nobody_else(
     assert not status.exists() or "zombie" in status.read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_what_could_not_be_graded_is_no_0(tmp_path: Path) -> None:
     files = {"ada/value_iteration.py": RIGHT, "ben/essay.pdf": "x", "cid/work.zip": "PK"}
     found = graded(tmp_path / "class", files)
@@ -275,6 +276,7 @@ def test_typos_are_errors_and_no_marks(tmp_path: Path) -> None:
             brl.grade(hand_in(tmp_path / "a", {"ada/x.py": ""}), COURSE, functions=asked)
 
 
+@pytest.mark.slow
 def test_results_are_kept_until_files_change(tmp_path: Path) -> None:
     files = {"ada/value_iteration.py": RIGHT, "ben/value_iteration.py": RIGHT + "# mine\n"}
     kept, steps = tmp_path / "kept", list[tuple[int, int]]()
@@ -315,6 +317,7 @@ def test_what_students_are_given_is_there_also_if_they_do_not_hand_it_in(tmp_pat
     assert found.totals["ada"]["total"] == 5
 
 
+@pytest.mark.slow
 def test_plays_count_beside_code(tmp_path: Path) -> None:
     files = {"ada/value_iteration.py": RIGHT, "ben/value_iteration.py": "x = 1"}
     folder = hand_in(tmp_path / "class", files)
@@ -406,6 +409,7 @@ TEXTS = st.sampled_from(
 ) | st.text(max_size=30)
 
 
+@pytest.mark.slow
 @given(
     st.dictionaries(
         st.tuples(NAMES, st.sampled_from([".py", ".ipynb", ".json", ".npy", ".npz", ".py.txt"])),
@@ -429,6 +433,7 @@ def test_whatever_is_handed_in_is_read_or_a_fault_and_stays_in_its_folder(
     assert (around / "code" / "value_iteration.py").exists() or source.text is None
 
 
+@pytest.mark.slow
 def test_names_of_files_are_shown_as_text_in_reports(tmp_path: Path) -> None:
     name = "x\x1b[2J\nada  right.py"
     with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
@@ -16,6 +17,7 @@ from babyrobot_levels.agents.agents import load_policy
 NAMES = ["frozen-lake", "first-key"]
 
 
+@pytest.mark.slow
 def test_policies_come_back(tmp_path: Path) -> None:
     policies: dict[str, Any] = {name: brl.solve(name).policy for name in NAMES}
     np.save(tmp_path / "one.npy", policies["frozen-lake"])

@@ -67,6 +67,7 @@ def test_an_optimal_episode_has_a_share_of_one(tmp_path: Path) -> None:
     assert grade.success == 1.0
 
 
+@pytest.mark.slow
 def test_plays_that_do_not_count(tmp_path: Path) -> None:
     path = tmp_path / "eve.brlplay"
     record(path, LAKE, episodes=2)

@@ -9,6 +9,7 @@ from support.combinations import combined
 from babyrobot_levels.extensions.scoring.intervals import interval
 
 
+@pytest.mark.slow
 @combined(1, chance=[0.011, 0.2, 0.74], episodes=[5, 30])
 def test_the_interval_holds_the_mean(episodes: int, chance: float) -> None:
     random = np.random.default_rng(1)
@@ -19,6 +20,7 @@ def test_the_interval_holds_the_mean(episodes: int, chance: float) -> None:
     assert held >= 186
 
 
+@pytest.mark.slow
 def test_of_levels_with_few_episodes_the_interval_holds_the_mean() -> None:
     random = np.random.default_rng(2)
     chances = np.repeat(random.beta(0.2, 1.0, 40), 5)

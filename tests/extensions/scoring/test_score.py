@@ -27,6 +27,7 @@ def test_the_optimal_policy_has_no_regret_in_any_level_of_the_gallery() -> None:
             assert abs(best - found.expected_return) <= 1e-12 * max(1.0, abs(best))
 
 
+@pytest.mark.slow
 def test_chance_has_a_share_of_zero() -> None:
     scores = brl.score(NAMES, "random")
     assert [score.level for score in scores] == NAMES
@@ -41,6 +42,7 @@ def test_chance_has_a_share_of_zero() -> None:
         assert score.steps == pytest.approx(within.expected_steps)
 
 
+@pytest.mark.slow
 def test_a_policy_by_level() -> None:
     policies = {name: brl.solve(name) for name in NAMES}
     scores = brl.score(NAMES, policies)
@@ -178,6 +180,7 @@ def test_parts_of_suites_share_the_space_of_the_suite() -> None:
     assert len(shapes) == 1
 
 
+@pytest.mark.slow
 def test_a_summary_in_the_terms_of_the_field() -> None:
     scores = brl.score(NAMES, {name: brl.solve(name) for name in NAMES})
     shares = sorted(score.share for score in scores)
@@ -199,6 +202,7 @@ def test_levels_in_which_chance_is_optimal_have_no_share() -> None:
     assert json.loads(scores.to_json())["levels"][0]["share"] is None
 
 
+@pytest.mark.slow
 def test_scores_are_tables_for_other_programs(tmp_path: Any) -> None:
     scores = brl.score(NAMES, "random")
     path = tmp_path / "scores.csv"
@@ -249,6 +253,7 @@ def test_the_best_agent_is_solved_in_each_level() -> None:
     assert [score.regret for score in scores] == pytest.approx([0, 0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_optimum_within_a_limit_has_no_regret() -> None:
     best = brl.solve("frozen-lake", within="max_steps")
     for agent in (best, best.policies, {"frozen-lake": best}):

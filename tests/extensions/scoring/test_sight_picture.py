@@ -66,6 +66,7 @@ def test_the_text_does_not_tell_what_is_where() -> None:
     assert one[-1] == "The picture shows what is where.\nheld: key"
 
 
+@pytest.mark.slow
 def test_an_agent_is_scored_by_what_it_sees() -> None:
     """It sees on which of two starts the robot stands, which no text tells."""
     corridor = level(size=[3, 1], start=[[0, 0], [2, 0]], exit=[1, 0], max_steps=5)

@@ -85,6 +85,7 @@ def test_a_virtual_environment_in_the_folder_is_none_of_the_course(small: Path) 
     assert [*left_out] == ["value_iteration.py", "venv/"]
 
 
+@pytest.mark.slow
 def test_each_fault_of_code_is_told_in_a_line(small: Path, tmp_path: Path) -> None:
     wrong = """\
 def value_iteration(level):

@@ -133,6 +133,7 @@ def test_a_summary_is_the_same_each_time_and_leaves_random_numbers_alone() -> No
     assert runs[0].summary.intervals == brl.summary(runs[0]).intervals
 
 
+@pytest.mark.slow
 def test_weights_that_are_drawn_in_parts_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     run = scores_of(np.linspace(0, 1, 9).tolist())
     ends = brl.summary([run]).intervals

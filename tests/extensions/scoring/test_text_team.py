@@ -19,6 +19,7 @@ def words(team: brl.TextTeam, joint: int) -> dict[str, str]:
     return dict(zip(team.names, names, strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [PADS, "passing-place"])
 def test_grades_add_up_to_what_an_episode_misses_of_the_optimum(name: str) -> None:
     team, rng = brl.TextTeam(name, sight="words", within=20), random.Random(1)
@@ -30,6 +31,7 @@ def test_grades_add_up_to_what_an_episode_misses_of_the_optimum(name: str) -> No
         assert brl.replay(team.play)[0].is_valid
 
 
+@pytest.mark.slow
 def test_the_optimal_policy_has_no_regret_and_succeeds() -> None:
     team = brl.TextTeam(PADS, reward="success")
     policies = brl.solve(PADS, within=team.within).policies

@@ -31,6 +31,7 @@ def test_solve_with_a_sight_is_the_optimum_of_the_sight() -> None:
     assert brl.load("shell-game").solve(sight="view", view_radius=1).upper == pytest.approx(-6)
 
 
+@pytest.mark.slow
 def test_one_of_several_levels_can_be_solved() -> None:
     levels = "frozen-lake", "shell-game"
     assert brl.solve(levels, sight="position").full == pytest.approx(

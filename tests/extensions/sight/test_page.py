@@ -62,6 +62,7 @@ def test_the_agent_of_a_page_earns_the_optimum_of_the_sight(name: str) -> None:
     assert worth(name, data, 200) == pytest.approx(found.lower)
 
 
+@pytest.mark.slow
 def test_cells_are_seen_as_the_view_shows_them() -> None:
     level = brl.load("shell-game")
     data = page_sight(level, "view", view_radius=2).data
@@ -118,6 +119,7 @@ def test_a_level_with_very_many_states_is_refused() -> None:
         page_sight(brl.load("two-pads"))
 
 
+@pytest.mark.slow
 def test_the_command_makes_such_a_page(here: Path) -> None:
     command = ["preview", "shell-game", "--sight", "view", "--view-radius", "1", "-o", "fog.html"]
     assert run_here(command, environment(here)).status == 0

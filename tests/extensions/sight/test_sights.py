@@ -38,6 +38,7 @@ def test_what_is_not_shown_costs_what_it_takes_to_find_out() -> None:
     assert repr(found).startswith("<SightSolution expected_return=-1 full=0 sight='blind' beliefs=")
 
 
+@pytest.mark.slow
 def test_one_more_cell_of_view_is_worth_something() -> None:
     costs = [sight_cost("shell-game", view_radius=radius) for radius in (1, 2, 3)]
     assert all(low == pytest.approx(high, abs=1e-9) for low, high in costs)
@@ -101,6 +102,7 @@ def believes(agent: SightPolicy, world: brl.TextWorld) -> bool:
     return any(state == world.state for _, state, _ in agent.belief)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [

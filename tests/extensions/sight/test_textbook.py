@@ -68,6 +68,7 @@ def grid(side: int) -> brl.Level:
     return brl.load({"version": 1, **fields})
 
 
+@pytest.mark.slow
 def test_a_grid_of_which_one_sees_nothing_but_the_exit() -> None:
     # Norman, Parker and Zou (2017), "Verification and control of partially observable
     # probabilistic systems", after Littman, Cassandra and Kaelbling. PRISM's regression test
