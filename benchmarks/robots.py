@@ -1,4 +1,4 @@
-"""Several robots: joint steps beside those of PettingZoo's pursuit, which has a grid as well.
+"""Several robots: joint steps beside those of PettingZoo's pursuit and JaxMARL's Overcooked.
 
     python benchmarks/robots.py
 
@@ -23,7 +23,7 @@ from timing import Comparison, Measure, compare_in_turns, installed
 import babyrobot_levels as brl
 
 STEPS = 20_000
-TEAMS = 16_384
+TEAMS = 64, 16_384
 LEVEL = "two-pads"
 
 
@@ -60,17 +60,17 @@ def parallel_steps(env: Any, steps: int) -> Measure:
     return measure
 
 
-def vector_steps() -> Measure:
+def vector_steps(teams: int) -> Measure:
     """Return a measure of joint steps per second of many teams, which take random actions."""
-    env = brl.TeamVectorEnv(LEVEL, num_envs=TEAMS, copy=False)
-    actions = np.random.default_rng(0).integers(5, size=(20, TEAMS, 2))
+    env = brl.TeamVectorEnv(LEVEL, num_envs=teams, copy=False)
+    actions = np.random.default_rng(0).integers(5, size=(2_000 if teams < 1_000 else 20, teams, 2))
     env.reset(seed=0)
 
     def measure() -> float:
         begin = time.perf_counter()
         for each in actions:
             env.step(each)
-        return len(actions) * TEAMS / (time.perf_counter() - begin)
+        return len(actions) * teams / (time.perf_counter() - begin)
 
     return measure
 
@@ -95,13 +95,17 @@ def compare(count: int) -> Iterator[Comparison]:
         aims={("brl.parallel_env", "PettingZoo's pursuit"): 20},
         versions=installed("babyrobot-levels", "numpy", "pettingzoo"),
     )
-    yield compare_in_turns(
-        f"joint steps of {TEAMS:,} teams of two robots per second",
-        {"brl.TeamVectorEnv": vector_steps(), "brl_jax.make_team": team_walk(LEVEL)(TEAMS)},
-        {"JaxMARL's Overcooked": jaxmarl_walk("overcooked", "coord_ring")(TEAMS)},
-        count,
-        versions=installed("babyrobot-levels", "numpy", "numba", "jax", "gymnax", "jaxmarl"),
-    )
+    for teams in TEAMS:
+        yield compare_in_turns(
+            f"joint steps of {teams:,} teams of two robots per second",
+            {
+                "brl.TeamVectorEnv": vector_steps(teams),
+                "brl_jax.make_team": team_walk(LEVEL)(teams),
+            },
+            {"JaxMARL's Overcooked": jaxmarl_walk("overcooked", "coord_ring")(teams)},
+            count,
+            versions=installed("babyrobot-levels", "numpy", "numba", "jax", "gymnax", "jaxmarl"),
+        )
 
 
 if __name__ == "__main__":
