@@ -12,6 +12,7 @@ from oracles.random_teams import random_team
 from pettingzoo.utils import parallel_to_aec
 
 import babyrobot_levels as brl
+from babyrobot_levels.mdp.actions import Action
 
 PASSING = "passing-place"
 TEAMS = [fields for seed in range(30) if (fields := random_team(Random(seed))) is not None]
@@ -90,6 +91,20 @@ def test_wrong_actions_are_named(actions: dict[str, Any], message: str) -> None:
     env.reset(seed=1)
     with pytest.raises(gymnasium.error.InvalidAction, match=message):
         env.step(actions)
+
+
+def test_a_step_after_the_end_does_nothing() -> None:
+    """RLlib's wrapper tells no end if a robot arrives in the step that cuts off the others."""
+    robots = [{"name": "red", "start": [0, 0]}, {"name": "blue", "start": [0, 1]}]
+    level = {"version": 1, "size": [3, 2], "exit": [2, 0], "robots": robots}
+    env = brl.parallel_env(level, max_cycles=2)
+    env.reset(seed=0)
+    env.step({"red": Action.EAST, "blue": Action.STAY})
+    _, _, terminated, truncated, _ = env.step({"red": Action.EAST, "blue": Action.STAY})
+    assert terminated == {"red": True, "blue": False}
+    assert truncated == {"red": False, "blue": True}
+    assert env.agents == []
+    assert env.step({}) == ({}, {}, {}, {}, {})
 
 
 @pytest.mark.parametrize("limit", [0, -1, 2.5, "a"])
