@@ -2,7 +2,7 @@
 # RLlib does not see that an episode is over if one agent ends and the other is cut off in the same step.
 #
 # Packages: ray 2.60.0, pettingzoo 1.27.0, gymnasium 1.2.2; with what RLlib needs: dm-tree 0.1.10, lz4 4.4.5, ormsgpack 1.13.1,
-#   pandas 3.1.1, pyarrow 26.0.1, scipy 1.17.1, tensorboardx 2.6.5, requests 2.32.5
+#   pandas 3.1.1, pyarrow 26.0.1, scipy 1.17.1, tensorboardx 2.6.5, requests 2.34.2, pydantic 2.14.4, fsspec 2026.9.0
 # Tried: 2026-11-30, Python 3.11
 # Expected: `ParallelPettingZooEnv` says `__all__` when the last agents are gone, whether they are terminated or truncated; and
 #   its agents are in the order of the environment.
@@ -20,7 +20,7 @@ cd "$folder"
 "${PYTHON:-python3}" -m venv venv
 venv/bin/pip install --quiet --disable-pip-version-check --no-compile ray==2.60.0 pettingzoo==1.27.0 gymnasium==1.2.2
 venv/bin/pip install --quiet --disable-pip-version-check --no-compile dm-tree==0.1.10 lz4==4.4.5 ormsgpack==1.13.1 pandas==3.1.1
-venv/bin/pip install --quiet --disable-pip-version-check --no-compile pyarrow==26.0.1 scipy==1.17.1 tensorboardx==2.6.5 requests==2.32.5
+venv/bin/pip install --quiet --disable-pip-version-check --no-compile pyarrow==26.0.1 scipy==1.17.1 tensorboardx==2.6.5 requests==2.34.2 pydantic==2.14.4 fsspec==2026.9.0
 cat >probe.py <<'EOF'
 import warnings
 
