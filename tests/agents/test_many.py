@@ -66,27 +66,34 @@ def test_levels_of_a_suite_are_solved(executor: Executor, options: dict[str, Any
     ]
 
 
-CROWDED: dict[str, Any] = {
+VERY_MANY: dict[str, Any] = {
     "version": 1,
     "kind": "suite",
     "size": [4, 4],
     "puddles": {"min": 0, "max": 4},
-    "keys": {"min": 0, "max": 1},
-    "guards": {"min": 0, "max": 1},
     "count": MANY_LEVELS,
 }
+CROWDED = {**VERY_MANY, "keys": {"min": 0, "max": 1}, "guards": {"min": 0, "max": 1}}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "options",
+    ("fields", "options"),
     [
-        pytest.param({"within": 25}, id="moves", marks=pytest.mark.sweep),
-        pytest.param({"within": 9, "discount": 0.9, "actions": "turns"}, id="turns"),
+        pytest.param(VERY_MANY, {"within": 25}, id="puddles"),
+        pytest.param(CROWDED, {"within": 25}, id="things", marks=pytest.mark.sweep),
+        pytest.param(
+            CROWDED,
+            {"within": 9, "discount": 0.9, "actions": "turns"},
+            id="turns",
+            marks=pytest.mark.sweep,
+        ),
     ],
 )
-def test_very_many_levels_are_solved_with_the_same_result(options: dict[str, Any]) -> None:
-    suite = brl.load_suite(CROWDED)
+def test_very_many_levels_are_solved_with_the_same_result(
+    fields: dict[str, Any], options: dict[str, Any]
+) -> None:
+    suite = brl.load_suite(fields)
     rows = list(brl.solve_many(suite, executor=Processes(2), **options))
     assert rows == list(brl.solve_many(suite, **options))
     for row, level in list(zip(rows, suite, strict=True))[::7]:

@@ -35,11 +35,12 @@ CASES: dict[str, dict[str, Any]] = {
 }
 """All kinds of observations; then what infos and frames depend on, which observations do not."""
 
-PASSING_ON = {"ClipAction", "ClipReward", "DictInfoToList", "DiscretizeAction", "HumanRendering",
-              "NormalizeReward", "OrderEnforcing", "RecordVideo", "RenderCollection",
+PASSING_ON = {"AddWhiteNoise", "ClipAction", "ClipReward", "DictInfoToList", "DiscretizeAction",
+              "HumanRendering", "NormalizeReward", "ObstructView", "OrderEnforcing", "RecordVideo",
+              "RenderCollection",
               "RescaleAction", "StickyAction", "TimeLimit", "TransformAction", "TransformReward",
               "VectorizeTransformAction", "VectorizeTransformReward"}  # fmt: skip
-"""The wrappers that pass observations on as they are."""
+"""The wrappers that pass observations on as they are, or have frames in their place."""
 
 FEW_CASES = ("index", "dict", "a level without things", "levels of many sizes")
 """What differs for those: one number, several arrays, infos and frames."""

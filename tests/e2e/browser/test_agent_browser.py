@@ -14,7 +14,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.analysis.agent_guides import page_agent
 from babyrobot_levels.analysis.guides import guide_of
 
-KEY = brl.load("first-key").replace(display={"robot": {"speed": 100}})
+KEY = brl.load("first-key").replace(max_steps=12, display={"robot": {"speed": 100}})
 LAKE = brl.load("frozen-lake").replace(display={"robot": {"speed": 100}})
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import gymnasium
+import pytest
 from playwright.sync_api import Page
 from support.jupyter import jupyter, until
 from support.pictures import changed_cells, photograph
@@ -38,6 +39,7 @@ def end() -> tuple[int, int]:
     return int(x), int(y)
 
 
+@pytest.mark.sweep
 def test_a_level_is_walked_in_edited_and_kept(page: Page, tmp_path: Path) -> None:
     root, home = tmp_path / "served", tmp_path / "home"
     root.mkdir()

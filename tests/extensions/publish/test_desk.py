@@ -255,7 +255,7 @@ def test_functions_are_written_run_kept_and_saved(page: Page, tmp_path: Path) ->
     expect(text).to_have_value((ROOT / "course" / "policy_iteration.py").read_text("utf-8"))
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_numpy_is_served_by_the_page_if_it_is_given(
     built: Path, browser: Browser, tmp_path: Path
 ) -> None:
