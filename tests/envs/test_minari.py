@@ -99,7 +99,7 @@ def test_what_is_recorded_comes_back(observation: Any, level: str, data_format: 
     ("env_id", "arguments"),
     [
         ("babyrobot/Suite-v0", {"suite": "small-mazes", "split": "test"}),
-        ("babyrobot/Suite-v0", {"suite": "locked-mazes"}),
+        pytest.param("babyrobot/Suite-v0", {"suite": "locked-mazes"}, marks=pytest.mark.sweep),
         ("babyrobot/random-maze-v0", {}),
         ("babyrobot/final-maze-v0", {"actions": "turns"}),
     ],

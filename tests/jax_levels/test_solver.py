@@ -107,7 +107,9 @@ def test_values_are_those_of_the_exact_solver(
             return
         # A policy of the exact solver, whatever it is where the episode is over.
         exact = np.concatenate([np.asarray(solution.policy).ravel() for solution in best])
-        for taken in (exact, brl_jax.optimum(params, **arguments).actions):
+        own = brl_jax.optimum(params, **arguments).actions
+        # Of one type, for which `evaluate` is compiled once.
+        for taken in (exact.astype(own.dtype), own):
             worth = brl_jax.evaluate(params, taken, **arguments)
             assert max(errors(params, worth, best)) < most
 

@@ -17,7 +17,7 @@ PLACES = [
     "docs/tutorial.html",
     "docs/level-format.html",
     "docs/rules/inescapable-state.html",
-    "docs/api/solutions.html",
+    "docs/api/learning.html",
     "gallery/index.html",
     "gallery/final-maze/index.html",
 ]
