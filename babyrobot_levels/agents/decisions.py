@@ -28,7 +28,7 @@ class Decisions(NamedTuple):
 
 def decisions_of(play: Play) -> Decisions:
     """Return what the decisions of a valid play cost, by values within its time limit."""
-    values = _values(play.level, play.digest, play.action_set, play.max_steps, play.discount)
+    values = optimal_values(play.level, play.digest, play.action_set, play.max_steps, play.discount)
     if values is None:
         return Decisions(math.nan, math.nan)
     limit, factor, regret = play.max_steps or 0, 1.0, 0.0
@@ -43,9 +43,10 @@ def decisions_of(play: Play) -> Decisions:
 
 
 @lru_cache(maxsize=64)
-def _values(
+def optimal_values(
     level: Level, digest: str, actions: str, limit: int | None, discount: float
 ) -> ValuesByStep | None:
+    """Return what the decisions in a level are graded by; None where it has none, or too many."""
     try:
         return ValuesByStep(space_of(level, actions), limit, discount)
     except (EpisodeTooLongError, UndefinedReturnError):

@@ -1,9 +1,11 @@
 """Plays: episodes as lines of a file, read, appended, and recorded from an environment."""
 
 import os
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import IO, Any
+from weakref import WeakValueDictionary
 
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
@@ -12,6 +14,7 @@ from gymnasium.wrappers import TimeLimit
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import MAX_LINE, MAX_STEPS, PlayError, PlayFields, program
 from babyrobot_levels.library.level import Level, load_code
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import append_line, open_regular
 
 SUFFIX = ".brlplay"
@@ -58,7 +61,7 @@ class Play(PlayFields):
         Raises:
             LevelError: the code is damaged, or its level is not valid.
         """
-        return _level_of(self.code)
+        return _at_hand.get(self.code) or _level_of(self.code)
 
     def __repr__(self) -> str:
         return (
@@ -67,6 +70,16 @@ class Play(PlayFields):
         )
 
     __str__ = __repr__
+
+
+_at_hand: WeakValueDictionary[str, Level] = WeakValueDictionary()
+"""Levels by their share codes, which have their tables already."""
+
+
+def recognise(level: Level) -> None:
+    """Have the plays that are of a level take it as it is, and not compile it again."""
+    with suppress(LevelError):
+        _at_hand[level.share_code()] = level
 
 
 @lru_cache(maxsize=64)

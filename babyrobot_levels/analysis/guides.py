@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels import mdp
 from babyrobot_levels.mdp.actions import NUM_MOVES
-from babyrobot_levels.text.words import BEST, RANDOM, is_agent
+from babyrobot_levels.text.words import BEST, is_agent
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -155,18 +155,6 @@ def best_average(level: GridWorld, solution: Solution) -> float:
     return math.nan
 
 
-def _random_within(level: GridWorld, actions: str) -> float:
-    """Return the expected return of random actions within the time limit that the level has."""
-    from babyrobot_levels.analysis.solver.horizon import worth_within
-    from babyrobot_levels.analysis.solver.policies import read_policy, space_of
-
-    assert level.max_steps is not None
-    space = space_of(level, actions)
-    weights = read_policy(RANDOM, space)
-    found = worth_within([space], [level.max_steps], [level.discount], [weights], quick=True)
-    return float(found.returns[0])
-
-
 def _graded(level: GridWorld, solution: Solution) -> dict[str, Any]:
     """Return what a page grades decisions by, besides its tables."""
     values = solution.values.ravel().tolist() if level.max_steps is None else ()
@@ -178,10 +166,10 @@ def random_return(level: GridWorld, actions: str = "all") -> float | None:
 
     It is None where that is undefined, or takes too long to be computed exactly.
     """
-    from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+    from babyrobot_levels.analysis.solver import evaluation
+    from babyrobot_levels.analysis.solver.policies import space_of
 
     with suppress(ArithmeticError):
-        if level.max_steps is not None:
-            return _random_within(level, actions)
-        return evaluation_of(level, RANDOM, actions=actions).expected_return
+        space = space_of(level, actions)
+        return evaluation.random_return(space, level.max_steps, level.discount, quick=True)
     return None

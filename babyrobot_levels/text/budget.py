@@ -68,8 +68,8 @@ _meter: ContextVar[Meter | None] = ContextVar("meter", default=None)
 class _Budget:
     """What is left for the level at hand, and its largest tables."""
 
-    def __init__(self, limits: Limits) -> None:
-        self.limits, self.meter = limits, _meter.get()
+    def __init__(self, limits: Limits, *, is_one: bool = False) -> None:
+        self.limits, self.meter, self.is_one = limits, _meter.get(), is_one
         self.begin()
 
     def begin(self) -> None:
@@ -125,6 +125,19 @@ def metered() -> Iterator[Meter]:
         _meter.reset(token)
 
 
+@contextmanager
+def together() -> Iterator[None]:
+    """Count anew, and then all levels that are read as one."""
+    if (outer := _budget.get()) is None:
+        yield
+        return
+    token = _budget.set(_Budget(outer.limits, is_one=True))
+    try:
+        yield
+    finally:
+        _budget.reset(token)
+
+
 def limited(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that works within the limits at hand, also in another process."""
     budget = _budget.get()
@@ -164,7 +177,7 @@ def fits(limits: Limits, work: Callable[[], object]) -> bool:
 
 def begin() -> None:
     """Count anew, for another level."""
-    if (budget := _budget.get()) is not None:
+    if (budget := _budget.get()) is not None and not budget.is_one:
         budget.begin()
 
 

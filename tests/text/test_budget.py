@@ -22,6 +22,7 @@ from babyrobot_levels.text.budget import (
     left,
     limited,
     spend,
+    together,
     within,
 )
 
@@ -138,3 +139,18 @@ def test_what_fits_counts_for_the_limits_around() -> None:
         assert not fits(Limits(30, 9), work)
         with pytest.raises(OverBudgetError, match="more than 100 steps"):
             fits(Limits(50, 9), work)
+
+
+def test_levels_count_together_where_that_is_asked_for() -> None:
+    with within(LIMITS):
+        spend(900)
+        with together():
+            brl.loads("version: 1\n")
+            spend(600)
+            brl.loads("version: 1\n")
+            with pytest.raises(OverBudgetError):
+                spend(600)
+        brl.loads("version: 1\n")
+        spend(900)
+    with together():
+        spend(10**20)

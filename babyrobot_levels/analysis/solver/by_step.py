@@ -7,11 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.horizon import worth_within
+from babyrobot_levels.analysis.solver.evaluation import random_return
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
-from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.text import budget
 
@@ -111,10 +110,7 @@ class ValuesByStep:
     @cached_property
     def random(self) -> float:
         """The expected return of the random policy."""
-        assert self.limit is not None
-        weights = weights_by_step("random", self.space, self.limit)(0)
-        found = worth_within([self.space], [self.limit], [self.discount], [weights])
-        return float(found.returns[0])
+        return random_return(self.space, self.limit, self.discount)
 
     @cached_property
     def largest_regret(self) -> float:

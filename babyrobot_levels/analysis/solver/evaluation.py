@@ -9,6 +9,7 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from babyrobot_levels.analysis.solver.average import AverageEvaluation, evaluate_average, is_average
+from babyrobot_levels.analysis.solver.horizon import worth_within
 from babyrobot_levels.analysis.solver.linear import diverging_class, expected_sums, long_run
 from babyrobot_levels.analysis.solver.model import Model, attractor
 from babyrobot_levels.analysis.solver.policies import (
@@ -31,6 +32,7 @@ from babyrobot_levels.analysis.solver.within import evaluate_within, weights_by_
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
 from babyrobot_levels.text.errors import warn
+from babyrobot_levels.text.words import RANDOM
 
 MAX_STEPS = 10_000
 """The limit of steps of simulated episodes in levels without a limit of their own."""
@@ -141,6 +143,28 @@ def evaluation_of(
         diverging_condition=space.condition(diverging),
         level=level,
     )
+
+
+def random_return(
+    space: StateSpace, limit: int | None, discount: float, *, quick: bool = False
+) -> float:
+    """Return the expected return of the random policy, and find nothing else.
+
+    Args:
+        space: the level's states.
+        limit: after how many steps episodes are truncated; None for never.
+        discount: above 0 and at most 1.
+        quick: with a limit, whether this may take a second at most; see `induction`.
+
+    Raises:
+        UndefinedReturnError, EpisodeTooLongError: as of `evaluate`.
+    """
+    weights = read_policy(RANDOM, space)
+    if limit is not None:
+        return float(worth_within([space], [limit], [discount], [weights], quick).returns[0])
+    model = space.model()
+    values = chain_values(model.mixed(weights[model.states]), discount, space)
+    return space.at_start(model, values)
 
 
 def limit_of(within: int | str | None, policy: Any, level: GridWorld) -> int | None:

@@ -34,6 +34,9 @@ FILLED = 6
 Movers that walk at random make such systems; on a grid alone, elimination keeps them sparse.
 """
 
+MOST_PARTS = 64
+"""The most parts of a level, each of which cannot be left for the one before, that are apart."""
+
 ITERATIONS = 500
 """After so many iterations without a solution, elimination does it."""
 
@@ -122,30 +125,71 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transpos
     size = next_state.shape[0]
     source, outcome = np.nonzero((weights > 0) & (next_state < size))
     target = next_state[source, outcome]
-    steps = csc_array((weights[source, outcome], (source, target)), shape=(size, size))
+    chances = weights[source, outcome]
+    steps = csc_array((chances, (source, target)), shape=(size, size))
+    steps = steps.T.tocsc() if transposed else steps
     matrix = (eye_array(size, format="csc") - steps).tocsc()
-    matrix = matrix.T.tocsc() if transposed else matrix
     if size >= MANY_STATES and steps.nnz > FILLED * size:
         found = _iterated(matrix.tocsr(), rewards)
         if found is not None:
             return found
+    inner, between, parts = _parted(steps) if size >= MANY_STATES else (steps, steps, 1)
     if budget.left() < math.inf:
-        budget.spend(_elimination(steps))
+        budget.spend(_elimination(inner))
     try:
         # No entry outweighs its diagonal, so elimination needs no pivots but those: it can keep to
         # the order that fills in least, which in a maze is nothing at all.
         factors = splu(
-            matrix,
+            (eye_array(size, format="csc") - inner).tocsc(),
             permc_spec="MMD_AT_PLUS_A",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
     except RuntimeError as error:
         raise ArithmeticError from error
-    sums: Floats = factors.solve(rewards)
+
+    def solved(rewards: Floats) -> Floats:
+        budget.spend(3 * parts * factors.nnz)
+        sums: Floats = factors.solve(rewards)
+        for _ in range(parts - 1):
+            sums = factors.solve(rewards + between @ sums)
+        return sums
+
+    sums = solved(rewards)
     # One step of refinement takes away most of the elimination's rounding.
-    sums += factors.solve(rewards - matrix @ sums)
+    sums += solved(rewards - matrix @ sums)
     return sums
+
+
+def _parted(steps: Any) -> tuple[Any, Any, int]:
+    """Split steps into those that can be taken back, on whatever way, and those that cannot.
+
+    Where few steps in a row cannot, as taking an item, elimination without these fills in far less,
+    and is repeated so often.
+
+    Returns:
+        The steps to eliminate, those that are added to them, and how often: 1 for no others.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
+
+    count, part = connected_components(steps, connection="strong")
+    every = steps.tocoo()
+    is_inner = part[every.row] == part[every.col]
+    if is_inner.all():
+        return steps, steps, 1
+    ends = part[every.row[~is_inner]], part[every.col[~is_inner]]
+    onward = csr_array((np.ones(ends[0].size), ends), shape=(count, count))
+    reached, parts = np.ones(count), 1
+    while (reached := np.minimum(onward @ reached, 1.0)).any():
+        parts += 1
+        if parts > MOST_PARTS:
+            return steps, steps, 1
+    inner, between = (
+        csr_array((every.data[kept], (every.row[kept], every.col[kept])), shape=steps.shape)
+        for kept in (is_inner, ~is_inner)
+    )
+    return inner.tocsc(), between, parts
 
 
 def _elimination(steps: Any) -> float:
@@ -154,9 +198,13 @@ def _elimination(steps: Any) -> float:
     A tree is eliminated from its leaves. Each circle that is closed beside it fills in more: in a
     grid, and in what movers make of it, this grows with the power of 1.5.
     """
+    from scipy.sparse.csgraph import connected_components
+
     pairs = (abs(steps) + abs(steps.T)).tocoo()
-    circles = max(0, int((pairs.row > pairs.col).sum()) - steps.shape[0])
-    return float(3 * circles**1.5 + 100 * steps.shape[0])
+    count, part = connected_components(pairs, directed=False)
+    sides = np.bincount(part[pairs.row[pairs.row > pairs.col]], minlength=count)
+    circles = sides - np.bincount(part) + 1
+    return float(3 * (circles**1.5).sum() + 100 * steps.shape[0])
 
 
 def _iterated(matrix: Any, rewards: Floats) -> Floats | None:

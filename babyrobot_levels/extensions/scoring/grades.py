@@ -26,6 +26,7 @@ from babyrobot_levels.extensions.scoring.submissions import (
 from babyrobot_levels.language.plain_data import json_mapping
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.suites.suite import Levels, folder_named, named_levels
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import did_you_mean
 
 
@@ -265,7 +266,10 @@ def _wanted(levels: Levels, course: Course | None) -> dict[str, Asked]:
         played = [each for each in course.fields.levels if not each.hidden]
         found = [Asked(load(course.files[each.level]), each.points) for each in played]
     found = found or [Asked(load(each), 1.0) for each in named_levels(levels)]
-    by_digest = {asked.level.digest: asked for asked in found}
+    by_digest: dict[str, Asked] = {}
+    for asked in found:
+        budget.begin()
+        by_digest[asked.level.digest] = asked
     names = {asked.level.name or asked.level.digest for asked in found}
     if min(len(by_digest), len(names)) < len(found):
         raise ValueError("two of the levels are the same, or have the same name")

@@ -6,19 +6,22 @@ import math
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import sha256
 from typing import NamedTuple
 
-from babyrobot_levels.agents.decisions import decisions_of
-from babyrobot_levels.agents.plays import Play
+from babyrobot_levels.agents.decisions import decisions_of, optimal_values
+from babyrobot_levels.agents.plays import Play, recognise
 from babyrobot_levels.agents.verify import verify_play
+from babyrobot_levels.analysis.solver.evaluation import random_return
+from babyrobot_levels.analysis.solver.horizon import best_returns_within
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.extensions.scoring.hand_ins import HandIn, words_of
-from babyrobot_levels.extensions.scoring.score import score
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import Telling, listed
 
 _Conditions = tuple[str, str, int | None, float]
@@ -62,15 +65,22 @@ def bounds_of(play: Play) -> Bounds:
 
 
 @lru_cache(maxsize=256)
-def _bounds(
-    level: Level, digest: str, actions: str, max_steps: int | None, discount: float
-) -> Bounds:
-    played = level.model_copy(update={"max_steps": max_steps})
+def _bounds(level: Level, digest: str, actions: str, limit: int | None, discount: float) -> Bounds:
+    space, none = space_of(level, actions), Bounds(math.nan, math.nan)
+    values = optimal_values(level, digest, actions, limit, discount)
     try:
-        (found,) = score(played, "random", actions=actions, discount=discount)
-    except (ValueError, UndefinedReturnError, EpisodeTooLongError):
-        return Bounds(math.nan, math.nan)
-    return Bounds(found.optimum, found.random)
+        if values is not None:
+            optimum = values.optimum
+        elif limit is not None:
+            # They are too many to be kept for each step.
+            optimum = float(best_returns_within([space], [limit], [discount])[0])
+        else:
+            return none
+        if not math.isfinite(optimum):
+            return none
+        return Bounds(optimum, random_return(space, limit, discount))
+    except (UndefinedReturnError, EpisodeTooLongError):
+        return none
 
 
 def reaches_exit(play: Play) -> bool:
@@ -174,6 +184,8 @@ class Players:
         self.defects: list[Defect] = []
         self.alike: set[tuple[str, frozenset[str]]] = set()
         self.versions = {asked.level.name: asked.level for asked in (wanted or {}).values()}
+        for level in self.versions.values():
+            recognise(level)
         self.words = {each.player: words_of(each.player) for each in handed}
         self.episodes: dict[int, bytes] = {}
         self.players: dict[bytes, set[str]] = {}
@@ -195,20 +207,22 @@ class Players:
         groups: dict[_Conditions, dict[bytes, Play]] = {}
         copies: Counter[_Conditions] = Counter()
         faults: dict[_Conditions, str] = {}
-        for place, play in hand_in.entries:
-            asked = None if wanted is None else self._asked(play)
-            if wanted is not None and asked is None:
-                continue
-            of = play if asked is None else asked.level
-            key = (of.digest, str(play.action_set), of.max_steps, of.discount)
-            fault = self._fault(play, player, of)
-            if fault is not None:
-                self.defects.append(Defect(player, place, fault))
-                faults.setdefault(key, f"{place}: {fault}")
-                continue
-            group, episode = groups.setdefault(key, {}), self.episodes[id(play)]
-            copies[key] += episode in group
-            group.setdefault(episode, play)
+        # Levels that were not asked for are the player's own.
+        with nullcontext() if wanted is None else budget.together():
+            for place, play in hand_in.entries:
+                asked = None if wanted is None else self._asked(play)
+                if wanted is not None and asked is None:
+                    continue
+                of = play if asked is None else asked.level
+                key = (of.digest, str(play.action_set), of.max_steps, of.discount)
+                fault = self._fault(play, player, of)
+                if fault is not None:
+                    self.defects.append(Defect(player, place, fault))
+                    faults.setdefault(key, f"{place}: {fault}")
+                    continue
+                group, episode = groups.setdefault(key, {}), self.episodes[id(play)]
+                copies[key] += episode in group
+                group.setdefault(episode, play)
         # A file that cannot be read is of no level; with several, the defects tell of it.
         self.defects += [Defect(player, *fault) for fault in hand_in.faults]
         broken = next((": ".join(filter(None, fault)) for fault in hand_in.faults), None)
@@ -248,7 +262,12 @@ class Players:
                     return f"it is under the name of {other}"
         if owner != player:
             return f"it is the same play as that of {owner}"
-        return _condition_fault(play, of) or verify_play(play).fault
+        try:
+            return _condition_fault(play, of) or verify_play(play).fault
+        except budget.OverBudgetError as error:
+            if of is play:
+                raise
+            return f"it cannot be verified: {error}"
 
     def _grade(
         self,
@@ -259,6 +278,7 @@ class Players:
         fault: str | None,
     ) -> Grade:
         """Return the grade of valid plays under the same conditions, none of them equal."""
+        budget.begin()
         plays = [*episodes.values()]
         asked = None if self.wanted is None else self.wanted.get(key[0])
         named = asked.level if asked is not None else plays[0] if plays else None

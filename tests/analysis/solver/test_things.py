@@ -303,3 +303,28 @@ def test_several_robots_have_all_actions_and_no_others() -> None:
         # The command line tells such an error in a sentence.
         with pytest.raises(brl.LevelError, match="several robots have actions='all', not"):
             solve(level, actions=actions)
+
+
+@pytest.mark.parametrize("discount", [1.0, 0.9])
+def test_what_cannot_be_taken_back_is_eliminated_part_by_part(
+    discount: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    items = [{"name": f"i{n}", "at": [n, 1]} for n in range(5)]
+    level = brl.load({"version": 1, "size": [6, 3], "items": items, "discount": discount})
+    expected = brl.evaluate(level, "random")
+    visits = brl.occupancy(level, "random")
+    monkeypatch.setattr(linear, "DENSE_STATES", 0)
+    monkeypatch.setattr(linear, "MANY_STATES", 0)
+    parts, parted = [], linear._parted
+
+    def noted(steps: Any) -> Any:
+        found = parted(steps)
+        parts.append(found[2])
+        return found
+
+    monkeypatch.setattr(linear, "_parted", noted)
+    found = brl.evaluate(level, "random")
+    np.testing.assert_allclose(found.values, expected.values, rtol=1e-12)
+    np.testing.assert_allclose(brl.occupancy(level, "random").states, visits.states, atol=1e-12)
+    # As many items are taken, one after the other.
+    assert {*parts} == {6}

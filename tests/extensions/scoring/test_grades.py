@@ -17,6 +17,8 @@ from support.plays import forged, record
 
 import babyrobot_levels as brl
 from babyrobot_levels.agents.plays import append_play
+from babyrobot_levels.mdp import compiler
+from babyrobot_levels.text.budget import COMMAND, left, within
 
 LAKE = "frozen-lake"
 
@@ -285,3 +287,39 @@ def test_another_version_of_a_level_and_wrong_seeds_are_named(tmp_path: Path) ->
     assert reasons["ada"] == "it is of another version of row"
     assert reasons["ben"].startswith("with its seed 5, ")
     assert {each.points for each in grades} == {0}
+
+
+def test_plays_of_the_level_that_was_asked_for_take_its_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "row.yaml"
+    path.write_text("version: 1\nsize: [4, 1]\n", "utf-8")
+    play_by_heart(tmp_path / "ada.brlplay", brl.load(path), [2, 2, 2])
+    compiled, compile_mdp = [], compiler.compile_mdp
+
+    def counted(level: Any, grid: Any) -> Any:
+        compiled.append(level)
+        return compile_mdp(level, grid)
+
+    monkeypatch.setattr(compiler, "compile_mdp", counted)
+    (grade,) = brl.grade([tmp_path / "ada.brlplay"], path)
+    assert (grade.fault, len(compiled)) == (None, 1)
+
+
+def test_levels_of_plays_that_were_not_asked_for_count_together(tmp_path: Path) -> None:
+    level = brl.load({"version": 1, "size": [4, 1], "name": "row"})
+    play_by_heart(tmp_path / "ada.brlplay", level, [2, 2, 2])
+    play = brl.read_plays(tmp_path / "ada.brlplay")[0]
+    for side in (30, 31):
+        other = brl.load({"version": 1, "size": [side, side], "skid": 0.1, "name": "row"})
+        append_play(tmp_path / "eve.brlplay", forged(play, code=other.share_code()))
+    append_play(tmp_path / "eve.brlplay", play)
+    with within(COMMAND):
+        other.compile()
+        steps = COMMAND.steps - left()
+    with within(replace(COMMAND, steps=1.5 * steps)):
+        found = brl.grade([tmp_path / "ada.brlplay", tmp_path / "eve.brlplay"], level)
+    first, second = (each.reason for each in found.defects if each.player == "eve")
+    assert "its digest is not that of the level" in first
+    assert "it cannot be verified: the level takes more than" in second
+    assert [each.episodes for each in found] == [1, 1]
