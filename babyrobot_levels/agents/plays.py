@@ -12,7 +12,14 @@ from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import TimeLimit
 
 from babyrobot_levels.envs.single import LevelEnv
-from babyrobot_levels.language.play import MAX_LINE, MAX_STEPS, PlayError, PlayFields, program
+from babyrobot_levels.language.play import (
+    MAX_LINE,
+    MAX_STEPS,
+    NoPlaysError,
+    PlayError,
+    PlayFields,
+    program,
+)
 from babyrobot_levels.library.level import Level, load_code
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import append_line, open_regular
@@ -95,13 +102,16 @@ def read_plays(path: str | os.PathLike[str]) -> list[Play]:
 
     Raises:
         OSError: the file cannot be read.
-        PlayError: it is too large, or one of its lines is damaged or no play; the message begins
-            with `file:line`.
+        PlayError: there is none, it is too large, or one of its lines is damaged or no play; the
+            message begins with `file:line`.
     """
-    with open_regular(Path(path)) as file:
-        if os.fstat(file.fileno()).st_size > MAX_BYTES:
-            raise PlayError(f"{path}: the file is larger than {MAX_BYTES >> 20} MiB")
-        return plays_in(file, os.fspath(path))
+    try:
+        with open_regular(Path(path)) as file:
+            if os.fstat(file.fileno()).st_size > MAX_BYTES:
+                raise PlayError(f"{path}: the file is larger than {MAX_BYTES >> 20} MiB")
+            return plays_in(file, os.fspath(path))
+    except FileNotFoundError:
+        raise NoPlaysError(f"there is no file {os.fspath(path)!r}") from None
 
 
 def plays_in(file: IO[bytes], name: str) -> list[Play]:

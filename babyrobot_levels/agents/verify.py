@@ -174,7 +174,7 @@ def replay(plays: str | os.PathLike[str] | Play | Iterable[Play]) -> Replays:
 
     Raises:
         OSError: the file cannot be read.
-        PlayError: it is no file of plays.
+        PlayError: there is no file, or it is none of plays.
     """
     if isinstance(plays, Play):
         plays = [plays]

@@ -13,8 +13,11 @@ from babyrobot_levels.render.page import link_fragment, without_panels
 from babyrobot_levels.render.page_format import TooLargeError
 from babyrobot_levels.text.errors import warn
 
-NO_BLANKS = re.compile(r"[^\s#]+")
+_NO_BLANKS = re.compile(r"[^\s#]+")
 """What an address is made of, to which a level is appended behind `#`."""
+
+_HOST = re.compile(r"(?![^/]+\.html?(/|$))(([\w-]+\.)+[\w-]+(:\d+)?|[\w-]+:\d+)(/.*)?")
+"""An address without its scheme; a page beside the one that has the link may be `play.html`."""
 
 
 def share(level: LevelLike, link: str | None = None, *, answers: bool = True) -> str:
@@ -36,9 +39,16 @@ def share(level: LevelLike, link: str | None = None, *, answers: bool = True) ->
     world = world_of(level)
     if link is None:
         return encode(world.to_dict(whole=True))
-    if not NO_BLANKS.fullmatch(link):
-        raise ValueError(f"link is an address without blanks and `#`, not {link!r}")
+    if reason := link_fault(link):
+        raise ValueError(f"link cannot be {link!r}: {reason}")
     return f"{link}#{fragment_of(world, answers=answers, tell=warn)}"
+
+
+def link_fault(link: str) -> str | None:
+    """Return why an address is none that links can begin with; None if it is one."""
+    if not _NO_BLANKS.fullmatch(link):
+        return "expected an address without blanks and `#`"
+    return f"browsers take that for a file; write https://{link}" if _HOST.fullmatch(link) else None
 
 
 def fragment_of(level: GridWorld, *, answers: bool, tell: Callable[[str], None]) -> str:
@@ -52,7 +62,8 @@ def fragment_of(level: GridWorld, *, answers: bool, tell: Callable[[str], None])
         tell("the maze is random: the page plays the one of seed 0 (see `babyrobot resolve`)")
         played = level.with_maze_seed(0)
     without_panels(played)
-    guide = None
+    # What is too large is told before it is solved.
+    fragment, guide = link_fragment(level, played), None
     try:
         guide = guide_of(played) if answers else None
     except UndefinedReturnError as error:
@@ -61,7 +72,5 @@ def fragment_of(level: GridWorld, *, answers: bool, tell: Callable[[str], None])
         for known in (guide, replace(guide, turning=None)):
             with suppress(TooLargeError):
                 return link_fragment(level, played, known)
-    fragment = link_fragment(level, played)
-    if guide is not None:
         tell("the page shows no optimal moves: the link would be too long with them")
     return fragment

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +10,7 @@ from typing import Annotated, Any
 from typer.core import TyperCommand
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.sharing import link_fault
 from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
@@ -115,8 +115,8 @@ def share(
     """
     if link is not None and output is not None:
         fail("--link and --output cannot be combined", "leave out one of the two")
-    if link is not None and not re.fullmatch(r"[^\s#]+", link):
-        fail(f"invalid --link {link!r}", f"expected an address without blanks and `#`: {EXAMPLE}")
+    if link is not None and (reason := link_fault(link)):
+        fail(f"invalid --link {link!r}", f"{reason}: {EXAMPLE}")
     if no_answers and link is None:
         fail("--no-answers is for links", "add --link BASE, or leave out --no-answers")
     shown = _Shown(link, answers=not no_answers)

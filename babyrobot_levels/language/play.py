@@ -46,6 +46,10 @@ class PlayError(BabyRobotError, ValueError, public=True):
     """A file of plays, or a line of it, that cannot be read."""
 
 
+class NoPlaysError(PlayError, FileNotFoundError):
+    """There is no file of plays."""
+
+
 class PlayFields(Model):
     """An episode in a level: what was done, and what came of it."""
 

@@ -188,6 +188,7 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
         TooLargeError: the level is too large for a link.
     """
     code = encode(level.to_dict(whole=True))
+    _check_link(code)
     content = page_data(played, guide=guide)
     if played is not level:
         content["code"] = encode(played.to_dict(whole=True))
@@ -197,12 +198,21 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
         for known in (content, content.get("turns", {})):
             known.get("returns", {}).pop("values", None)
         fragment = play_fragment(code, content)
+    _check_link(fragment)
+    return fragment
+
+
+def _check_link(fragment: str) -> None:
+    """Check the length of a link, or of its beginning.
+
+    Raises:
+        TooLargeError: it is too long.
+    """
     if len(fragment) > MAX_LINK:
         raise TooLargeError(
-            f"the level is too large for a link: it would have {len(fragment):,} characters, "
-            f"and the limit is {MAX_LINK:,}"
+            f"the level is too large for a link: it would have {len(fragment):,} characters or "
+            f"more, and the limit is {MAX_LINK:,}"
         )
-    return fragment
 
 
 # -- what a page knows about a level ---------------------------------------------------------------

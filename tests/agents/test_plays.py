@@ -269,3 +269,10 @@ def test_what_cannot_be_recorded_is_refused(path: Path) -> None:
     with pytest.raises(TypeError, match="TransformReward changes actions or rewards"):
         brl.RecordPlay(scaled, path)
     assert not path.exists()
+
+
+def test_there_is_no_file_in_a_sentence() -> None:
+    for read in (brl.read_plays, brl.replay):
+        with pytest.raises(brl.PlayError, match=r"^there is no file 'missing\.brlplay'$") as caught:
+            read("missing.brlplay")
+        assert isinstance(caught.value, FileNotFoundError)

@@ -13,8 +13,12 @@ from support.codes import play_data
 from support.packs import write_files
 from support.sessions import Result
 
+import babyrobot_levels as brl
+from babyrobot_levels.analysis import sharing
+from babyrobot_levels.analysis.sharing import link_fault
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level, load_file
+from babyrobot_levels.render import page
 
 babyrobot = partial(sessions.babyrobot, status=0)
 
@@ -59,6 +63,27 @@ def test_what_cannot_begin_a_link_is_refused(base: str) -> None:
     refused = babyrobot("share", "two-doors", "--link", base, status=2)
     assert refused.out == ""
     assert "invalid --link" in refused.err
+
+
+@pytest.mark.parametrize("base", ["example.org", "example.org/play.html", "localhost:8000/p/"])
+def test_an_address_without_its_scheme_is_told_how_to_write_it(base: str) -> None:
+    refused = babyrobot("share", "two-doors", "--link", base, status=2)
+    assert f"browsers take that for a file; write https://{base}" in refused.err
+    with pytest.raises(ValueError, match=f"link cannot be '{base}': browsers"):
+        brl.share("two-doors", link=base)
+
+
+@pytest.mark.parametrize("base", ["play.html", "pages/play.html", "../a.b/play", "play", "/p.html"])
+def test_pages_beside_others_need_no_scheme(base: str) -> None:
+    assert link_fault(base) is None
+
+
+def test_what_is_too_long_for_a_link_is_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sharing, "guide_of", None)
+    monkeypatch.setattr(page, "page_data", None)
+    level = {"version": 1, "description": " ".join(map(hex, range(99_999)))}
+    with pytest.raises(ValueError, match="too large for a link: it would have"):
+        brl.share(level, link="play.html")
 
 
 def test_a_link_to_a_random_maze_says_which_one_the_page_plays() -> None:

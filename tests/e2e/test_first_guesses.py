@@ -207,6 +207,8 @@ ON_THE_COMMAND_LINE = (
     ("babyrobot export first-key --format frozen-lake", "`--to`"),
     ("babyrobot export first-key tiled", "`--to tiled`"),
     ("babyrobot export first-key --to tiled", WORKS),
+    ("babyrobot export first-key --to yaml", "babyrobot share LEVEL -o FILE.yaml"),
+    ("babyrobot export first-key -o level.yml", "babyrobot share LEVEL -o FILE.yaml"),
     ("babyrobot share first-key", WORKS),
     ("babyrobot share --link small.yaml", "--link needs BASE"),
     ("babyrobot compare first-key first-key", WORKS),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -54,7 +54,7 @@ from babyrobot_levels.language.fields import MAX_ROBOTS
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
-from babyrobot_levels.text.files import is_folder, schema_for, write_text
+from babyrobot_levels.text.files import SUFFIXES, is_folder, schema_for, write_text
 from babyrobot_levels.text.source import SourceFile, with_schema
 from babyrobot_levels.text.words import listed
 
@@ -79,8 +79,14 @@ def _world_format(word: str) -> str:
 
 
 def _export_format(word: str) -> str:
+    if f".{word}" in SUFFIXES:
+        _refuse_level_file()
     is_known = word in PICTURES or formats.is_written(word)
     return word if is_known else not_one_of(word, [*formats.written(), *PICTURES])
+
+
+def _refuse_level_file() -> NoReturn:
+    fail("YAML is what level files are", "to write one: babyrobot share LEVEL -o FILE.yaml")
 
 
 StrictOption = Annotated[
@@ -404,6 +410,8 @@ def export_level(
 def _by_suffix(output: Path | None) -> str:
     suffix = output.suffix.lower() if output is not None else ""
     name = suffix[1:] if suffix[1:] in PICTURES else formats.format_for(suffix)
+    if name is None and suffix in SUFFIXES:
+        _refuse_level_file()
     if name is None:
         known = ", ".join([*formats.written(), *PICTURES])
         fail("the output format is missing", f"add --to with one of {known}")

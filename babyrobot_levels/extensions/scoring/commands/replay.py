@@ -102,13 +102,14 @@ def _read(file: Path) -> list[brl.Play]:
         fail(f"{file} is a level, and no play", f"to play it: babyrobot play {quoted(file)}")
     try:
         return brl.read_plays(file)
-    except PlayError as error:
-        note(f"error: {error}")
-        raise typer.Exit(FINDINGS) from None
     except OSError as error:
         is_name = not file.suffix and not file.is_dir()
         help_text = f"to play a level: babyrobot play {quoted(file)}" * is_name
-        fail(f"{file} cannot be read ({error.strerror or error})", help_text)
+        is_missing = isinstance(error, PlayError)
+        fail(f"{error}" if is_missing else f"{file} cannot be read ({error.strerror})", help_text)
+    except PlayError as error:
+        note(f"error: {error}")
+        raise typer.Exit(FINDINGS) from None
 
 
 # -- what is told --------------------------------------------------------------------------
