@@ -17,6 +17,9 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 RUN = [path for path in NOTEBOOKS if path.stem != "jax"]
 """Those that need no library that learns; tests/jax_levels/test_docs.py runs the other."""
 
+LONG = {"learning"}
+"""It learns for half a minute, by functions that have tests of their own."""
+
 MAX_BYTES = 1_000_000
 """Of a larger notebook, some sites show nothing."""
 
@@ -41,7 +44,13 @@ def test_there_is_a_tour() -> None:
     assert "tour" in [path.stem for path in NOTEBOOKS]
 
 
-@pytest.mark.parametrize("path", RUN, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=pytest.mark.sweep if path.stem in LONG else (), id=path.stem)
+        for path in RUN
+    ],
+)
 def test_a_notebook_runs_and_puts_out_what_is_stored(path: Path, tmp_path: Path) -> None:
     """Renew what is stored with `python scripts/renew.py notebooks`."""
     # In a process of its own: kernels leave sockets open, of which this one would be warned.

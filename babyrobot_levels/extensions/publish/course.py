@@ -131,7 +131,7 @@ def course(
         parts = [*_parts(found, title, new)]
         if browser or runtime is not None:
             given = None if runtime is None else Path(runtime)
-            parts.append(lambda: write_desk(found, title, new / "students" / "browser", given))
+            parts.insert(0, lambda: write_desk(found, title, new / "students" / "browser", given))
         for number, make in enumerate(parts, 1):
             make()
             if progress is not None:
@@ -162,7 +162,7 @@ def _check_place(path: Path, course: Path) -> None:
 
 
 def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], object]]:
-    """Yield what makes each part."""
+    """Yield what makes each part: first the code, of which files may be missing."""
     entries = course.fields.levels
     everything = {each.level: load(course.files[each.level]) for each in entries}
     for name, level in everything.items():
@@ -171,6 +171,9 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
             raise PackError(told, "use a smaller level")
     given = [everything[each.level] for each in entries if not each.hidden]
     students, teacher, code = new / "students", new / "teacher", new / "students" / "code"
+    yield lambda: _copy(course, code)
+    if course.fields.functions:
+        yield lambda: _add_package(code)
     pages = partial(gallery, title=title, points={each.level: each.points for each in entries})
     yield lambda: pages(given, students / "site", answers=False)
     yield lambda: pages([*everything.values()], teacher / "site", key=True)
@@ -179,9 +182,6 @@ def _parts(course: Course, title: str, new: Path) -> Iterator[Callable[[], objec
         path, of_key = students / f"sheet-{paper}.pdf", teacher / f"sheet-key-{paper}.pdf"
         yield partial(_save, partial(made, given, paper=paper), path)
         yield partial(_save, partial(made, [*everything.values()], paper=paper, key=True), of_key)
-    yield lambda: _copy(course, code)
-    if course.fields.functions:
-        yield lambda: _add_package(code)
     archive = students / f"{course.fields.name}-{course.fields.version}{SUFFIX}"
     yield lambda: pack(code, archive)
     codes = "".join(f"{level.name}\n{share(level)}\n\n" for level in given)

@@ -129,6 +129,7 @@ def test_a_walk_is_seen_and_what_is_written_on_the_level(served: Served, page: P
     until(lambda: not unlike(photograph(view), walked).any(), "they are gone")
 
 
+@pytest.mark.sweep
 def test_the_pictures_of_a_saved_notebook_are_still_there(served: Served, page: Page) -> None:
     served.write("first.ipynb", DRAW, WALK, SHOW)
     notebook = served.open(page, "first.ipynb")
