@@ -34,8 +34,8 @@ _IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";$|^@import "([^"]+)";$
 _EXPORT = re.compile(r"^export (?=(?:const|let|class|function|async function) (\w+))", re.M)
 _NAMES = re.compile(r"^(?:const|let|class|(?:async )?function) (?:(\w+)|[\[{]([^=]*)[\]}] =)", re.M)
 _LEFT = re.compile(r"^(?:import\b|export (?!default )|@import\b).*", re.M)
-_NEEDLESS = re.compile(r"^((?:(?!//).)*),\n(?=[)\]}])", re.M)
-"""A comma and a break after the last of several lines."""
+_NEEDLESS = re.compile(r"^((?:(?!//).)*)[,;]\n(?=[)\]}])", re.M)
+"""A comma or a semicolon, and a break, after the last of several lines or statements."""
 _BREAKS = re.compile(r"^((?:(?!//).)*)(?:(?<=[{}()\[;,=>?:&|+])\n|\n(?=\}))", re.M)
 """Breaks after signs with which a statement ends or goes on, and before the end of a block."""
 _DECLARED = re.compile(r"^(const\b[^\n]*);\nconst\b ?(?=[^\n]*;$)", re.M)

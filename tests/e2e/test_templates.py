@@ -79,7 +79,7 @@ function act(one) {
   return field.value; // https://example.org, as `act` has it
 }
 """
-    expected = "function act(one){const field=(one);return field.value;}"
+    expected = "function act(one){const field=(one);return field.value}"
     assert together(page=page) == expected
 
 
