@@ -79,13 +79,7 @@ export function checked(data) {
   return data;
 }
 
-/**
- * Things: what they are called, and what is where; return the number of configurations.
- *
- * @param {any} data
- * @param {number} cells
- * @returns {number}
- */
+/** Things: what they are called, and what is where; return the number of configurations. */
 function checkThings({ things = [], picture }, cells) {
   const configurations = list(things, MOST_THINGS)[0]?.values.length ?? 1;
   const last = list(picture?.looks ?? []).length - 1;
@@ -125,13 +119,7 @@ function checkThings({ things = [], picture }, cells) {
   return configurations;
 }
 
-/**
- * Several robots: what they are called, and which have arrived; return how many there are.
- *
- * @param {any} data
- * @param {number} configurations
- * @returns {number}
- */
+/** Several robots: what they are called, and which have arrived; return how many there are. */
 function checkRobots({ robots, things = [] }, configurations) {
   if (robots === undefined) return 1;
   for (const robot of list(robots, 4, 2)) {
@@ -143,7 +131,7 @@ function checkRobots({ robots, things = [] }, configurations) {
   return robots.length;
 }
 
-/** @param {any} data */
+/** Texts, and lists of texts and colours. */
 function checkTexts(data) {
   const { title, description, best, seed, facts, shown, robot } = data;
   const { goal = "", alt = "", rules = [] } = data; // Links of earlier versions have none.
@@ -161,13 +149,7 @@ function checkTexts(data) {
   need([2, COMMON.robot.length].includes(robot.length)); // All of them in themes of greys.
 }
 
-/**
- * Rows: outcome distributions, whose probabilities add up to 1.
- *
- * @param {any} rows
- * @param {number} most
- * @param {number} events
- */
+/** Rows: outcome distributions, whose probabilities add up to 1. */
 function checkRows(rows, most, events) {
   for (const row of list(rows, most, 1)) {
     list(row, Infinity, OUTCOME_LENGTH);
@@ -187,14 +169,7 @@ function checkRows(rows, most, events) {
   }
 }
 
-/**
- * The table: each state and action has a row, and all next states are in the level.
- *
- * @param {any} data
- * @param {number} states
- * @param {number} actions
- * @param {number} all The bits of all actions that can be possible.
- */
+/** The table: each state and action has a row, and all next states are in the level; `all` are the bits of all actions. */
 function checkTable({ rows, table, starts, possible }, states, actions, all) {
   list(table, actions * states, actions * states);
   list(possible, states, states);
@@ -218,13 +193,7 @@ function checkTable({ rows, table, starts, possible }, states, actions, all) {
   }
 }
 
-/**
- * Policies, and the marks of values and policies: one number for each state.
- *
- * @param {any} data
- * @param {number} states
- * @param {number} actions
- */
+/** Policies, and the marks of values and policies: one number for each state. */
 function checkAdvice({ policy, walker, agent, sight, marks, returns, turns, picture }, states, actions) {
   const known = { random: true, best: policy !== null, agent: agent !== undefined, sight: sight !== undefined };
   need(walker === null || known[walker] === true);
@@ -242,12 +211,7 @@ function checkAdvice({ policy, walker, agent, sight, marks, returns, turns, pict
   checkNumbers(turns.marks?.values ?? null, 4 * states, last);
 }
 
-/**
- * The average returns of the optimal policy and of random actions, and the values of all states.
- *
- * @param {any} returns
- * @param {number} states
- */
+/** The average returns of the optimal policy and of random actions, and the values of all states. */
 function checkReturns(returns, states) {
   if (returns === undefined) return;
   need(returns !== null && Number.isFinite(returns.best));
@@ -257,7 +221,6 @@ function checkReturns(returns, states) {
   }
 }
 
-/** @param {any} numbers @param {number} count @param {number} most */
 function checkNumbers(numbers, count, most) {
   if (numbers === null) return;
   for (const number of list(numbers, count, count)) whole(number, -1, most);

@@ -64,15 +64,8 @@ export class Painter {
     return kinds[whole(kind, 0, kinds.length - 1)].call(this, this.color(fill), ...more);
   }
 
-  /**
-   * @param {string} fill
-   * @param {number} x
-   * @param {number} y
-   * @param {number} width
-   * @param {number} height
-   * @param {number} [opacity]
-   * @param {number} [radius]
-   */
+  // What a shape has, by its kind; each number is checked as it is used.
+
   rect(fill, x, y, width, height, opacity, radius = 0) {
     return element("rect", {
       x: this.left(x),
@@ -85,14 +78,6 @@ export class Painter {
     });
   }
 
-  /**
-   * @param {string} fill
-   * @param {number} x
-   * @param {number} y
-   * @param {number} rx
-   * @param {number} ry
-   * @param {number} [opacity]
-   */
   ellipse(fill, x, y, rx, ry, opacity) {
     return element("ellipse", {
       cx: this.left(x),
@@ -104,16 +89,6 @@ export class Painter {
     });
   }
 
-  /**
-   * @param {string} fill
-   * @param {string} commands
-   * @param {number} [opacity]
-   * @param {number} [stroke]
-   * @param {number} [width]
-   * @param {number} [cap]
-   * @param {number} [dash]
-   * @param {number} [gap]
-   */
   path(fill, commands, opacity, stroke = -1, width = 10, cap = 0, dash = 0, gap = 0) {
     this.outline = outline(text(commands), this.x, this.y);
     const isDrawn = stroke !== -1;
@@ -128,16 +103,6 @@ export class Painter {
     });
   }
 
-  /**
-   * @param {string} fill
-   * @param {number} x
-   * @param {number} y
-   * @param {string} words
-   * @param {number} size
-   * @param {number} [anchor]
-   * @param {number} [isBold]
-   * @param {number} [opacity]
-   */
   text(fill, x, y, words, size, anchor = 1, isBold = 0, opacity = undefined) {
     return element(
       "text",
@@ -154,7 +119,6 @@ export class Painter {
     );
   }
 
-  /** @param {string} fill @param {number} scale @param {number} x @param {number} y @param {number} [opacity] */
   again(fill, scale, x, y, opacity) {
     need(this.outline !== null);
     const middle = [this.x + whole(x), this.y + whole(y)];
@@ -167,15 +131,6 @@ export class Painter {
     return element("path", { d: this.written(scaled), fill, opacity: share(opacity) });
   }
 
-  /**
-   * @param {string} _
-   * @param {number} x
-   * @param {number} y
-   * @param {number} width
-   * @param {number} height
-   * @param {number} first
-   * @param {number} last
-   */
   bar(_, x, y, width, height, first, last) {
     const [left, length, from, to] = [this.x + whole(x), whole(width, 0), whole(first), whole(last)];
     this.count(COMMON.bar);
