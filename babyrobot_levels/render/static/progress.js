@@ -1,7 +1,7 @@
 // What the visitor has reached: kept in the browser, for all levels by their digests.
 
-import { byId, html, keepText, showStars } from "./dom.js";
-import { recalled } from "./recalled.js";
+import { byId, html, showStars } from "./dom.js";
+import { keepData, recalled } from "./recalled.js";
 
 export const STORE = "babyrobot:progress";
 
@@ -9,11 +9,6 @@ export const STORE = "babyrobot:progress";
 export function storedProgress() {
   const found = recalled(STORE);
   return found !== null && typeof found === "object" && !Array.isArray(found) ? found : {};
-}
-
-/** Keep the progress in all levels; without storage, it is shown until the page is left. */
-export function storeProgress(progress) {
-  keepText(STORE, JSON.stringify(progress));
 }
 
 /**
@@ -37,7 +32,8 @@ export function reachedIn(digest, line) {
     };
     // The last one that was reached stands last.
     const { [digest]: _, ...others } = storedProgress();
-    storeProgress({ ...others, [digest]: reached });
+    // Without storage, it is shown until the page is left.
+    keepData(STORE, { ...others, [digest]: reached });
     showReached(line, reached);
   };
 }

@@ -1,6 +1,6 @@
 // What the browser keeps as JSON.
 
-import { recallText } from "./dom.js";
+import { keepText, recallText } from "./dom.js";
 
 /** Return what is kept as JSON under a name; null for nothing, or without storage. */
 export function recalled(name) {
@@ -9,4 +9,9 @@ export function recalled(name) {
   } catch {
     return null;
   }
+}
+
+/** Keep something as JSON under a name; returns whether it is kept. */
+export function keepData(name, data) {
+  return keepText(name, JSON.stringify(data));
 }

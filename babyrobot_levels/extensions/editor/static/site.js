@@ -1,7 +1,7 @@
 // The editor as a site: its messages go to Python in a worker of this browser.
 
-import { html, keepText } from "../../../render/static/dom.js";
-import { recalled } from "../../../render/static/recalled.js";
+import { html } from "../../../render/static/dom.js";
+import { keepData, recalled } from "../../../render/static/recalled.js";
 import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { fillWindow } from "./window.js";
 
@@ -25,7 +25,7 @@ class KeptConnection extends PythonConnection {
     const kept = recalled(KEPT);
     if (!kept?.isOwn) return;
     const others = this.earlier.filter(({ text }) => text !== kept.text);
-    store(EARLIER, [kept, ...others].slice(0, MOST_EARLIER));
+    keepData(EARLIER, [kept, ...others].slice(0, MOST_EARLIER));
   }
 }
 
@@ -33,18 +33,13 @@ const given = JSON.parse(document.querySelector("#begin").textContent);
 const beginning = recalled(KEPT) ?? given;
 const connection = new KeptConnection(new Python(), beginning.text, beginning.name);
 
-/** Keep something under a name; returns whether that is possible. */
-function store(name, value) {
-  return keepText(name, JSON.stringify(value));
-}
-
 /** Keep the text in this browser, and whether anything was drawn or typed in it. */
 function keep() {
   isThere = true;
   const { text, name, level, is_saved } = editor.state;
   const kept = recalled(KEPT);
   const isOwn = !is_saved || (kept?.text === text && kept.isOwn);
-  if (!store(KEPT, { text, name, title: level?.title ?? name, isOwn }))
+  if (!keepData(KEPT, { text, name, title: level?.title ?? name, isOwn }))
     editor.say("This browser keeps nothing for this page: save the level as a file.", "refused");
 }
 
@@ -53,7 +48,7 @@ function keepPicture() {
   const svg = editor.picture?.svg.cloneNode(true);
   for (const each of svg?.querySelectorAll(".hidden, .layers") ?? []) each.remove();
   const kept = recalled(KEPT);
-  if (svg && kept !== null) store(KEPT, { ...kept, picture: new XMLSerializer().serializeToString(svg) });
+  if (svg && kept !== null) keepData(KEPT, { ...kept, picture: new XMLSerializer().serializeToString(svg) });
 }
 
 /** Show the picture of the level that is to come, and how much of Python has been loaded. */

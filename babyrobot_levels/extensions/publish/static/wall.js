@@ -2,7 +2,8 @@
 // after its `#` holds what is chosen, so that it can be linked and the Back button returns to it.
 
 import { byId, html, starSigns } from "../../../render/static/dom.js";
-import { STORE, storedProgress, storeProgress } from "../../../render/static/progress.js";
+import { STORE, storedProgress } from "../../../render/static/progress.js";
+import { keepData } from "../../../render/static/recalled.js";
 
 const SORTS = ["size", "difficulty", "steps", "return"];
 const FILM_DELAY = 150; // Milliseconds: the pointer passes over tiles on its way to another.
@@ -224,7 +225,7 @@ function forget() {
   if (!confirm("Forget which of these levels you have solved?")) return;
   const progress = storedProgress();
   tiles.forEach((tile) => delete progress[tile.digest]);
-  storeProgress(progress);
+  keepData(STORE, progress);
   refresh();
   query.focus();
 }
