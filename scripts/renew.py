@@ -10,6 +10,7 @@ missing is left out, and told.
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import shutil
 import sys
@@ -106,11 +107,10 @@ def editor_page() -> str:
     """Return the page on the editor, with the keys that the front end knows."""
     from babyrobot_levels.render.templates import static
 
-    script = static("extensions/editor/static/keys.js")
     lines = []
-    for group in script[script.index("const KEYS") : script.index("];\n\n")].split(" title: ")[1:]:
-        title = group.split('"')[1]
-        for keys, what in re.findall(r'\[\s*"([^"]+)",\s*"([^"]+)",', group):
+    for group in json.loads(static("extensions/editor/static/keys.json")):
+        title = group["title"]
+        for keys, what in group["keys"]:
             lines.append(f"| {title} | {keys} | {what} |\n".replace("|  |", "| |"))
             title = ""
     table = r"(?<=\n\| \| key \| what it does \|\n\|---\|---\|---\|\n)(?:\|.*\|\n)*"

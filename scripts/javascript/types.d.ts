@@ -40,7 +40,17 @@ interface Common {
   on_top: string[];
   at_sides: string[];
   none_needed: string;
+  tools: Omit<Tool, "gesture">[];
+  modifiers: Omit<Tool, "gesture">[];
+  /** What steps are called that are undone. */
+  steps_undone: Record<string, string>;
+  /** What is said of keys, in groups: the keys as they are shown, and what they do. */
+  keys: { title: string; keys: [string, string][] }[];
+  answers: string;
+  example: string;
+  frame: string;
   learn: string;
+  text: string;
   themes: Record<string, Theme>;
 }
 

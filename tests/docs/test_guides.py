@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import inspect
 import io
+import json
 import re
 import zlib
 from dataclasses import fields
@@ -81,11 +82,8 @@ def test_the_keys_are_those_of_the_editor() -> None:
 
 
 def test_the_tools_are_those_of_the_editor() -> None:
-    tools = [
-        tuple(re.search(rf'\b{field}: "([^"]+)"', entry)[1] for field in ("key", "title"))  # type: ignore[index]
-        for name in ("tools.js", "rail.js")
-        for entry in static(f"extensions/editor/static/{name}").split(" name: ")[1:]
-    ]
+    found = json.loads(static("extensions/editor/static/tools.json"))
+    tools = [(each["key"], each["title"]) for each in found["tools"] + found["modifiers"]]
     shown = [
         pair
         for keys, titles, _ in rows("editor", "\n## Tools\n")

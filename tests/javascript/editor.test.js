@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { changed } from "../../babyrobot_levels/extensions/editor/static/differences.js";
+import { ACTIONS } from "../../babyrobot_levels/extensions/editor/static/keys.js";
 import {
   cellsAlong,
   runAlong,
@@ -10,6 +11,7 @@ import {
   usualSide,
 } from "../../babyrobot_levels/extensions/editor/static/spots.js";
 import { markOf, plainLines } from "../../babyrobot_levels/extensions/editor/static/yaml_lines.js";
+import { editorData } from "./page.js";
 
 test("a spot has its cell, and the side that is near", () => {
   assert.deepEqual(spotAt([1.5, 0.1], [3, 2]), { at: [1.5, 0.1], cell: [1, 0], side: "N", rim: null });
@@ -73,5 +75,19 @@ for (const [before, changes, after] of DIFFERENCES) {
     const kept = structuredClone(before);
     assert.deepEqual(changed(before, changes), after);
     assert.deepEqual(before, kept);
+  });
+}
+
+// As keys are shown, and what one of them is called.
+const CALLED = { "← ↑ → ↓": "ArrowUp", arrow: "ArrowUp", "Page up": "PageUp", "Page down": "PageDown", "−": "-" };
+
+for (const { title, keys } of editorData("keys.json").filter(({ title }) => title !== "Text")) {
+  test(`the keys that are listed under ${title} do something`, () => {
+    const known = new Set(Object.values(ACTIONS).flatMap((actions) => Object.keys(actions)));
+    const shown = keys.flatMap(([each]) => each.split(/, | or /)).map((each) => each.replaceAll(" + ", "+"));
+    for (const each of shown) {
+      const name = each.replace(/← ↑ → ↓|arrow|Page up|Page down/, (found) => CALLED[found]);
+      for (const key of name.split(" ")) assert.ok(known.has(CALLED[key] ?? key), key);
+    }
   });
 }

@@ -1,9 +1,18 @@
 // A page without a browser: what all levels share, for the modules that read it as they are loaded,
 // and a level to play. Node loads this before each test.
 
+import { readFileSync } from "node:fs";
 import { deflateRawSync } from "node:zlib";
 
+/** Return data that Python gives to the editor. */
+export function editorData(name) {
+  return JSON.parse(
+    readFileSync(`${import.meta.dirname}/../../babyrobot_levels/extensions/editor/static/${name}`, "utf8"),
+  );
+}
+
 const COMMON = {
+  ...editorData("tools.json"),
   cell: 40,
   events: ["stay", "move", "carried", "bump", "skid", "bounce"],
   cheer: 9,

@@ -193,8 +193,14 @@ def _common() -> dict[str, str]:
     kinds = {
         "on_top": [kind.name for kind in KINDS],
         "at_sides": [kind.name for kind in KINDS if kind.where == "side"],
+        "answers": static(f"{STATIC}/answers.html"),
+        "example": static(f"{STATIC}/playground.html"),
+        "frame": static(f"{STATIC}/frame.html"),
+        "keys": json.loads(static(f"{STATIC}/keys.json")),
         "learn": static("render/static/learn.html"),
         "none_needed": listed([kind.plural for kind in NEEDED], "or"),
+        "text": static(f"{STATIC}/text.html"),
+        **json.loads(static(f"{STATIC}/tools.json")),
     }
     themes = {name: theme.model_dump() for name, theme in BUILTIN_THEMES.items()}
     return common_module({**common_data(), **kinds, "themes": themes})

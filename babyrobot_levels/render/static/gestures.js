@@ -1,7 +1,7 @@
 // Gestures on the picture: swipes move the robot, pinches zoom, drags scroll.
 
 import { swiped } from "./game.js";
-import { ZOOM_STEP } from "./view.js";
+import { spread, ZOOM_STEP } from "./view.js";
 
 /**
  * Listen to the pointers over the stage of a view.
@@ -16,11 +16,6 @@ export function listenToGestures(view, swipe, tap) {
   let start = null; // Where the swipe began; null after it has been taken.
   let pressed = [0, 0]; // Where a finger, or the mouse, went down last.
 
-  const spread = () => {
-    const [[ax, ay], [bx, by]] = [...fingers.values()];
-    return [(ax + bx) / 2, (ay + by) / 2, Math.hypot(bx - ax, by - ay)];
-  };
-
   stage.addEventListener("pointerdown", ({ pointerType, pointerId, button, clientX, clientY }) => {
     if (button !== 0) return;
     fingers.set(pointerId, [clientX, clientY]);
@@ -31,11 +26,9 @@ export function listenToGestures(view, swipe, tap) {
     const last = fingers.get(pointerId);
     if (last === undefined) return;
     if (fingers.size === 2) {
-      const [x, y, distance] = spread();
+      const before = spread(fingers);
       fingers.set(pointerId, [clientX, clientY]);
-      const [atX, atY, apart] = spread();
-      stage.scrollBy(x - atX, y - atY);
-      view.zoomTo((view.zoom * apart) / Math.max(1, distance), [atX, atY]);
+      view.pinch(before, spread(fingers));
       return;
     }
     fingers.set(pointerId, [clientX, clientY]);

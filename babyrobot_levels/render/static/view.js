@@ -110,6 +110,12 @@ export class View {
     this.drawMap();
   }
 
+  /** Zoom and scroll as two fingers do that were spread in one way, and now are in another. */
+  pinch([x, y, distance], [toX, toY, apart]) {
+    this.zoomTo((this.zoom * apart) / Math.max(1, distance), [x, y]);
+    this.stage.scrollBy(x - toX, y - toY);
+  }
+
   /** Scroll so that the robot is seen, with the cells around it. */
   follow(isGliding = true) {
     const { stage } = this;
@@ -186,4 +192,10 @@ export class View {
 
 function setAttributes(shape, attributes) {
   for (const [name, value] of Object.entries(attributes)) shape.setAttribute(name, value);
+}
+
+/** Return the middle of two fingers, and how far they are apart. @param {Map<number, number[]>} fingers */
+export function spread(fingers) {
+  const [[ax, ay], [bx, by]] = fingers.values();
+  return [(ax + bx) / 2, (ay + by) / 2, Math.hypot(bx - ax, by - ay)];
 }

@@ -1,11 +1,10 @@
 // What is told to people who do not see the picture: what changed, and what is in a cell.
 
+import { COMMON } from "../../../render/static/common.js";
 import { capital } from "../../../render/static/game.js";
 import { listed } from "../../../render/static/things.js";
-import { isSameCell, sidesOfRun } from "./spots.js";
+import { isSameCell, SIDE_NAMES, sidesOfRun } from "./spots.js";
 import { thingsAt, toolNamed, wallAt } from "./tools.js";
-
-export const SIDE_NAMES = { N: "north", E: "east", S: "south", W: "west" };
 
 /** Return a cell as it is written in level files. */
 export function cellName([x, y]) {
@@ -49,6 +48,11 @@ function wallsInWords(editor, run) {
   return `${capital(SIDE_NAMES[side])} ${place}: ${sideInWords(editor, first, side)}`;
 }
 
+/** Return what a brush does, before where it does it. */
+function brushInWords(brush) {
+  return brush === "erase" ? "Erased" : `${toolNamed(brush).title} in`;
+}
+
 function windInWords({ side, index, strength }) {
   const line = `${"NS".includes(side) ? "column" : "row"} ${index}`;
   return strength === 0 ? `No wind in ${line}` : `Wind of ${strength} to the ${SIDE_NAMES[side]} in ${line}`;
@@ -57,14 +61,8 @@ function windInWords({ side, index, strength }) {
 /** What messages to Python did, in words; without any for what is typed, which is its own. */
 const DONE = {
   walls: (editor, run) => wallsInWords(editor, run),
-  paint: (editor, { brush, cells, rectangle }) =>
-    brush === "erase"
-      ? `Erased ${cellsInWords(cells, rectangle)}`
-      : `${toolNamed(brush).title} in ${cellsInWords(cells, rectangle)}`,
-  fill: (editor, { brush, at }) =>
-    brush === "erase"
-      ? `Erased ${cellName(at)} and all cells like it around it`
-      : `${toolNamed(brush).title} in ${cellName(at)} and all cells like it around it`,
+  paint: (editor, { brush, cells, rectangle }) => `${brushInWords(brush)} ${cellsInWords(cells, rectangle)}`,
+  fill: (editor, { brush, at }) => `${brushInWords(brush)} ${cellName(at)} and all cells like it around it`,
   warp: (editor, { at, to }) => `Warp from ${cellName(at)} to ${cellName(to)}`,
   robot: (editor, { at, to }) => `Robot at ${cellName(at)}${to === undefined ? "" : ` leaves at ${cellName(to)}`}`,
   path: (editor, { cells, rectangle }) => `Mover ${rectangle ? "in" : "through"} ${cellsInWords(cells, rectangle)}`,
@@ -79,29 +77,8 @@ const DONE = {
   keep_maze: () => "The maze is written out as walls, as it was before the last gesture",
   fix: () => "The finding is fixed",
   open: () => "Opened",
-  undo: (editor, { step }) => `Undone${step ? `: ${STEPS[step]}` : ""}`,
-  redo: (editor, { step }) => `Done again${step ? `: ${STEPS[step]}` : ""}`,
-};
-
-/** What steps are called that are undone. */
-const STEPS = {
-  walls: "walls",
-  paint: "painting",
-  fill: "filling",
-  warp: "warp",
-  robot: "robot",
-  path: "mover",
-  stamp: "stamp",
-  move: "moving",
-  remove: "removing",
-  set: "setting a field",
-  resize: "the size",
-  wind: "wind",
-  resolve: "writing the maze out",
-  fix: "a fix",
-  text: "typing",
-  open: "opening",
-  reload: "reading the file again",
+  undo: (editor, { step }) => `Undone${step ? `: ${COMMON.steps_undone[step]}` : ""}`,
+  redo: (editor, { step }) => `Done again${step ? `: ${COMMON.steps_undone[step]}` : ""}`,
 };
 
 const MODES_IN_WORDS = { edit: "Editing.", play: "Playing.", policy: "Drawing a policy." };
@@ -136,23 +113,15 @@ export class Announcer {
     const { editor } = this;
     const { length: count } = editor.state.findings;
     const done = DONE[editor.done.do]?.(editor, editor.done);
-    const { maze_regrown, lost, left } = editor.state;
-    const grown = maze_regrown ? "The maze has grown anew" : undefined;
-    const gone = lost ? `This also removed ${lost}` : undefined;
+    const { maze_regrown: isGrown, lost, left } = editor.state;
     const words = [
       done,
-      gone,
-      left ? `Left out: ${left}` : undefined,
-      grown,
-      count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`,
-    ];
-    if (done !== undefined)
-      editor.say(
-        words
-          .filter((each) => each !== undefined)
-          .map((each) => `${each}.`)
-          .join(" "),
-      );
+      lost && `This also removed ${lost}`,
+      left && `Left out: ${left}`,
+      isGrown && "The maze has grown anew",
+      count !== this.count && (count === 0 ? "No findings" : `Findings: ${count}`),
+    ].filter(Boolean);
+    if (done !== undefined) editor.say(words.map((each) => `${each}.`).join(" "));
     else if (editor.saidKind === "refused") editor.say(""); // It was about what was before.
     this.count = count;
   }

@@ -1,15 +1,12 @@
 // The optimum of the level: its return, what the last change did to it, and what the picture shows.
 
+import { COMMON } from "../../../render/static/common.js";
 import { html } from "../../../render/static/dom.js";
 import { capital, formatted } from "../../../render/static/game.js";
 import { ShownSets } from "../../../render/static/shown.js";
-import { button } from "./html.js";
+import { finder } from "./html.js";
 
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
-const SHOWN = [
-  ["values", "Values", "V", "The optimal expected returns without a limit"],
-  ["policy", "Optimal actions", "B", "The actions of an optimal policy without a limit"],
-];
 
 /** The strip with the best return, and the switches of values and optimal actions. */
 export class Answers {
@@ -17,28 +14,18 @@ export class Answers {
     this.editor = editor;
     editor.answers = this;
     this.shown = new Set();
-    this.name = html("span", { class: "best-name" });
-    this.best = html("output", { class: "best-return" });
-    this.change = html("span", { class: "change" });
-    this.reason = html("p", { class: "reason" });
-    this.switches = SHOWN.map(([name, , key]) =>
-      html(
-        "button",
-        { type: "button", "data-shown": name, onclick: () => this.toggle(name) },
-        html("span", {}),
-        html("kbd", {}, key),
-      ),
-    );
-    const { more } = editor.connection;
-    this.load = button("", { class: "load", onclick: () => this.loadMore(more) });
-    this.load.hidden = true;
-    this.line = html("div", { class: "best-line" }, this.name, this.best, this.change);
-    this.group = html(
-      "div",
-      { class: "switches", role: "group", "aria-label": "Show in the picture" },
-      ...this.switches,
-    );
-    place.append(this.line, this.reason, this.load, this.group);
+    place.innerHTML = COMMON.answers;
+    const find = finder(place);
+    this.line = find(".best-line");
+    this.name = find(".best-name");
+    this.best = find(".best-return");
+    this.change = find(".change");
+    this.reason = find(".reason");
+    this.group = find(".switches");
+    this.switches = this.group.children;
+    for (const each of this.switches) each.onclick = () => this.toggle(each.dataset.shown);
+    this.load = find(".load");
+    this.load.onclick = () => this.loadMore(editor.connection.more);
     // Before the picture is drawn, which shows what the data says.
     editor.on("state", () => this.show());
   }
@@ -70,8 +57,8 @@ export class Answers {
     this.reason.textContent = answers.reason && `${capital(answers.reason)}.`;
     this.reason.hidden = answers.reason === "";
     const isLearning = this.editor.learning?.isSeen; // Then the picture shows what is learned.
-    for (const [at, each] of this.switches.entries()) {
-      const [, title, , hint] = SHOWN[at];
+    for (const each of this.switches) {
+      const { title, hint } = each.dataset;
       each.firstChild.textContent = `${isLearning ? title.replace("Optimal", "Greedy") : title} `;
       each.title = isLearning ? "" : hint;
       each.setAttribute("aria-pressed", this.shown.has(each.dataset.shown));
@@ -132,9 +119,9 @@ export function offerSets(editor, place) {
 
 /** Describe what the last change did to the optimum; the empty text for nothing. */
 function changeInWords({ best, before, changed }) {
-  const cells = changed.length === 0 ? "" : `${changed.length} cell${changed.length === 1 ? "" : "s"} changed`;
   const isOther = best !== null && before !== null && formatted(best) !== formatted(before);
-  return [...(isOther ? [`was ${formatted(before)}`] : []), ...(cells ? [cells] : [])].join(", ");
+  const cells = changed.length > 0 && `${changed.length} cell${changed.length === 1 ? "" : "s"} changed`;
+  return [isOther && `was ${formatted(before)}`, cells].filter(Boolean).join(", ");
 }
 
 /** Return whether the optimum went "up" or "down" by the last change; the empty text for neither. */

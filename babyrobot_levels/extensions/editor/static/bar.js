@@ -1,32 +1,20 @@
 // The bar: what is open and whether it is saved, undo and redo, and the mode.
 
-import { html } from "../../../render/static/dom.js";
 import { listenToArrows } from "../../../render/static/steps.js";
-import { toolButton } from "./rail.js";
-
-const MODES = [
-  ["edit", "Edit"],
-  ["play", "Play"],
-  ["policy", "Policy"],
-];
+import { finder } from "./html.js";
 
 const OWN_PANELS = ["algorithm", "file"]; // They stay while one draws, whatever is selected.
 
 export class Bar {
-  constructor(editor, { title, modes, history }) {
+  constructor(editor, place) {
     this.editor = editor;
-    this.name = html("strong", { class: "name", id: "level-name", role: "heading", "aria-level": "1" });
-    this.file = html("span", { class: "file-state" });
-    title.append(this.name, this.file);
-    this.modes = MODES.map(([mode, text]) => toolButton({ text, "data-mode": mode }, () => editor.enter(mode)));
-    modes.append(...this.modes);
-    this.undo = toolButton({ title: "Undo (Ctrl+Z)", icon: "M9 5L4 10l5 5M4 10h10a5.5 5.5 0 0 1 0 11h-3" }, () =>
-      editor.send({ do: "undo" }),
-    );
-    this.redo = toolButton({ title: "Redo (Ctrl+Shift+Z)", icon: "M15 5l5 5-5 5M20 10H10a5.5 5.5 0 0 0 0 11h3" }, () =>
-      editor.send({ do: "redo" }),
-    );
-    history.append(this.undo, this.redo);
+    const find = finder(place);
+    this.name = find(".name");
+    this.file = find(".file-state");
+    this.undo = find("[data-do=undo]");
+    this.redo = find("[data-do=redo]");
+    this.modes = find(".modes").children;
+    for (const each of this.modes) each.onclick = () => editor.enter(each.dataset.mode);
     editor.on("state", () => this.showState());
     editor.on("mode", () => this.showMode());
     this.showMode();
@@ -54,17 +42,8 @@ export class Panels {
   constructor(editor, tabs, panels) {
     this.editor = editor;
     this.panels = panels;
-    this.tabs = [...panels.querySelectorAll(":scope > [data-tab]")].map((panel) => {
-      const name = panel.classList[0];
-      const tab = toolButton({ text: panel.dataset.tab, role: "tab", "data-panel": name }, () =>
-        editor.set("panel", { panel: name }),
-      );
-      panel.setAttribute("role", "tabpanel");
-      panel.tabIndex = 0; // It is scrolled by keys.
-      panel.setAttribute("aria-label", panel.dataset.tab);
-      return tab;
-    });
-    tabs.append(...this.tabs);
+    this.tabs = [...tabs.children];
+    for (const tab of this.tabs) tab.onclick = () => editor.set("panel", { panel: tab.dataset.panel });
     listenToArrows(tabs, (tab) => tab.click());
     editor.on("panel", () => this.show());
     editor.on("selection", () => {

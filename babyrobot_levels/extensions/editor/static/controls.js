@@ -117,13 +117,7 @@ export function numberControl(field, change) {
     input.value = typeof value === "object" ? "" : (value ?? "");
     words.show(value);
   };
-  return {
-    element,
-    show,
-    get value() {
-      return read();
-    },
-  };
+  return { element, show, read };
 }
 
 function textControl({ label, name, default: usual }, change) {

@@ -1,24 +1,7 @@
 // Dialogs: what a level is opened from, the forms in which it is handed on, and its file.
 
 import { html, prose, saveFile } from "../../../render/static/dom.js";
-import { button, buttonRow } from "./html.js";
-import { toolButton } from "./rail.js";
-
-/** Return a modal dialog with a title; it closes with Escape, and by a button. */
-export function dialogElement(title, ...content) {
-  const made = html(
-    "dialog",
-    { "aria-label": title },
-    html(
-      "header",
-      {},
-      html("h2", {}, title),
-      button("✕", { class: "close", "aria-label": "Close", onclick: () => made.close() }),
-    ),
-    ...content,
-  );
-  return made;
-}
+import { button, finder } from "./html.js";
 
 /** Save the text as a file of the browser's downloads. Returns whether that is known to Python. */
 async function download(editor) {
@@ -33,31 +16,27 @@ async function download(editor) {
 
 /** The buttons of the bar that open, copy and save, and end the editor. */
 export class FileButtons {
-  constructor(editor, place, root) {
+  constructor(editor, find) {
     this.editor = editor;
-    const opening = new OpenDialog(editor);
-    const copying = new CopyDialog(editor);
-    this.conflict = new ConflictDialog(editor);
-    this.leaving = new LeaveDialog(editor, () => this.save());
-    place.append(
-      toolButton({ title: "Open another level", named: "Open", icon: "M3 19V6h6l2 2h8v3M3 19l3-8h16l-3 8z" }, () =>
-        opening.show(),
-      ),
-      toolButton({ title: "Copy or download", named: "Copy", icon: "M9 9h11v11H9zM5 15H4V4h11v1" }, () =>
-        copying.show(),
-      ),
-      toolButton({ title: "Save (Ctrl+S)", named: "Save", icon: "M5 4h11l4 4v12H5zM8 4v5h7V4M8 20v-6h8v6" }, () =>
-        this.save(),
-      ),
-    );
-    if (editor.connection.ends) {
-      place.append(
-        toolButton({ title: "End the editor", named: "End", icon: "M12 3v9M6.3 7a8 8 0 1 0 11.4 0" }, () =>
-          this.leave(),
-        ),
-      );
+    const opening = new OpenDialog(editor, find("opening"));
+    const copying = new CopyDialog(editor, find("copying"));
+    this.conflict = new ConflictDialog(editor, find("conflict"));
+    this.leaving = find("leaving");
+    const leaving = finder(this.leaving);
+    leaving(".chief").onclick = () => this.saveAndEnd();
+    leaving(".force").onclick = () => editor.send({ do: "quit", force: true });
+    leaving(".stay").onclick = () => this.leaving.close();
+    const actions = {
+      open: () => opening.show(),
+      copy: () => copying.show(),
+      save: () => this.save(),
+      end: () => this.leave(),
+      help: () => editor.tell("help"),
+    };
+    for (const each of find("files").children) {
+      each.onclick = actions[each.dataset.file];
+      if (each.dataset.file === "end") each.hidden = !editor.connection.ends;
     }
-    root.append(...[opening, copying, this.conflict, this.leaving].map(({ dialog }) => dialog));
     editor.on("save", () => this.save());
   }
 
@@ -73,46 +52,30 @@ export class FileButtons {
 
   async leave() {
     const { unsaved } = await this.editor.send({ do: "quit" });
-    if (unsaved) this.leaving.show();
+    if (unsaved) this.leaving.showModal();
+  }
+
+  async saveAndEnd() {
+    this.leaving.close();
+    if (await this.save()) await this.editor.send({ do: "quit", force: true });
   }
 }
 
 /** A level by its name, from a file, or from a text. */
 class OpenDialog {
-  constructor(editor) {
+  constructor(editor, dialog) {
     this.editor = editor;
-    this.filter = html("input", {
-      type: "search",
-      "aria-label": "Name of the level",
-      placeholder: "Search",
-      oninput: () => this.sift(),
-    });
-    this.list = html("ul", { class: "levels" });
-    this.file = html("input", { type: "file", "aria-label": "File", onchange: () => this.read() });
-    this.source = html("textarea", {
-      rows: "5",
-      spellcheck: "false",
-      "aria-label": "Text or share code",
-      placeholder: "A share code, the text of a level, or a map of another program, such as FrozenLake",
-    });
-    this.format = html("select", { "aria-label": "Format" });
-    this.error = html("p", { class: "field-error", role: "alert" });
-    this.dialog = dialogElement(
-      "Open a level",
-      html("h3", {}, "By name"),
-      this.filter,
-      this.list,
-      html("h3", {}, "From a file"),
-      this.file,
-      html("h3", {}, "From a text"),
-      this.source,
-      buttonRow(
-        this.format,
-        button("Open the text", { class: "chief", onclick: () => this.open(this.source.value, this.format.value) }),
-      ),
-      this.error,
-      html("p", { class: "field-help" }, "It takes the place of the level at hand. Undo brings that back."),
-    );
+    this.dialog = dialog;
+    const find = finder(dialog);
+    this.filter = find("[type=search]");
+    this.list = find("ul");
+    this.file = find("[type=file]");
+    this.source = find("textarea");
+    this.format = find("select");
+    this.error = find(".field-error");
+    this.filter.oninput = () => this.sift();
+    this.file.onchange = () => this.read();
+    find(".chief").onclick = () => this.open(this.source.value, this.format.value);
   }
 
   async show() {
@@ -155,53 +118,34 @@ class OpenDialog {
   }
 }
 
-const COPY_FORMS = [
-  ["yaml", "Level file", "The text as it is."],
-  ["drawing", "Drawing", "The grid in characters, as `Level.draw` gives it."],
-  ["python", "Python", "A call that makes the level."],
-  ["code", "Share code", "`brl.load` takes it, and so do the commands."],
-  ["link", "Link", "Add it to the address of a page that `babyrobot preview LEVEL -o page.html` has made."],
-];
-
 /** The level in the forms in which it is handed on. */
 class CopyDialog {
-  constructor(editor) {
+  constructor(editor, dialog) {
     this.editor = editor;
-    this.forms = COPY_FORMS.map(([form, title]) =>
-      button(title, { "data-form": form, onclick: () => this.choose(form) }),
-    );
-    this.shown = html("textarea", {
-      class: "copied",
-      rows: "12",
-      readonly: true,
-      wrap: "off",
-      "aria-label": "What is copied",
-    });
-    this.help = html("p", { class: "field-help" });
-    this.error = html("p", { class: "field-error", role: "alert" });
-    this.copied = html("span", { role: "status" });
-    this.download = button("Download", { onclick: () => download(editor) });
-    this.dialog = dialogElement(
-      "Copy the level",
-      html("div", { class: "choices", role: "group", "aria-label": "Form" }, ...this.forms),
-      this.shown,
-      this.error,
-      this.help,
-      buttonRow(button("Copy", { class: "chief", onclick: () => this.copy() }), this.download, this.copied),
-    );
+    this.dialog = dialog;
+    const find = finder(dialog);
+    this.forms = find(".choices").children;
+    this.shown = find("textarea");
+    this.help = find(".field-help");
+    this.error = find(".field-error");
+    this.copied = find("[role=status]");
+    this.download = find(".download");
+    this.download.onclick = () => download(editor);
+    find(".chief").onclick = () => this.copy();
+    for (const each of this.forms) each.onclick = () => this.choose(each);
   }
 
   show() {
     this.dialog.showModal();
-    this.choose("yaml");
+    this.choose(this.forms[0]);
   }
 
-  async choose(form) {
+  async choose(chosen) {
     const { address } = this.editor.connection;
-    for (const each of this.forms) each.ariaPressed = String(each.dataset.form === form);
+    const { form, help } = chosen.dataset;
+    for (const each of this.forms) each.ariaPressed = String(each === chosen);
     const isOurs = form === "link" && address !== undefined;
-    const help = isOurs ? "It opens the level in this editor." : COPY_FORMS.find(([name]) => name === form)[2];
-    this.help.replaceChildren(...prose(help));
+    this.help.replaceChildren(...prose(isOurs ? "It opens the level in this editor." : help));
     this.copied.textContent = "";
     this.download.toggleAttribute("hidden", form !== "yaml");
     const { copy = "", error = "" } = await this.editor.send({ do: "copy", form: isOurs ? "code" : form });
@@ -223,31 +167,19 @@ class CopyDialog {
 
 /** The file was changed by another program: which text shall stay. */
 class ConflictDialog {
-  constructor(editor) {
+  constructor(editor, dialog) {
     this.editor = editor;
-    this.message = html("p", {});
-    const pane = (title) =>
-      html("textarea", { class: "copied", rows: "14", readonly: true, wrap: "off", "aria-label": title });
-    this.ours = pane("Here");
-    this.theirs = pane("In the file");
-    this.both = html(
-      "div",
-      { class: "both" },
-      html("div", {}, html("h3", {}, "Here"), this.ours),
-      html("div", {}, html("h3", {}, "In the file"), this.theirs),
-    );
-    this.compare = button("Show both", { onclick: () => this.both.toggleAttribute("hidden") });
-    this.reload = button("Take the file's text", { onclick: () => this.decide({ do: "reload" }) });
-    this.dialog = dialogElement(
-      "The file has changed",
-      this.message,
-      this.both,
-      buttonRow(
-        button("Overwrite the file", { class: "chief", onclick: () => this.decide({ do: "save", force: true }) }),
-        this.reload,
-        this.compare,
-      ),
-    );
+    this.dialog = dialog;
+    const find = finder(dialog);
+    this.message = find("p");
+    this.both = find(".both");
+    this.ours = find("[aria-label=Here]");
+    this.theirs = find("[aria-label='In the file']");
+    this.reload = find(".reload");
+    this.compare = find(".compare");
+    this.reload.onclick = () => this.decide({ do: "reload" });
+    this.compare.onclick = () => this.both.toggleAttribute("hidden");
+    find(".chief").onclick = () => this.decide({ do: "save", force: true });
   }
 
   /** `content` is what the file holds now, null if it cannot be read. */
@@ -265,31 +197,5 @@ class ConflictDialog {
     const { error } = await this.editor.send(message);
     if (error === undefined)
       this.editor.say(message.do === "save" ? "Saved." : "This is the text of the file. Undo brings the other back.");
-  }
-}
-
-/** There are changes that are not saved. */
-class LeaveDialog {
-  constructor(editor, save) {
-    this.editor = editor;
-    this.save = save;
-    this.dialog = dialogElement(
-      "End the editor?",
-      html("p", {}, "The level has changes that are not saved."),
-      buttonRow(
-        button("Save and end", { class: "chief", onclick: () => this.saveAndEnd() }),
-        button("End without saving", { onclick: () => editor.send({ do: "quit", force: true }) }),
-        button("Go on editing", { onclick: () => this.dialog.close() }),
-      ),
-    );
-  }
-
-  show() {
-    this.dialog.showModal();
-  }
-
-  async saveAndEnd() {
-    this.dialog.close();
-    if (await this.save()) await this.editor.send({ do: "quit", force: true });
   }
 }

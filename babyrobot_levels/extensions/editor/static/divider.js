@@ -1,7 +1,5 @@
 // The divider between board and panels: it makes the panels wider, and keeps how wide they are.
 
-import { html } from "../../../render/static/dom.js";
-
 const LEAST = 272; // Pixels.
 const STEP = 32;
 const COOKIE = "babyrobot-panels"; // Storage is by port, which is another one each time; a cookie is not.
@@ -11,22 +9,12 @@ export class Divider {
   constructor(root, panels) {
     this.root = root;
     this.panels = panels;
-    this.element = html("div", {
-      class: "divide",
-      role: "separator",
-      tabindex: "0",
-      title: "Drag to make the panels wider; double-click for the usual width",
-      "aria-label": "Width of the panels",
-      "aria-orientation": "vertical",
-      "aria-valuemin": LEAST,
-      onkeydown: (event) => this.press(event),
-      onpointerdown: ({ pointerId }) => this.element.setPointerCapture(pointerId),
-      onpointermove: (event) =>
-        this.element.hasPointerCapture(event.pointerId) &&
-        this.set(this.panels.getBoundingClientRect().right - event.clientX),
-      ondblclick: () => this.set(null),
-    });
-    panels.append(this.element);
+    this.element = panels.querySelector(".divide");
+    this.element.setAttribute("aria-valuemin", LEAST);
+    this.element.onkeydown = (event) => this.press(event);
+    this.element.onpointerdown = ({ pointerId }) => this.element.setPointerCapture(pointerId);
+    this.element.onpointermove = (event) => this.drag(event);
+    this.element.ondblclick = () => this.set(null);
     const [, kept = ""] = document.cookie.match(`${COOKIE}=([0-9]+px)`) ?? [];
     root.style.setProperty("--panels", kept);
     const tell = () => this.element.setAttribute("aria-valuenow", Math.round(panels.clientWidth));
@@ -39,6 +27,10 @@ export class Divider {
     this.root.style.setProperty("--panels", kept);
     // biome-ignore lint/suspicious/noDocumentCookie: not every browser has cookieStore.
     document.cookie = `${COOKIE}=${kept}; max-age=31536000; path=/; samesite=strict`;
+  }
+
+  drag({ pointerId, clientX }) {
+    if (this.element.hasPointerCapture(pointerId)) this.set(this.panels.getBoundingClientRect().right - clientX);
   }
 
   press(event) {

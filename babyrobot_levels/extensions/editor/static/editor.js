@@ -5,6 +5,8 @@ import { changed } from "./differences.js";
 import { isSameCell } from "./spots.js";
 import { DEFAULT_OPTIONS, sameRoute } from "./tools.js";
 
+const NO_MODIFIERS = { rectangle: false, fill: false };
+
 /**
  * The state of one editor. Its parts get it when they are made, and listen:
  *
@@ -45,7 +47,7 @@ export class Editor {
     this.options = structuredClone(DEFAULT_OPTIONS);
     /** @type {{ size: [number, number], picture: SVGElement } | null} */
     this.region = null; // What was copied, to be stamped.
-    this.modifiers = { rectangle: false, fill: false };
+    this.modifiers = NO_MODIFIERS;
     this.mode = "edit";
     this.panel = "inspector";
     this.done = null;
@@ -77,8 +79,7 @@ export class Editor {
 
   /** Switch what changes brushes on, of which one is on at a time. */
   toggle(name) {
-    const others = Object.fromEntries(Object.keys(this.modifiers).map((each) => [each, false]));
-    this.set("tool", { modifiers: { ...others, [name]: !this.modifiers[name] } });
+    this.set("tool", { modifiers: { ...NO_MODIFIERS, [name]: !this.modifiers[name] } });
   }
 
   /** Choose a mode. Without the tables of levels, one can only edit; a policy is drawn for one robot. */

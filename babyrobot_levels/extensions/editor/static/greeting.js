@@ -1,33 +1,19 @@
 // The first minute: what one does with an empty level, as three steps.
 
-import { html } from "../../../render/static/dom.js";
 import { pairControl } from "./controls.js";
-import { button } from "./html.js";
 import { growMaze } from "./maze.js";
 
 /** The three steps, with the controls that begin them. */
 export class Greeting {
-  constructor(editor) {
+  constructor(editor, element) {
     this.editor = editor;
+    this.element = element;
     this.size = pairControl({ type: "size", label: "size" }, (size) => editor.send({ do: "resize", size }));
-    this.last = html("li", {});
-    this.element = html(
-      "ol",
-      { class: "steps" },
-      html(
-        "li",
-        {},
-        "Set the size, or grow a maze.",
-        html(
-          "span",
-          { class: "buttons" },
-          this.size.element,
-          button("Grow a maze", { onclick: () => growMaze(editor) }),
-        ),
-      ),
-      html("li", {}, "Draw walls and things with the tools. Drag start and exit where they shall be."),
-      this.last,
-    );
+    const [first, , last] = element.children;
+    this.last = last;
+    const grow = first.querySelector(".grow");
+    grow.before(this.size.element);
+    grow.onclick = () => growMaze(editor);
   }
 
   /** Whether there is nothing in the level but where it begins and ends. */

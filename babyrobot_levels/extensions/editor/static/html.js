@@ -13,9 +13,14 @@ export function button(shown, attributes) {
   return html("button", { type: "button", ...attributes }, shown);
 }
 
-/** Return a row of buttons. */
-export function buttonRow(...children) {
-  return html("p", { class: "buttons" }, ...children);
+/**
+ * Return a function that finds the elements of a place by their selectors.
+ *
+ * @param {ParentNode} place
+ * @returns {(selector: string) => any}
+ */
+export function finder(place) {
+  return (selector) => place.querySelector(selector);
 }
 
 /** Return pairs of a name and a value as the items of a list. */

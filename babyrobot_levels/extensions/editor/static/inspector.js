@@ -5,7 +5,7 @@ import { capital } from "../../../render/static/game.js";
 import { CONTROLS } from "./controls.js";
 import { FieldRow, thingNames } from "./field_row.js";
 import { Greeting } from "./greeting.js";
-import { button, tapped } from "./html.js";
+import { button, finder, tapped } from "./html.js";
 
 const NOTHING = tapped(
   "Click something with the tool Select, press it long, or put the caret into its line of the text. " +
@@ -18,12 +18,14 @@ export class Inspector {
     this.editor = editor;
     this.rows = [];
     this.key = null;
-    this.title = html("h2", {});
-    this.remove = button("Remove", { onclick: () => editor.removeSelected() });
-    this.others = html("p", { class: "others" });
-    this.body = html("div", { class: "fields" });
-    this.greeting = new Greeting(editor);
-    place.append(html("div", { class: "inspector-head" }, this.title, this.remove), this.others, this.body);
+    const find = finder(place);
+    this.title = find("h2");
+    this.remove = find(".remove");
+    this.others = find(".others");
+    this.body = find(".fields");
+    this.remove.onclick = () => editor.removeSelected();
+    this.greeting = new Greeting(editor, find(".steps"));
+    this.body.replaceChildren(); // Until it is known what there is.
     editor.on("state", () => this.show());
     editor.on("selection", () => this.show());
   }

@@ -1,11 +1,11 @@
-// The keyboard. One table says which keys there are and what they do; the help lists it.
+// The keyboard: what keys do in the editor.
 
+import { COMMON } from "../../../render/static/common.js";
 import { ZOOM_STEP } from "../../../render/static/view.js";
-import { cellName, SIDE_NAMES } from "./announce.js";
-import { MODIFIERS } from "./rail.js";
+import { cellName } from "./announce.js";
 import { copy, MIRRORS, mirror } from "./region.js";
-import { beyond, isSameCell, spotOf } from "./spots.js";
-import { drawnWalls, gestureOf, sizeOf, TOOLS, toolNamed, wallAt } from "./tools.js";
+import { beyond, isSameCell, SIDE_NAMES, spotOf } from "./spots.js";
+import { drawnWalls, gestureOf, selectAt, sizeOf, TOOLS, toolNamed, wallAt } from "./tools.js";
 
 const ARROWS = { ArrowUp: "N", ArrowRight: "E", ArrowDown: "S", ArrowLeft: "W" };
 
@@ -34,174 +34,65 @@ function keyOf({ key, ctrlKey, metaKey, altKey, shiftKey }) {
 }
 
 /**
- * The keys, in groups: `[keys as they are shown, what they do, actions by key]`.
- *
- * Those of a group with a `mode` do something in that mode alone, and while neither a text nor a
- * dialog has the focus.
+ * What keys do in each mode, while neither a text nor a dialog has the focus; and in any. What is said of them is
+ * in `keys.json`. The text area itself has others.
  */
-export const KEYS = [
-  {
-    title: "Cursor",
-    mode: "edit",
-    keys: [
-      ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
-      ["Ctrl + arrow", "move it to the next wall", arrows(["Ctrl"], (keyboard, side) => keyboard.run(side))],
-      [
-        "Home, End, Page up, Page down",
-        "move it to the end of the row or column",
-        {
-          Home: (keyboard) => keyboard.jump(0, null),
-          End: (keyboard) => keyboard.jump(Infinity, null),
-          PageUp: (keyboard) => keyboard.jump(null, 0),
-          PageDown: (keyboard) => keyboard.jump(null, Infinity),
-        },
-      ],
-      ["L", "tell what is in the cell and at its sides", { L: ({ editor }) => editor.tell("look") }],
-      ["I", "select what is in the cell, and go to its fields", { I: (keyboard) => keyboard.inspect() }],
-    ],
+export const ACTIONS = {
+  edit: {
+    ...arrows([], (keyboard, side) => keyboard.move(side)),
+    ...arrows(["Ctrl"], (keyboard, side) => keyboard.run(side)),
+    Home: (keyboard) => keyboard.jump(0, null),
+    End: (keyboard) => keyboard.jump(Infinity, null),
+    PageUp: (keyboard) => keyboard.jump(null, 0),
+    PageDown: (keyboard) => keyboard.jump(null, Infinity),
+    L: ({ editor }) => editor.tell("look"),
+    I: (keyboard) => keyboard.inspect(),
+    ...on("Space Enter", (keyboard) => keyboard.use()),
+    ...arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side)),
+    M: (keyboard) => keyboard.hold(),
+    "Shift+Space": (keyboard) => keyboard.useStraight({ rectangle: true }),
+    ...on("Delete Backspace", (keyboard) => keyboard.erase()),
+    "Ctrl+C": (keyboard) => keyboard.copy(),
+    "Ctrl+V": (keyboard) => keyboard.stamp(),
+    ...Object.fromEntries(MIRRORS.map(({ axis, key }) => [key, ({ editor }) => mirror(editor, axis)])),
+    Escape: (keyboard) => keyboard.cancel(),
+    ...arrows(["Alt"], (keyboard, side) => keyboard.resize(side, 1)),
+    ...arrows(["Alt", "Shift"], (keyboard, side) => keyboard.resize(side, -1)),
+    Q: ({ editor }) => editor.learning.command("run"),
+    ".": ({ editor }) => editor.learning.command("step"),
+    U: ({ editor }) => editor.learning.command("unit"),
   },
-  {
-    title: "Drawing",
-    mode: "edit",
-    keys: [
-      ["Space, Enter", "use the tool in the cell", on("Space Enter", (keyboard) => keyboard.use())],
-      [
-        "Shift + arrow",
-        "build or remove a wall at that side, or glass or a door with its tool; with the tool of wind, blow to it",
-        arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side)),
-      ],
-      [
-        "M",
-        "begin to drag here; Space ends at the cursor, Shift + arrow ends a run of walls",
-        { M: (keyboard) => keyboard.hold() },
-      ],
-      [
-        "Shift + Space",
-        "use the tool in the rectangle between where the drag began and the cursor",
-        { "Shift+Space": (keyboard) => keyboard.useStraight({ rectangle: true }) },
-      ],
-      ["Delete", "erase the cell, or remove what is selected", on("Delete Backspace", (keyboard) => keyboard.erase())],
-      [
-        "Ctrl + C",
-        "copy what is selected, or the cell; C, M and Space copy a rectangle",
-        { "Ctrl+C": (keyboard) => keyboard.copy() },
-      ],
-      ["Ctrl + V", "stamp what is copied", { "Ctrl+V": (keyboard) => keyboard.stamp() }],
-      [
-        "H, Y",
-        "mirror what is copied",
-        Object.fromEntries(MIRRORS.map(({ axis, key }) => [key, ({ editor }) => mirror(editor, axis)])),
-      ],
-      ["Escape", "end a drag without a change; select nothing", { Escape: (keyboard) => keyboard.cancel() }],
-    ],
+  play: {
+    ...arrows([], ({ editor }, side) => editor.playing.go(side)),
+    ...Object.fromEntries([..."WDSA"].map((key, at) => [key, ({ editor }) => editor.playing.go("NESW"[at])])),
+    Space: ({ editor }) => editor.playing.take(0),
+    Z: ({ editor }) => editor.playing.undo(),
+    R: ({ editor }) => editor.playing.begin(),
+    N: ({ editor }) => editor.playing.newLuck(),
+    Escape: ({ editor }) => editor.set("mode", { mode: "edit" }),
   },
-  {
-    title: "Level",
-    mode: "edit",
-    keys: [
-      [
-        "Alt + arrow",
-        "add a column or row at that side",
-        arrows(["Alt"], (keyboard, side) => keyboard.resize(side, 1)),
-      ],
-      [
-        "Alt + Shift + arrow",
-        "remove the column or row at that side",
-        arrows(["Alt", "Shift"], (keyboard, side) => keyboard.resize(side, -1)),
-      ],
-    ],
+  policy: {
+    ...arrows([], (keyboard, side) => keyboard.move(side)),
+    ...arrows(["Shift"], ({ editor }, side) => editor.policy.step(side)),
+    ...on("Space Enter", ({ editor }) => editor.policy.turn(editor.cursor.cell)),
+    ...on("Delete Backspace", ({ editor }) => editor.policy.erase(editor.cursor.cell)),
+    Escape: ({ editor }) => editor.set("mode", { mode: "edit" }),
   },
-  {
-    title: "Playing",
-    mode: "play",
-    keys: [
-      [
-        "← ↑ → ↓ or W A S D",
-        "move the robot",
-        {
-          ...arrows([], ({ editor }, side) => editor.playing.go(side)),
-          ...Object.fromEntries([..."WDSA"].map((key, at) => [key, ({ editor }) => editor.playing.go("NESW"[at])])),
-        },
-      ],
-      ["Space", "stay", { Space: ({ editor }) => editor.playing.take(0) }],
-      ["Z", "undo an action", { Z: ({ editor }) => editor.playing.undo() }],
-      ["R", "retry with the same luck", { R: ({ editor }) => editor.playing.begin() }],
-      ["N", "take new luck", { N: ({ editor }) => editor.playing.newLuck() }],
-      ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
-    ],
+  any: {
+    V: ({ editor }) => editor.answers.toggle("values"),
+    B: ({ editor }) => editor.answers.toggle("policy"),
+    P: ({ editor }) => editor.playing.toggle(),
+    "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }),
+    ...on("Ctrl+Y Ctrl+Shift+Z", ({ editor }) => editor.send({ do: "redo" })),
+    ...on("+ =", (keyboard) => keyboard.zoomBy(ZOOM_STEP)),
+    "-": (keyboard) => keyboard.zoomBy(1 / ZOOM_STEP),
+    0: (keyboard) => keyboard.zoomBy(0),
+    "Ctrl+S": ({ editor }) => editor.tell("save"),
+    F6: (keyboard) => keyboard.goOn(1),
+    "Shift+F6": (keyboard) => keyboard.goOn(-1),
+    ...on("? F1", ({ editor }) => editor.tell("help")),
   },
-  {
-    title: "Policy",
-    mode: "policy",
-    keys: [
-      ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
-      [
-        "Shift + arrow",
-        "draw an arrow in the cell, and go on",
-        arrows(["Shift"], ({ editor }, side) => editor.policy.step(side)),
-      ],
-      [
-        "Space, Enter",
-        "give the cell the next action",
-        on("Space Enter", ({ editor }) => editor.policy.turn(editor.cursor.cell)),
-      ],
-      ["Delete", "clear the cell", on("Delete Backspace", ({ editor }) => editor.policy.erase(editor.cursor.cell))],
-      ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
-    ],
-  },
-  {
-    title: "Learning",
-    mode: "edit",
-    keys: [
-      ["Q", "run or stop what learns, in its panel", { Q: ({ editor }) => editor.learning.command("run") }],
-      [".", "learn from one step, or one state of a sweep", { ".": ({ editor }) => editor.learning.command("step") }],
-      ["U", "learn to the end of the episode or the sweep", { U: ({ editor }) => editor.learning.command("unit") }],
-    ],
-  },
-  {
-    title: "Answers and modes",
-    keys: [
-      ["V", "show the values, or no longer", { V: ({ editor }) => editor.answers.toggle("values") }],
-      ["B", "show the optimal actions, or no longer", { B: ({ editor }) => editor.answers.toggle("policy") }],
-      ["P", "play the level, or edit it again", { P: ({ editor }) => editor.playing.toggle() }],
-    ],
-  },
-  {
-    title: "Anywhere",
-    keys: [
-      ["Ctrl + Z", "undo", { "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }) }],
-      ["Ctrl + Y, Ctrl + Shift + Z", "redo", on("Ctrl+Y Ctrl+Shift+Z", ({ editor }) => editor.send({ do: "redo" }))],
-      [
-        "+ − 0",
-        "zoom in, zoom out, show the whole level",
-        {
-          "+": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
-          "=": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
-          "-": (keyboard) => keyboard.zoomBy(1 / ZOOM_STEP),
-          0: (keyboard) => keyboard.zoomBy(0),
-        },
-      ],
-      ["Ctrl + S", "save", { "Ctrl+S": ({ editor }) => editor.tell("save") }],
-      [
-        "F6, Shift + F6",
-        "go to the next or previous part of the editor",
-        {
-          F6: (keyboard) => keyboard.goOn(1),
-          "Shift+F6": (keyboard) => keyboard.goOn(-1),
-        },
-      ],
-      ["?, F1", "list the keys and gestures", on("? F1", ({ editor }) => editor.tell("help"))],
-    ],
-  },
-  // The text area itself does these.
-  {
-    title: "Text",
-    keys: [
-      ["Tab", "insert two spaces", {}],
-      ["Escape, Tab", "go to the next control", {}],
-    ],
-  },
-];
+};
 
 /** The keys of one editor. */
 export class KeyBindings {
@@ -244,12 +135,9 @@ export class KeyBindings {
   /** Return what a key does now, or undefined. Keys with longer names do it in the picture alone. */
   actionOf(key, isStage) {
     const current = this.editor.game ? this.editor.mode : null; // Without a picture none works.
-    const chosen = [...TOOLS, ...MODIFIERS].find((each) => each.key === key);
+    const chosen = [...TOOLS, ...COMMON.modifiers].find((each) => each.key === key);
     if (chosen !== undefined && current === "edit") return () => this.choose(chosen);
-    return KEYS.filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
-      .flatMap(({ keys }) => keys)
-      .map(([, , actions]) => actions[key])
-      .find((action) => action !== undefined);
+    return (isStage || key.length === 1 ? ACTIONS[current]?.[key] : undefined) ?? ACTIONS.any[key];
   }
 
   get cell() {
@@ -306,7 +194,7 @@ export class KeyBindings {
   /** Select what is in the cell, and focus the first of its fields. */
   inspect() {
     this.editor.set("panel", { panel: "inspector" });
-    this.pointer.selectAt(spotOf(this.cell));
+    selectAt(this.editor, spotOf(this.cell));
     this.root.querySelector(".inspector").querySelector(FOCUSABLE)?.focus();
   }
 

@@ -1,5 +1,6 @@
 // The editor in a place of a document: a shadow root, so that styles neither leave nor enter it.
 
+import { COMMON } from "../../../render/static/common.js";
 import { prose } from "../../../render/static/dom.js";
 import { ZOOM_STEP } from "../../../render/static/view.js";
 import { Announcer } from "./announce.js";
@@ -20,57 +21,11 @@ import { Overlay } from "./overlay.js";
 import { Playing } from "./playing.js";
 import { Pointer } from "./pointer.js";
 import { PolicyDrawing } from "./policy.js";
-import { Options, Rail, toolButton } from "./rail.js";
+import { Options, Rail } from "./rail.js";
 import { Stage } from "./stage.js";
 import { TextPane } from "./text_pane.js";
 import { Fingers } from "./touch.js";
 import { World } from "./world.js";
-
-const LAYOUT = `
-<div class="editor" data-mode="edit">
-<section class="bar" data-part="bar" aria-label="Level and file">
-<div class="title"></div>
-<div class="modes choices" role="group" aria-label="Mode"></div>
-<div class="history" role="group" aria-label="History"></div>
-<div class="files" role="group" aria-label="File"></div>
-</section>
-<div class="tools" popover data-part="tools" role="toolbar" aria-label="Tools" aria-orientation="vertical"></div>
-<section class="board" aria-label="Picture">
-<div class="options"></div>
-<div class="view">
-<div class="stage" data-part="stage" tabindex="0" role="application" aria-roledescription="level editor" aria-labelledby="level-name" aria-describedby="alt keys-hint"></div>
-<p class="unseen" id="keys-hint">The arrow keys move a cursor, and the question mark lists all keys.</p>
-<svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
-<p class="notice"></p>
-<button type="button" class="problem" hidden></button>
-</div>
-<div class="playing" hidden></div>
-<div class="policy" hidden></div>
-<div class="below">
-<p class="said" role="status" aria-live="polite"></p>
-<p class="spoken unseen" role="status" aria-live="polite"></p>
-<p class="pointed" aria-hidden="true"></p>
-<div class="zoom" role="group" aria-label="Zoom"></div>
-</div>
-</section>
-<section class="panels" data-part="panels" aria-label="Details">
-<section class="answers"></section>
-<div class="tabs" role="tablist" aria-label="Panels"></div>
-<section class="inspector" data-tab="Selection"></section>
-<section class="world" data-tab="Level"></section>
-<section class="findings" data-tab="Findings"></section>
-<section class="algorithm" data-tab="Learn"></section>
-<section class="file" data-tab="Text"></section>
-</section>
-</div>
-`;
-
-/** @type {[string, string, (view: Stage["view"]) => void][]} */
-const ZOOMS = [
-  ["Zoom out", "M6 12h12", (view) => view.zoomBy(1 / ZOOM_STEP)],
-  ["Show the whole level", "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5", (view) => view.fit()],
-  ["Zoom in", "M6 12h12M12 6v12", (view) => view.zoomBy(ZOOM_STEP)],
-];
 
 /**
  * Show an editor in an element.
@@ -82,7 +37,7 @@ const ZOOMS = [
  * and `load`. `style` is the style sheet.
  */
 export function mount(place, connection, style = "") {
-  const root = shadow(place, style, LAYOUT);
+  const root = shadow(place, style, COMMON.frame);
   const find = (name) => root.querySelector(`.${name}`);
   const editor = new Editor(connection);
   new Answers(editor, find("answers"));
@@ -97,20 +52,24 @@ export function mount(place, connection, style = "") {
   const sets = offerSets(editor, find("answers"));
   new Rail(editor, find("tools"));
   new Options(editor, find("options"), find("tools"));
-  new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
+  new Bar(editor, find("bar"));
   new Panels(editor, find("tabs"), find("panels"));
-  find("zoom").append(
-    ...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))),
-  );
+  const zooms = [() => stage.view.zoomBy(1 / ZOOM_STEP), () => stage.view.fit(), () => stage.view.zoomBy(ZOOM_STEP)];
+  [...find("zoom").children].forEach((each, index) => (each.onclick = () => editor.game && zooms[index]()));
   new LearningPanel(editor, root, find("algorithm"), sets);
   new Divider(find("editor"), find("panels"));
   new Inspector(editor, find("inspector"));
   new World(editor, find("world"));
-  new Offers(editor, find("zoom").parentElement);
+  new Offers(editor, find("below"));
   new Findings(editor, find("findings"), find("problem"));
   new TextPane(editor, find("file"));
-  new FileButtons(editor, find("files"), find("editor"));
-  new Help(editor, find("files"), find("editor"), new KeyBindings(editor, root, overlay));
+  new FileButtons(editor, find);
+  new Help(editor, find("help"), new KeyBindings(editor, root, overlay));
+  root.addEventListener("click", (/** @type {any} */ { target }) => {
+    const asked = target.closest("[data-do]");
+    if (asked !== null) editor.send({ do: asked.dataset.do });
+    target.closest(".close")?.closest("dialog").close();
+  });
   editor.on("said", () => {
     find("said").replaceChildren(...prose(editor.said));
     find("said").dataset.kind = editor.saidKind;

@@ -3,14 +3,15 @@
 import { COMMON } from "../../../render/static/common.js";
 import { element } from "../../../render/static/paint.js";
 import { stamped } from "./region.js";
-import { cornersOf, isSameCell, sidesOfRun } from "./spots.js";
-import { sizeOf, toolNamed } from "./tools.js";
+import { beyond, cornersOf, isSameCell, SIDE_NAMES, sidesOfRun } from "./spots.js";
+import { isInside, sizeOf, toolNamed } from "./tools.js";
 
 const TARGET = matchMedia("(pointer: coarse)").matches ? 44 : 28; // The side of what takes a handle, in pixels,
 const RIM = 16; // and how far its middle is from the border.
 const INSET = COMMON.cell / 8; // How far from their border the cells are outlined that a mover wanders in.
+const CURSOR = COMMON.cell / 16; // And that of the cursor.
 const STRONGEST_WIND = 3; // A click goes on from here to no wind.
-const BLOWS = { N: "north", E: "east", S: "south", W: "west" };
+const GRIPS = [-1, 0, 1].flatMap((dx) => [-1, 0, 1].map((dy) => [dx, dy])).filter(([dx, dy]) => dx !== 0 || dy !== 0);
 
 export class Overlay {
   constructor(editor, stage) {
@@ -56,19 +57,9 @@ export class Overlay {
   }
 
   previewOfWalls(run) {
-    const [width, height] = sizeOf(this.editor);
-    const sides = sidesOfRun(run);
-    const isOutside = ({ at: [x, y], side }) =>
-      (side === "N" && y === 0) ||
-      (side === "W" && x === 0) ||
-      (side === "E" && x === width - 1) ||
-      (side === "S" && y === height - 1);
-    if (isOutside(run)) return [];
-    return this.outlined(
-      sides.map((side) => this.line(...side)).join(""),
-      run.to === "none" ? "remove" : "build",
-      "wall",
-    );
+    if (!isInside(this.editor, beyond(run.at, run.side))) return [];
+    const lines = sidesOfRun(run).map((side) => this.line(...side));
+    return this.outlined(lines.join(""), run.to === "none" ? "remove" : "build", "wall");
   }
 
   previewOfPaint({ brush, cells, rectangle }) {
@@ -184,8 +175,7 @@ export class Overlay {
   way({ cells, fields: { within, back } }) {
     if (!within)
       return `M${cells.map(([x, y]) => this.corner(x + 0.5, y + 0.5).join(" ")).join("L")}${back ? "" : "z"}`;
-    const { x, y, width, height } = this.box(within.at, within.size);
-    return boxPath({ x: x + INSET, y: y + INSET, width: width - 2 * INSET, height: height - 2 * INSET });
+    return boxPath(inset(this.box(within.at, within.size), INSET));
   }
 
   /** Return the middle of an entry, which may stand at sides. */
@@ -204,12 +194,11 @@ export class Overlay {
 
   cursor() {
     const { cell, side } = this.editor.cursor;
-    const [width, height] = sizeOf(this.editor);
-    if (cell[0] >= width || cell[1] >= height) return [];
-    const inset = COMMON.cell / 16;
-    const [x, y] = this.corner(...cell);
-    const box = { x: x + inset, y: y + inset, width: COMMON.cell - 2 * inset, height: COMMON.cell - 2 * inset };
-    return this.outlined(boxPath(box) + (side === null ? "" : this.line(cell, side)), "cursor");
+    if (!isInside(this.editor, cell)) return [];
+    return this.outlined(
+      boxPath(inset(this.box(cell), CURSOR)) + (side === null ? "" : this.line(cell, side)),
+      "cursor",
+    );
   }
 
   /** Return what can be dragged or clicked outside of the grid. */
@@ -231,34 +220,24 @@ export class Overlay {
   }
 
   grips() {
-    const [width, height] = sizeOf(this.editor);
-    const [right, bottom] = this.ends();
-    const { rim } = this;
-    return [-1, 0, 1]
-      .flatMap((dx) =>
-        [-1, 0, 1].map((dy) => {
-          if (dx === 0 && dy === 0) return null;
-          const at = [dx, dy].map((way, axis) => {
-            if (way === 0) return [width, height][axis] / 2;
-            return way < 0 ? -rim : [right, bottom][axis];
-          });
-          const [x, y] = this.corner(...at);
-          const shape =
-            dx !== 0 && dy !== 0 ? "M-5 -5h10v10h-10z" : dx === 0 ? "M-12 -3.5h24v7h-24z" : "M-3.5 -12h7v24h-7z";
-          return element(
-            "g",
-            {
-              class: "grip",
-              "data-handle": "size",
-              "data-way": `${dx} ${dy}`,
-              transform: `translate(${x} ${y}) scale(${this.stage.unit})`,
-            },
-            element("rect", { x: -TARGET / 2, y: -TARGET / 2, width: TARGET, height: TARGET, class: "target" }),
-            element("path", { d: shape }),
-          );
-        }),
-      )
-      .filter((each) => each !== null);
+    const size = sizeOf(this.editor);
+    const ends = this.ends();
+    return GRIPS.map(([dx, dy]) => {
+      const at = [dx, dy].map((way, axis) => (way === 0 ? size[axis] / 2 : way < 0 ? -this.rim : ends[axis]));
+      const [x, y] = this.corner(...at);
+      const shape = dx * dy !== 0 ? "M-5 -5h10v10h-10z" : dx === 0 ? "M-12 -3.5h24v7h-24z" : "M-3.5 -12h7v24h-7z";
+      return element(
+        "g",
+        {
+          class: "grip",
+          "data-handle": "size",
+          "data-way": `${dx} ${dy}`,
+          transform: `translate(${x} ${y}) scale(${this.stage.unit})`,
+        },
+        element("rect", { x: -TARGET / 2, y: -TARGET / 2, width: TARGET, height: TARGET, class: "target" }),
+        element("path", { d: shape }),
+      );
+    });
   }
 
   winds() {
@@ -294,7 +273,7 @@ export class Overlay {
   }
 
   strengthOf(side, index) {
-    return this.editor.state.fields?.wind?.[BLOWS[side]]?.[index] ?? 0;
+    return this.editor.state.fields?.wind?.[SIDE_NAMES[side]]?.[index] ?? 0;
   }
 
   /** Return the gesture of a handle, as a function from spots to its message. */
@@ -339,6 +318,11 @@ function kindOf(brush) {
 
 function boxPath({ x, y, width, height }) {
   return `M${x} ${y}h${width}v${height}h${-width}z`;
+}
+
+/** Return a box that is smaller at all sides. */
+function inset({ x, y, width, height }, by) {
+  return { x: x + by, y: y + by, width: width - 2 * by, height: height - 2 * by };
 }
 
 /** Return whether a pointer stayed where it was pressed. */

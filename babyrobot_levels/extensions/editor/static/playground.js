@@ -1,5 +1,6 @@
 // An example of a page that is changed in its place: its text, its picture, and what is found in it.
 
+import { COMMON } from "../../../render/static/common.js";
 import { html } from "../../../render/static/dom.js";
 import { Answers } from "./answers.js";
 import { Editor } from "./editor.js";
@@ -9,20 +10,6 @@ import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { Stage } from "./stage.js";
 import { TextPane } from "./text_pane.js";
 
-const EXAMPLE = `
-<div class="example">
-<section class="file" aria-label="Text"></section>
-<div class="view">
-<div class="stage" role="img" aria-label="Picture"></div>
-<svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
-<p class="notice" role="status"></p>
-</div>
-<section class="findings" aria-label="Findings"></section>
-<section class="answers" aria-label="Optimum"></section>
-<p class="said" role="status"></p>
-</div>
-`;
-
 let python = null; // All examples of a page have the same.
 
 /** Let a text be changed in an element; `hear` gets each text that comes of it. */
@@ -31,7 +18,7 @@ async function show(place, text, hear) {
   const connection = new PythonConnection(python, text, "example");
   const begun = connection.begin();
   const style = await (await fetch(new URL("editor.css", import.meta.url))).text();
-  const root = shadow(place, style, EXAMPLE);
+  const root = shadow(place, style, COMMON.example);
   const find = (name) => root.querySelector(`.${name}`);
   const editor = new Editor(connection);
   connection.editor = editor;

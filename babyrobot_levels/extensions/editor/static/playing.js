@@ -1,18 +1,8 @@
 // Playing the level at hand: with the same luck each time.
 
-import { html } from "../../../render/static/dom.js";
 import { capital, formatted, GOAL, swiped } from "../../../render/static/game.js";
-import { element } from "../../../render/static/paint.js";
 import { Trail } from "../../../render/static/trail.js";
-import { button, factRows } from "./html.js";
-
-const PAD = [
-  ["North", "n", 1, "M5 15l7-7 7 7"],
-  ["West", "w", 4, "M15 5l-7 7 7 7"],
-  ["Stay", "o", 0, "M12 9a3 3 0 1 0 0 6a3 3 0 1 0 0 -6z"],
-  ["East", "e", 2, "M9 5l7 7-7 7"],
-  ["South", "s", 3, "M5 9l7 7 7-7"],
-];
+import { factRows } from "./html.js";
 
 export class Playing {
   constructor(editor, place) {
@@ -20,34 +10,14 @@ export class Playing {
     editor.playing = this;
     this.place = place;
     this.seed = "0";
-    this.facts = html("dl", { class: "episode" });
-    this.message = html("p", { class: "episode-told", role: "status" });
-    this.pad = PAD.map(([name, area, action, d]) =>
-      button(element("svg", { viewBox: "0 0 24 24", "aria-hidden": true }, element("path", { d })), {
-        class: `to-${area}`,
-        "aria-label": name,
-        "data-action": action,
-        onclick: () => this.take(action),
-      }),
-    );
-    /** @type {[string, string, () => void][]} */
-    const quick = [
-      ["Undo", "Z", () => this.undo()],
-      ["Retry", "R", () => this.begin()],
-      ["New luck", "N", () => this.newLuck()],
-    ];
-    place.append(
-      this.facts,
-      this.message,
-      html("div", { class: "pad", role: "group", "aria-label": "Actions" }, ...this.pad),
-      html(
-        "div",
-        { class: "quick" },
-        ...quick.map(([name, key, onclick]) =>
-          html("button", { type: "button", onclick }, `${name} `, html("kbd", {}, key)),
-        ),
-      ),
-    );
+    this.facts = place.querySelector(".episode");
+    this.message = place.querySelector(".episode-told");
+    this.pad = place.querySelectorAll("[data-action]");
+    for (const each of this.pad) each.onclick = () => this.take(Number(each.dataset.action));
+    const [undo, retry, luck] = place.querySelector(".quick").children;
+    undo.onclick = () => this.undo();
+    retry.onclick = () => this.begin();
+    luck.onclick = () => this.newLuck();
     editor.on("state", () => this.isOn && this.begin());
     editor.on("mode", () => this.changeMode());
     this.changeMode();

@@ -1,7 +1,7 @@
 // Drawing: from where a pointer is pressed to where it is released is one gesture, and one message.
 
 import { ZOOM_STEP } from "../../../render/static/view.js";
-import { gestureOf, selectAt, sendOrSelect, takenAt, thingsAt, toolAt } from "./tools.js";
+import { gestureOf, sendOrSelect, takenAt, thingsAt, toolAt } from "./tools.js";
 
 const EDGE = 20; // How near to the edge of the stage, in pixels, a pointer scrolls the picture,
 const SCROLLED = 6; // and how far in each frame.
@@ -125,11 +125,6 @@ export class Pointer {
   leave() {
     if (this.spots === null) this.overlay.preview(null);
     this.editor.set("pointed", { pointed: null });
-  }
-
-  /** Select what is at a spot. */
-  selectAt(spot) {
-    selectAt(this.editor, spot);
   }
 
   /** Take the tool with which what is at a spot was drawn. */

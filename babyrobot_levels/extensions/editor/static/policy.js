@@ -1,15 +1,13 @@
 // A policy drawn by hand: an action for some cells, and what it is worth beside the best one.
 
 import { COMMON } from "../../../render/static/common.js";
-import { html } from "../../../render/static/dom.js";
-import { capital, formatted } from "../../../render/static/game.js";
+import { capital, formatted, SIDES } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
-import { button, factRows, tapped } from "./html.js";
+import { button, factRows, finder } from "./html.js";
 import { beyond, cellsAlong } from "./spots.js";
-import { insideOf } from "./tools.js";
+import { insideOf, isInside } from "./tools.js";
 
 const DRAWN_ORDER = [-1, 1, 2, 3, 4, 0]; // What a click goes through: none, north, …, stay.
-const ACTION_NAMES = ["stay", "north", "east", "south", "west"];
 const ANYTHING = "Anything"; // Arrows for whatever is held and on.
 
 export class PolicyDrawing {
@@ -20,25 +18,14 @@ export class PolicyDrawing {
     this.drawn = new Map(); // By what is held: the action of a cell, by its coordinates as text.
     this.held = ANYTHING; // What arrows are drawn for.
     this.spots = null;
-    this.facts = html("dl", { class: "worth" });
-    this.told = html("p", { class: "worth-told", role: "status" });
-    this.chips = html("span", { class: "chips", role: "group", "aria-label": "What is held and on" });
-    this.holding = html("div", { class: "holding" }, "Arrows for what is held or on:", this.chips);
-    this.moving = html("span", {}, " Arrows are the same wherever movers are.");
-    this.optimal = button("Take the optimal actions", { onclick: () => this.takeOptimal() });
-    this.clear = button("Clear", { onclick: () => this.change(() => this.drawn.clear()) });
-    place.append(
-      this.facts,
-      this.told,
-      this.holding,
-      html(
-        "p",
-        { class: "hint" },
-        tapped("Drag through cells to draw arrows; a click turns one. Cells without an arrow act at random."),
-        this.moving,
-      ),
-      html("div", { class: "quick" }, this.optimal, this.clear),
-    );
+    const find = finder(place);
+    this.facts = find(".worth");
+    this.told = find(".worth-told");
+    this.holding = find(".holding");
+    this.chips = find(".chips");
+    this.moving = find(".moving");
+    find(".optimal").onclick = () => this.takeOptimal();
+    find(".clear").onclick = () => this.change(() => this.drawn.clear());
     editor.on("state", () => this.follow());
     editor.on("mode", () => this.follow());
     this.listen(editor.stage.place);
@@ -115,7 +102,7 @@ export class PolicyDrawing {
     const at = DRAWN_ORDER.indexOf(this.actionAt(cell));
     const action = DRAWN_ORDER[(at + 1) % DRAWN_ORDER.length];
     this.change(() => this.set(cell, action));
-    this.editor.say(`${action < 0 ? "No arrow" : ACTION_NAMES[action]} at [${cell.join(", ")}].`);
+    this.editor.say(`${action < 0 ? "No arrow" : SIDES[action] || "stay"} at [${cell.join(", ")}].`);
   }
 
   /** Take the action of a cell out. */
@@ -128,9 +115,7 @@ export class PolicyDrawing {
     const { cell } = this.editor.cursor;
     this.change(() => this.set(cell, 1 + "NESW".indexOf(side)));
     const next = beyond(cell, side);
-    const { width, height } = this.editor.game.data;
-    const isInside = next[0] >= 0 && next[1] >= 0 && next[0] < width && next[1] < height;
-    if (isInside) this.editor.set("cursor", { cursor: { cell: next, side: null } });
+    if (isInside(this.editor, next)) this.editor.set("cursor", { cursor: { cell: next, side: null } });
   }
 
   /** Take the optimal actions, of what is held at hand or of all that can be. */
@@ -159,7 +144,7 @@ export class PolicyDrawing {
       if (!event.isPrimary) cancel(); // Two fingers zoom.
       if (!this.isOn || !event.isPrimary || event.button !== 0 || !this.editor.game) return;
       this.spots = [this.editor.stage.spotAt(event)];
-      this.before = this.copied(this.drawn);
+      this.before = structuredClone(this.drawn);
       stage.setPointerCapture(event.pointerId);
     });
     stage.addEventListener("pointermove", (event) => {
@@ -178,10 +163,6 @@ export class PolicyDrawing {
     stage.addEventListener("pointercancel", cancel);
   }
 
-  copied(drawn) {
-    return new Map([...drawn].map(([held, actions]) => [held, new Map(actions)]));
-  }
-
   /** The cells of the drag, which are in the level. */
   get cells() {
     return insideOf(this.editor, cellsAlong(this.spots));
@@ -190,7 +171,7 @@ export class PolicyDrawing {
   /** Give each cell the direction in which the drag goes on; the last one keeps that before. */
   drawAlong(cells) {
     if (cells.length < 2) return;
-    this.drawn = this.copied(this.before);
+    this.drawn = structuredClone(this.before);
     let action = -1;
     cells.forEach((cell, at) => {
       const next = cells[at + 1];

@@ -1,5 +1,6 @@
 // The rail of tools, and the options of the one at hand.
 
+import { COMMON } from "../../../render/static/common.js";
 import { html } from "../../../render/static/dom.js";
 import { capital } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
@@ -30,57 +31,21 @@ export function toolButton({ icon, key, text, named, title, ...attributes }, onc
   return html("button", { type: "button", title, "aria-label": label, onclick, ...attributes }, ...shown);
 }
 
-export const MODIFIERS = [
-  {
-    name: "rectangle",
-    title: "Rectangle",
-    hint: "Brushes fill rectangles; Shift does the same",
-    key: "R",
-    icon: "M4 6h16v12H4z",
-  },
-  {
-    name: "fill",
-    title: "Fill",
-    hint: "Brushes fill all connected cells of the same kind",
-    key: "F",
-    icon: "M11 4l8 8-7 7a1.5 1.5 0 0 1-2 0l-6-6a1.5 1.5 0 0 1 0-2zM4 12h14M21 16c1 1.5 1.3 2 1.3 2.7a1.3 1.3 0 0 1-2.6 0c0-.7.3-1.2 1.3-2.7z",
-  },
-];
-
+const SHAPES = ["key", "coin", "gem", "star", "box"];
 const RAIL_KEYS = { ArrowUp: -1, ArrowLeft: -1, ArrowDown: 1, ArrowRight: 1 };
 
 /** The buttons of the tools and of what changes brushes: a toolbar that arrow keys move in. */
 export class Rail {
   constructor(editor, place) {
     this.editor = editor;
-    this.tools = TOOLS.map(({ name, title, hint, icon, key }) =>
-      toolButton(
-        {
-          icon,
-          named: title,
-          title: tapped(`${title} (${key}): ${hint}`),
-          "aria-label": title,
-          "aria-keyshortcuts": key,
-          "data-tool": name,
-        },
-        () => {
-          editor.choose(name);
-          place.hidePopover();
-        },
-      ),
+    this.tools = TOOLS.map((tool) =>
+      railButton("data-tool", tool, tapped(`${tool.title} (${tool.key}): ${tool.hint}`), () => {
+        editor.choose(tool.name);
+        place.hidePopover();
+      }),
     );
-    this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) =>
-      toolButton(
-        {
-          icon,
-          named: title,
-          title: `${title}: ${hint}`,
-          "aria-label": title,
-          "aria-keyshortcuts": key,
-          "data-modifier": name,
-        },
-        () => editor.toggle(name),
-      ),
+    this.modifiers = COMMON.modifiers.map((each) =>
+      railButton("data-modifier", each, `${each.title}: ${each.hint}`, () => editor.toggle(each.name)),
     );
     place.append(...this.tools, ...this.modifiers);
     listenToArrows(place, (each) => editor.choose(each.dataset.tool ?? editor.tool), RAIL_KEYS);
@@ -99,6 +64,12 @@ export class Rail {
     }
     for (const button of this.modifiers) button.setAttribute("aria-pressed", modifiers[button.dataset.modifier]);
   }
+}
+
+/** Return the button of a tool, or of what changes brushes, which has its name as an attribute. */
+function railButton(attribute, { name, title: named, icon, key }, title, onclick) {
+  const shown = { icon, named, title, "aria-label": named, "aria-keyshortcuts": key, [attribute]: name };
+  return toolButton(shown, onclick);
 }
 
 /** What the tool at hand draws, in words, with the fields that can be chosen beforehand. */
@@ -124,14 +95,11 @@ export class Options {
     this.shown = tool;
     const { icon, title, hint: told } = toolNamed(tool);
     const hint = tapped(told);
-    const fields =
-      { glass: () => this.glass(), area: () => this.area(), item: () => this.item(), stamp: () => this.mirrors() }[
-        tool
-      ]?.() ?? [];
+    const fields = { glass: this.glass, area: this.area, item: this.item, stamp: this.mirrors }[tool];
     this.place.replaceChildren(
       this.sheet({ icon, title }),
       html("strong", {}, title),
-      ...fields,
+      ...(fields?.call(this) ?? []),
       html("span", { class: "hint", title: hint }, hint),
     );
     return this.refresh();
@@ -155,13 +123,6 @@ export class Options {
     this.editor.set("tool", {
       options: { ...options, [tool]: value === undefined ? others : { ...others, [name]: value } },
     });
-  }
-
-  choices(name, title, values) {
-    const buttons = values.map((value) =>
-      toolButton({ text: capital(value), value, "data-option": name }, () => this.choose(name, value)),
-    );
-    return html("span", { class: "choices", role: "group", "aria-label": title }, ...buttons);
   }
 
   field(name, title, attributes, read) {
@@ -194,6 +155,9 @@ export class Options {
   }
 
   item() {
-    return [this.choices("shape", "Shape", ["key", "coin", "gem", "star", "box"])];
+    const buttons = SHAPES.map((value) =>
+      toolButton({ text: capital(value), value, "data-option": "shape" }, () => this.choose("shape", value)),
+    );
+    return [html("span", { class: "choices", role: "group", "aria-label": "Shape" }, ...buttons)];
   }
 }

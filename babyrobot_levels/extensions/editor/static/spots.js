@@ -2,6 +2,7 @@
 // the cell there, or null outside; `side`, the side of the cell that is near enough to be meant, or
 // null; and `rim`, the side beyond which it is, or null.
 
+export const SIDE_NAMES = { N: "north", E: "east", S: "south", W: "west" };
 /** @type {Record<Side, [number, number]>} */
 const SIDE_SHIFTS = { N: [0, -1], E: [1, 0], S: [0, 1], W: [-1, 0] };
 export const REACH = 0.22; // How far from a side, in cells, a mouse means it;

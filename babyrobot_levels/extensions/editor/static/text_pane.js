@@ -1,6 +1,8 @@
 // The text of the level: typed, and marked where findings and what is selected are.
 
-import { html, prose } from "../../../render/static/dom.js";
+import { COMMON } from "../../../render/static/common.js";
+import { prose } from "../../../render/static/dom.js";
+import { finder } from "./html.js";
 import { lineElement, markOf, plainLines } from "./yaml_lines.js";
 
 const TYPING_PAUSE = 150; // Milliseconds after which what was typed is sent.
@@ -22,20 +24,12 @@ export class TextPane {
     this.isJoined = false;
     this.revision = null; // That which came of what was typed last.
     this.leaves = false; // Whether Tab leaves the area, as it does after Escape.
-    this.note = html("p", { class: "at-caret", id: "at-caret" });
-    this.mirror = html("div", { class: "mirror", "aria-hidden": "true" });
-    this.area = html("textarea", {
-      class: "text",
-      wrap: "off",
-      spellcheck: "false",
-      autocapitalize: "off",
-      autocomplete: "off",
-      "aria-label": "Level file",
-      "aria-description": "Tab indents. Escape and then Tab leave the text.",
-      "aria-describedby": "at-caret",
-    });
-    this.pane = html("div", { class: "pane" }, html("div", { class: "paper" }, this.mirror, this.area));
-    place.append(this.pane, this.note);
+    place.innerHTML = COMMON.text;
+    const find = finder(place);
+    this.note = find(".at-caret");
+    this.mirror = find(".mirror");
+    this.area = find(".text");
+    this.pane = find(".pane");
     editor.on("state", () => this.show());
     editor.on("selection", () => {
       this.paint(false);
@@ -100,27 +94,20 @@ export class TextPane {
   paint(isFresh) {
     const { value } = this.area;
     const lines = value.split("\n");
-    const marks = new Map();
-    for (const finding of this.editor.state?.findings ?? []) {
-      const here = marks.get(finding.line) ?? [];
-      marks.set(finding.line, [...here, markOf(finding, lines)]);
-    }
+    const found = Map.groupBy(this.editor.state?.findings ?? [], ({ line }) => line);
+    const marks = lines.map((_, index) => (found.get(index + 1) ?? []).map((finding) => markOf(finding, lines)));
     // Of a drawing, the characters of what is selected are marked.
     const { lines: [top, bottom] = [], columns: [left, right] = [] } = this.selection ?? {};
-    for (let number = left === undefined ? Infinity : top; number <= bottom; number += 1) {
-      marks.set(number, [...(marks.get(number) ?? []), { from: left - 1, to: right, kind: "part" }]);
-    }
+    const drawn = left === undefined ? [] : marks.slice(top - 1, bottom);
+    for (const here of drawn) here.push({ from: left - 1, to: right, kind: "part" });
     const plain = value.length > MOST_COLORED ? lines.map(() => true) : plainLines(lines);
-    const keys = lines.map(
-      (line, index) => `${Number(plain[index])}${JSON.stringify(marks.get(index + 1) ?? "")}${line}`,
-    );
+    const keys = lines.map((line, index) => `${Number(plain[index])}${JSON.stringify(marks[index])}${line}`);
     const [first, same] = sameEnds(keys, this.shown);
     const old = [...this.mirror.children].slice(first, this.shown.length - same);
     const next = this.mirror.children[this.shown.length - same] ?? null;
     const made = lines.slice(first, lines.length - same).map((line, index) => {
-      const number = first + index + 1;
-      const here = marks.get(number) ?? [];
-      const shown = lineElement(line, here, plain[number - 1]);
+      const here = marks[first + index];
+      const shown = lineElement(line, here, plain[first + index]);
       const isNew = isFresh && this.shown.length > 0 && line !== old[index]?.textContent.slice(0, -1);
       shown.classList.toggle("fresh", isNew);
       for (const { kind } of here) shown.classList.add(...kind.split(" "));

@@ -5,11 +5,13 @@ import { html } from "../../../render/static/dom.js";
 import { element } from "../../../render/static/paint.js";
 import { digitsOf } from "./controls.js";
 import { FieldRow } from "./field_row.js";
-import { button } from "./html.js";
+
+const SHOWN_COLORS = ["base", "border", "exit", "puddle", "start", "walls"]; // On the button of a theme.
 
 export class ThemePanel {
-  constructor(editor, form) {
+  constructor(editor, place, form) {
     this.editor = editor;
+    this.template = place.querySelector(".theme");
     this.cards = Object.entries({ ...COMMON.themes, ...editor.state.themes }).map(([name, theme]) =>
       this.card(name, theme),
     );
@@ -17,48 +19,21 @@ export class ThemePanel {
     this.rows = colors.map(
       (field) => new ThemeRow(editor, { ...field, label: field.route.at(-1).replaceAll("_", " ") }, []),
     );
-    this.summary = html("summary", {});
-    this.contrasts = html("ul", { class: "contrasts" });
-    this.element = html(
-      "div",
-      { class: "fields" },
-      html("div", { class: "themes", role: "group", "aria-label": "Theme" }, ...this.cards),
-      html("details", {}, this.summary, this.contrasts),
-      html(
-        "details",
-        {},
-        html("summary", {}, "Colours and widths"),
-        html("div", { class: "fields" }, ...this.rows.map((row) => row.element)),
-      ),
-    );
+    this.summary = place.querySelector(".contrast");
+    this.contrasts = place.querySelector(".contrasts");
+    place.querySelector(".themes").replaceChildren(...this.cards);
+    place.querySelector(".fields").append(...this.rows.map((row) => row.element));
     editor.on("state", () => this.show());
     this.show();
   }
 
   /** Return the button of a theme: a cell with a wall, a start, an exit and a puddle. */
   card(name, { colors }) {
-    const box = (x, fill) => element("rect", { x, y: 6, width: 18, height: 18, fill });
-    const icon = element(
-      "svg",
-      { viewBox: "0 0 96 30", "aria-hidden": "true" },
-      element("rect", { width: 96, height: 30, fill: colors.base }),
-      box(6, colors.start),
-      box(72, colors.exit),
-      element("circle", { cx: 36, cy: 15, r: 8, fill: colors.puddle }),
-      element("path", { d: "M58 3v24", stroke: colors.walls, "stroke-width": 5, "stroke-linecap": "round" }),
-      element("rect", {
-        x: 1.5,
-        y: 1.5,
-        width: 93,
-        height: 27,
-        fill: "none",
-        stroke: colors.border,
-        "stroke-width": 3,
-      }),
-    );
-    const made = button(icon, { class: "theme", onclick: () => this.choose(name) });
+    const made = this.template.cloneNode(true);
+    for (const part of SHOWN_COLORS) made.style.setProperty(`--${part}`, colors[part]);
     made.append(name.replaceAll("_", " "));
     made.dataset.theme = name;
+    made.onclick = () => this.choose(name);
     return made;
   }
 

@@ -6,138 +6,22 @@ import { COMMON } from "../../../render/static/common.js";
 import { copy } from "./region.js";
 import { beyond, cellsAlong, isSameCell, runAlong, sidesOfRun, spotOf, usualSide } from "./spots.js";
 
-/** The icons of tools: strokes in a square of 24 by 24. */
-const ICONS = {
-  walls: "M4 20V4h8v8h8v8",
-  glass: "M6 3h12v18H6zM9.5 11l4-4M9.500 16l6-6",
-  door: "M4 21h16M7 21V3h10v18M13.500 12v1",
-  small: "M12 7c3 4 4 5.5 4 7.5a4 4 0 0 1-8 0c0-2 1-3.5 4-7.5z",
-  large:
-    "M9.5 4c4 5.5 5.5 8 5.5 10.5a5.5 5.5 0 0 1-11 0c0-2.5 1.5-5 5.5-10.5zM18 4c1.5 2.200 2.300 3.300 2.300 4.5a2.300 2.300 0 0 1-4.600 0c0-1.200.8-2.300 2.300-4.5z",
-  blocked: "M4 4h16v16H4zM4 14L14 4M4 20L20 4M10 20L20 10",
-  area: "M4 6V4h2M10 4h4M18 4h2v2M20 10v4M20 18v2h-2M14 20h-4M6 20H4v-2M4 14v-4M9 9h6v6H9z",
-  item: "M8 20a4 4 0 1 1 0-8 4 4 0 0 1 0 8zM11 13l9-9M16 8l3 3",
-  switch: "M8 7h8a5 5 0 0 1 0 10H8A5 5 0 0 1 8 7zM16 10.5a1.5 1.5 0 1 1 0 3 1.5 1.5 0 0 1 0-3z",
-  box: "M4 4h16v16H4zM9 4v16M15 4v16M4 20L20 4",
-  target: "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5M12 10a2 2 0 1 1 0 4 2 2 0 0 1 0-4z",
-  erase: "M9 20H20M13.5 4.5l6 6L11 19H7.5L4 15.5a1.400 1.400 0 0 1 0-2zM8.5 9.5l6 6",
-  select: "M6 3l12 9.5-5.5.7L16 20l-2.600 1.200-3.300-6.700L6 18z",
-  stamp:
-    "M5 21h14M5 17h14v-2a2 2 0 0 0-2-2h-3.500c0-3 1.500-4 1.500-6.500a3 3 0 0 0-6 0c0 2.500 1.500 3.500 1.500 6.500H7a2 2 0 0 0-2 2z",
-  start: "M6 21V4M6 4h12l-3 4 3 4H6",
-  robot: "M6 9h12v8H6zM12 9V5M10 5h4M3 12v3M21 12v3M9 20h6M9.500 12.500v1M14.500 12.500v1",
-  exit: "M10 4H5v16h5M9 12h11M16 7.5l4.5 4.5-4.5 4.5",
-  warp: "M5 20a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM5 12C5 7 9 5 13 5h6M15.5 1.5L19 5l-3.5 3.5",
-  path: "M5 20a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM7 18h6a3 3 0 0 0 0-6h-2a3 3 0 0 1 0-6h8M16 3l3 3-3 3",
-  wind: "M3 9h11a3 3 0 1 0-3-3M3 13h15a3 3 0 1 1-3 3M3 17h7",
+/** The gestures of tools that neither build nor paint. */
+const GESTURES = {
+  erase: erased,
+  select: moved,
+  stamp: copied,
+  robot: joined,
+  warp: warped,
+  path: walked,
+  wind: () => null,
 };
 
-/** The tools in the order of the rail. `key` is the key that chooses it. @type {Omit<Tool, "icon">[]} */
-const IN_ORDER = [
-  {
-    name: "walls",
-    key: "1",
-    title: "Walls",
-    hint: "Click a side of a cell, or drag along sides, to build walls; again to remove them",
-    builds: "wall",
-    gesture: drawnWalls,
-  },
-  {
-    name: "glass",
-    key: "X",
-    title: "Glass",
-    hint: "Click a side of a cell, or drag along sides",
-    builds: "glass",
-    gesture: drawnWalls,
-  },
-  {
-    name: "door",
-    key: "D",
-    title: "Door",
-    hint: "Click a side of a cell; an item, a switch or a target opens it",
-    builds: "door",
-    gesture: drawnWalls,
-  },
-  { name: "small", key: "2", title: "Small puddle", hint: "Drag over cells", gesture: painted },
-  { name: "large", key: "3", title: "Large puddle", hint: "Drag over cells", gesture: painted },
-  { name: "blocked", key: "4", title: "Blocked", hint: "Drag over cells", gesture: painted },
-  { name: "area", key: "5", title: "Area", hint: "Drag from corner to corner", isRectangle: true, gesture: painted },
-  { name: "item", key: "6", title: "Item", hint: "Click a cell", isSingle: true, gesture: painted },
-  { name: "switch", key: "7", title: "Switch", hint: "Click a cell", isSingle: true, gesture: painted },
-  { name: "box", key: "K", title: "Box", hint: "Click a cell", isSingle: true, gesture: painted },
-  {
-    name: "target",
-    key: "O",
-    title: "Target",
-    hint: "Click a cell: the place of a box",
-    isSingle: true,
-    gesture: painted,
-  },
-  {
-    name: "erase",
-    key: "8",
-    title: "Eraser",
-    hint: "Drag over cells or along walls; the right button does the same",
-    gesture: erased,
-  },
-  {
-    name: "select",
-    key: "9",
-    title: "Select and move",
-    hint: "Click something to select it, drag it to move it",
-    gesture: moved,
-  },
-  {
-    name: "stamp",
-    key: "C",
-    title: "Copy and stamp",
-    hint: "Drag over what to copy; then click where its upper left cell goes",
-    gesture: copied,
-  },
-  {
-    name: "start",
-    key: "S",
-    title: "Start",
-    hint: "Click the cell; with Shift, one more",
-    isSingle: true,
-    isMore: true,
-    gesture: painted,
-  },
-  {
-    name: "robot",
-    key: "A",
-    title: "Robot",
-    hint: "Click a cell to add a robot; drag from one to give it an exit of its own",
-    gesture: joined,
-  },
-  {
-    name: "exit",
-    key: "E",
-    title: "Exit",
-    hint: "Click the cell; with Shift, one more",
-    isSingle: true,
-    isMore: true,
-    gesture: painted,
-  },
-  { name: "warp", key: "T", title: "Warp", hint: "Drag from the cell to its target", gesture: warped },
-  {
-    name: "path",
-    key: "G",
-    title: "Mover",
-    hint: "Drag through the cells that it walks; with Shift, it wanders in a rectangle",
-    gesture: walked,
-  },
-  {
-    name: "wind",
-    key: "W",
-    title: "Wind",
-    hint: "Click an arrow at the rim; the right button weakens the wind",
-    gesture: () => null,
-  },
-];
-
-/** @type {Tool[]} */
-export const TOOLS = IN_ORDER.map((tool) => ({ ...tool, icon: ICONS[tool.name] }));
+/** The tools in the order of the rail. @type {Tool[]} */
+export const TOOLS = COMMON.tools.map((tool) => ({
+  ...tool,
+  gesture: tool.builds ? drawnWalls : (GESTURES[tool.name] ?? painted),
+}));
 
 /** What is drawn with a tool besides its place; the strip of options changes it. @type {Record<string, any>} */
 export const DEFAULT_OPTIONS = {
@@ -273,10 +157,15 @@ export function sizeOf({ game: { data } }) {
   return [data.width, data.height];
 }
 
+/** Return whether a cell is in the level. */
+export function isInside(editor, cell) {
+  const size = sizeOf(editor);
+  return cell.every((place, axis) => place >= 0 && place < size[axis]);
+}
+
 /** Return those of some cells that are in the level. */
 export function insideOf(editor, cells) {
-  const [width, height] = sizeOf(editor);
-  return cells.filter(([x, y]) => x >= 0 && y >= 0 && x < width && y < height);
+  return cells.filter((cell) => isInside(editor, cell));
 }
 
 function cornersBetween(editor, spots) {
@@ -317,14 +206,13 @@ export function wallAt(editor, cell, side) {
   const entry = thingsAt(editor, { cell, side }).find(({ kind }) => kind === "door" || kind === "wall");
   if (entry?.kind === "door") return "door";
   if (entry?.fields?.pass > 0) return "glass";
-  const { game } = editor;
-  const [width, height] = sizeOf(editor);
-  const [x, y] = beyond(cell, side);
-  if (x < 0 || y < 0 || x >= width || y >= height) return "wall";
+  const next = beyond(cell, side);
+  if (!isInside(editor, next)) return "wall";
+  const { possible, width } = editor.game.data;
   // From an exit nothing is possible, but from beside it.
-  const isOpen = ([column, row], action) => ((game.data.possible[row * width + column] >> action) & 1) === 1;
+  const isOpen = ([x, y], action) => ((possible[y * width + x] >> action) & 1) === 1;
   const action = "-NESW".indexOf(side);
-  return isOpen(cell, action) || isOpen([x, y], ((action + 1) % 4) + 1) ? null : "wall";
+  return isOpen(cell, action) || isOpen(next, ((action + 1) % 4) + 1) ? null : "wall";
 }
 
 /** Return the tool with which what is at a spot was drawn, and its options; or null. */

@@ -1,4 +1,8 @@
 // Fingers on the picture: one draws, two scroll and zoom, a long press selects.
+
+import { spread } from "../../../render/static/view.js";
+import { selectAt } from "./tools.js";
+
 const LONG_PRESS = 500; // Milliseconds
 const STILL = 10; // and pixels: a finger that stays within them presses.
 
@@ -36,9 +40,9 @@ export class Fingers {
   move(event) {
     const { pointerId, clientX, clientY } = event;
     if (!this.fingers.has(pointerId)) return;
-    const before = this.fingers.size === 2 ? this.pair() : null;
+    const before = this.fingers.size === 2 ? spread(this.fingers) : null;
     this.fingers.set(pointerId, [clientX, clientY]);
-    if (before !== null && this.pointer.editor.game) this.zoom(before, this.pair());
+    if (before !== null && this.pointer.editor.game) this.stage.view.pinch(before, spread(this.fingers));
     if (Math.hypot(clientX - this.first[0], clientY - this.first[1]) > STILL) clearTimeout(this.timer);
     if (this.isDrawing) this.pointer.move(event);
   }
@@ -58,18 +62,6 @@ export class Fingers {
   /** Select what is under the finger instead of drawing. */
   inspect(event) {
     this.leave();
-    if (this.pointer.isDrawing) this.pointer.selectAt(this.stage.spotAt(event));
-  }
-
-  zoom([from, apart], [to, farther]) {
-    const { place, view } = this.stage;
-    view.zoomTo((view.zoom * farther) / Math.max(1, apart), from);
-    place.scrollBy(from[0] - to[0], from[1] - to[1]);
-  }
-
-  /** Return the middle of two fingers, and how far they are apart. @returns {[[number, number], number]} */
-  pair() {
-    const [[ax, ay], [bx, by]] = [...this.fingers.values()];
-    return [[(ax + bx) / 2, (ay + by) / 2], Math.hypot(bx - ax, by - ay)];
+    if (this.pointer.isDrawing) selectAt(this.pointer.editor, this.stage.spotAt(event));
   }
 }

@@ -2,33 +2,22 @@
 
 import { html } from "../../../render/static/dom.js";
 import { numberControl } from "./controls.js";
-import { button } from "./html.js";
-
-const WINDS = { N: "north", E: "east", S: "south", W: "west" };
+import { button, finder } from "./html.js";
+import { SIDE_NAMES } from "./spots.js";
 
 export class WindPanel {
-  constructor(editor) {
+  constructor(editor, place) {
     this.editor = editor;
     this.key = "";
-    this.list = html("div", { class: "fields" });
-    const options = Object.entries(WINDS).map(([side, name]) => html("option", { value: side }, `to the ${name}`));
-    this.side = html("select", { "aria-label": "Direction of the wind" }, ...options);
-    this.label = html("span", {});
+    const find = finder(place);
+    this.list = find(".blowing");
+    this.side = find("select");
+    this.label = find("span");
     this.index = numberControl({ label: "column or row", type: "integer", minimum: 0, default: 0 }, () => {});
-    const add = button("Add", { onclick: () => this.add() });
-    this.side.addEventListener("change", () => this.showLabel());
+    this.label.after(this.index.element);
+    this.side.onchange = () => this.showLabel();
+    find(".add").onclick = () => this.add();
     this.showLabel();
-    this.element = html(
-      "div",
-      { class: "fields" },
-      this.list,
-      html(
-        "div",
-        { class: "wind-new" },
-        this.side,
-        html("div", { class: "field-control" }, this.label, this.index.element, add),
-      ),
-    );
     editor.on("state", () => this.show());
     this.show();
   }
@@ -39,7 +28,7 @@ export class WindPanel {
 
   show() {
     const wind = this.editor.state.fields?.wind ?? {};
-    const blowing = Object.entries(WINDS).flatMap(([side, name]) =>
+    const blowing = Object.entries(SIDE_NAMES).flatMap(([side, name]) =>
       (wind[name] ?? []).map((strength, index) => ({ side, index, strength })).filter(({ strength }) => strength > 0),
     );
     const key = blowing.map(({ side, index }) => `${side}${index}`).join();
@@ -53,7 +42,7 @@ export class WindPanel {
 
   /** Return the control of the wind in a column or row. */
   row(side, index) {
-    const label = `${lineOf(side)} ${index}, to the ${WINDS[side]}`;
+    const label = `${lineOf(side)} ${index}, to the ${SIDE_NAMES[side]}`;
     const { element: shown, show } = numberControl({ label, type: "integer", minimum: 0 }, (strength) =>
       this.blow(side, index, strength ?? 0),
     );
@@ -67,7 +56,7 @@ export class WindPanel {
   }
 
   add() {
-    this.blow(this.side.value, this.index.value ?? 0, 1);
+    this.blow(this.side.value, this.index.read() ?? 0, 1);
   }
 
   blow(side, index, strength) {

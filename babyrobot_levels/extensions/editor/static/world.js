@@ -34,17 +34,19 @@ export class World {
     const known = form.filter(({ type }) => type in CONTROLS);
     const own = (name) => known.filter(({ route }) => route[0] === name);
     this.size = pairControl({ ...own("size")[0], label: "size" }, (size) => editor.send({ do: "resize", size }));
-    const sized = html("div", { class: "field" }, html("span", { class: "field-name" }, "size"), this.size.element);
+    const groups = this.place.querySelector("template").content;
+    const find = (name) => groups.querySelector(`.${name}`);
+    find("size").append(this.size.element);
+    new MazePanel(editor, find("maze"), own("maze"));
+    new WindPanel(editor, find("winds"));
+    new ThemePanel(editor, find("theming"), own("theme"));
     const [about, ...others] = this.sections(known.filter(({ route }) => !OWN_CONTROLS.has(route[0])));
-    const first = [section("Size", sized), section("Maze", new MazePanel(editor, own("maze")).element)];
-    for (const each of first) each.open = true;
-    this.place.replaceChildren(
-      ...first,
-      about,
-      section("Wind", new WindPanel(editor).element),
-      section("Theme", new ThemePanel(editor, own("theme")).element),
-      ...others,
-    );
+    find("winds").closest(".group").before(about);
+    groups.append(...others);
+    for (const each of groups.children) {
+      each.addEventListener("toggle", () => each.open && each.scrollIntoView({ block: "nearest" }));
+    }
+    this.place.replaceChildren(groups);
   }
 
   /** Return the sections of fields: those of one mapping together, the others by what they are for. */
@@ -64,12 +66,5 @@ export class World {
 
 /** Return a group of controls that can be collapsed. */
 function section(title, ...children) {
-  const made = html(
-    "details",
-    { class: "group" },
-    html("summary", {}, title),
-    html("div", { class: "fields" }, ...children),
-  );
-  made.addEventListener("toggle", () => made.open && made.scrollIntoView({ block: "nearest" }));
-  return made;
+  return html("details", { class: "group" }, html("summary", {}, title), html("div", { class: "fields" }, ...children));
 }
