@@ -2,16 +2,10 @@
 
 import { need, whole } from "./checks.js";
 import { COMMON } from "./common.js";
+import { SIDES } from "./game.js";
 import { channelsOf, element, FONT, Painter, painterOf } from "./paint.js";
 import { MarksLayer, ThingsLayer, thingElements } from "./things.js";
 
-const SHIFTS = [
-  [0, 0],
-  [0, -1],
-  [1, 0],
-  [0, 1],
-  [-1, 0],
-];
 const CONFETTI = 16;
 const CONFETTI_TIME = 900; // Milliseconds.
 const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
@@ -89,6 +83,13 @@ export function sprites(robot) {
       return element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer([group]));
     }),
   );
+}
+
+/** Return by how many columns and rows a move leads to the east and to the south. @param {number} move */
+function shiftOf(move) {
+  /** @type {(ahead: string, back: string) => number} */
+  const way = (ahead, back) => Number(SIDES[move].includes(ahead)) - Number(SIDES[move].includes(back));
+  return [way("east", "west"), way("south", "north")];
 }
 
 /** The picture of a game in the view that shows it. */
@@ -185,7 +186,7 @@ export class Picture {
       const phase = duration ? Math.min(1, (now - begin) / duration) : 1;
       const eased = phase * phase * (3 - 2 * phase);
       const reach = toWall ? 0.13 * Math.sin(Math.PI * phase) : eased;
-      const [dx, dy] = toWall ? SHIFTS[move] : shift;
+      const [dx, dy] = toWall ? shiftOf(move) : shift;
       const isThere = phase === 1;
       const place = isThere ? end : [start[0] + reach * dx, start[1] + reach * dy];
       const isStill = shift.every((length) => length === 0);

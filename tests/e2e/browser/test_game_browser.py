@@ -72,6 +72,13 @@ def test_undo_goes_back_and_the_same_action_has_the_same_outcome(
             ground.press("n")
 
 
+def test_a_diagonal_move_is_blocked_by_a_wall(ground: Playground) -> None:
+    ground.open(level(size=[3, 3], moves=8))
+    ground.press("7", "3")
+    assert ground.number("steps") == 2
+    assert ground.state == 4
+
+
 def test_undo_goes_back_to_the_start_and_no_further(ground: Playground) -> None:
     ground.open(level(size=[4, 1]))
     first = shown(ground)
