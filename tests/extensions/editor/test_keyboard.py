@@ -110,6 +110,15 @@ def test_the_cursor_is_seen_in_a_part_of_the_picture(keys: Typing) -> None:
 # -- drawing -----------------------------------------------------------------------------------
 
 
+def test_a_door_that_nothing_opens_leads_to_its_key(keys: Typing) -> None:
+    keys.type("d", "Shift+ArrowRight")
+    expect(keys.page.get_by_role("button", name="Draw a key first")).to_be_visible()
+    keys.type("Tab", "Enter", "ArrowDown", "Space")
+    expect(keys.page.locator(".said")).to_contain_text("door, needs key")
+    assert len(keys.level.items) == len(keys.level.doors) == 1
+    expect(keys.page.get_by_role("button", name="Draw a key first")).to_be_hidden()
+
+
 @pytest.mark.parametrize(
     ("pressed", "line", "said"),
     [

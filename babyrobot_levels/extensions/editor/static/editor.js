@@ -39,6 +39,8 @@ export class Editor {
     this.pointer = null;
     this.said = "";
     this.saidKind = "";
+    /** @type {Message | null} */
+    this.refused = null; // What `said` is about.
     this.cursor = { cell: [0, 0], side: null };
     this.pointed = null;
     this.selection = null;
@@ -106,9 +108,9 @@ export class Editor {
     if (this.selection !== null) this.send({ do: "remove", route: this.selection.route });
   }
 
-  /** Show a message for people; screen readers read it out. */
-  say(message, kind = "") {
-    this.set("said", { said: message, saidKind: kind });
+  /** Show a message for people, perhaps about a message to Python that was refused; screen readers read it out. */
+  say(message, kind = "", refused = null) {
+    this.set("said", { said: message, saidKind: kind, refused });
   }
 
   /**
@@ -119,7 +121,7 @@ export class Editor {
     const sent = this.last.then(async () => {
       /** @type {Reply} */
       const reply = await this.request(message).catch((error) => ({ error: error.message }));
-      if (reply.error !== undefined) this.say(reply.error, "refused");
+      if (reply.error !== undefined) this.say(reply.error, "refused", message);
       if (reply.state !== undefined) this.show(reply.state, reply.error === undefined ? message : null);
       if (reply.error === undefined) this.set("done", { done: { ...message, step: reply.step } });
       return reply;

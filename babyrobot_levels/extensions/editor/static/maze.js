@@ -1,6 +1,6 @@
 // The maze that the walls begin with.
 
-import { FieldRow } from "./field_row.js";
+import { FieldRow, thingNames } from "./field_row.js";
 import { finder } from "./html.js";
 
 const MOST_SEEDS = 10000; // Dice give short seeds.
@@ -12,12 +12,14 @@ function openingsOf({ fields = {}, places = [] }) {
 
 /**
  * Offers to write the maze out as soon as one of its walls is opened, or as it has grown anew; and to
- * undo what removed more than it pointed at.
+ * undo what removed more than it pointed at. Where nothing can open a door, it offers to draw a key first.
  */
 export class Offers {
   constructor(editor, place) {
-    const [undo, opening, growing] = place.children;
+    const [undo, opening, growing, key] = place.children;
     let before = null;
+    /** @type {Message | null} */
+    let door = null; // What is drawn once there is a key.
     const show = (offer, isShown) => offer.classList.toggle("hidden", !isShown);
     editor.on("state", () => {
       const opened = openingsOf(editor.state);
@@ -26,6 +28,23 @@ export class Offers {
       show(growing, editor.state.maze_regrown);
       show(undo, editor.state.lost);
       before = opened;
+    });
+    editor.on("said", () => {
+      show(key, editor.refused?.to === "door" && thingNames(editor.state).length === 0);
+    });
+    key.onclick = () => {
+      door = editor.refused;
+      editor.choose("item", { shape: "key" });
+      editor.stage.place.focus();
+      editor.say("Put the key into a cell: then the door is drawn.");
+    };
+    editor.on("done", () => {
+      const { brush } = editor.done;
+      if (door !== null && brush === "item") {
+        editor.choose("door");
+        editor.send(door);
+      }
+      door = null;
     });
   }
 }
