@@ -94,6 +94,11 @@ class Model(Telling, BaseModel, metaclass=_Telling):
     if not TYPE_CHECKING:
         __getitem__ = no_item
 
+        def __setattr__(self, name: str, value: Any) -> None:
+            if name in type(self).model_fields:
+                raise AttributeError("levels do not change: `level.replace(…)` returns another one")
+            super().__setattr__(name, value)
+
     def __dir__(self) -> list[str]:
         """Return what the model itself has; the many names of pydantic are no part of it."""
         return [name for name in super().__dir__() if name not in _OF_PYDANTIC]
@@ -201,7 +206,7 @@ def forms(words: str, choose: Callable[[Any], str]) -> Forms:
 def cell_or_cells(value: Any) -> str:
     """Tell `[x, y]` from `[[x, y], …]`."""
     is_list = isinstance(value, list | tuple)
-    return "cells" if is_list and value and isinstance(value[0], list | tuple) else "cell"
+    return "cells" if is_list and value and isinstance(value[0], list | tuple | dict) else "cell"
 
 
 Cells = Annotated[tuple[Cell, ...], Field(min_length=1)]

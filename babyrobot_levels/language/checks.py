@@ -72,7 +72,9 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                 )
             elif cell in seen:
                 if not level.robots or (field == "start" and level.team.meet != "pass"):
-                    yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
+                    help_text = "move one of them, or let robots share cells: `team: {meet: pass}`"
+                    message = f"{show_cell(cell)} is listed twice"
+                    yield Issue("BR305", route, message, help_text if level.robots else None)
             elif field == "start" and cell in (_exits_from(level, cell) if level.robots else exits):
                 yield Issue(
                     "BR303",
@@ -340,7 +342,7 @@ def _check_circles(level: LevelFields, entered: dict[Cell, list[Cell]]) -> Itera
                     "BR308",
                     ("warps", index_of[cell], "to"),
                     f"the warps form a cycle: {path_text}",
-                    "change the target of one of them",
+                    "change the target of one of them, for example to a cell beside the other",
                 )
             elif cell in entered and cell not in done:
                 path[cell] = iter(entered[cell])

@@ -15,7 +15,14 @@ from babyrobot_levels.language.names import FUNCTION, SLUG, VERSION, slug
 from babyrobot_levels.language.rewriting import LONGEST, rewritten, takes
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.scalars import is_plain_string
-from babyrobot_levels.text.words import SHORT, did_you_mean, nearest, shortened, words_beside
+from babyrobot_levels.text.words import (
+    SHORT,
+    did_you_mean,
+    listed,
+    nearest,
+    shortened,
+    words_beside,
+)
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
@@ -203,7 +210,11 @@ def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
     if inner := _inner(word, value, fields):
         return "BR201", message + inner[0], inner[1]
-    other = _other_name(word, fields) or next(iter(nearest(field, fields, 1)), None)
+    other = _other_name(word, fields) or next(iter(nearest(field, fields, 1, 0.9)), None)
+    text = _further_in(word, value, fields)
+    if text and not (other and model and (text[0] != "w" or takes(model, other, value))):
+        return "BR201", message, text
+    other = other or next(iter(nearest(field, fields, 1)), None)
     if other is None or model is None:
         metrics = "`expect` takes the metrics that `babyrobot show` shows"
         if "states" in fields:
@@ -243,11 +254,25 @@ def _inner(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> tuple[str,
     return None
 
 
+def _further_in(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> str | None:
+    """Return which fields have mappings with a field of this name in them."""
+    parts = {name: [*filter(_is_model, _parts(info))] for name, info in fields.items()}
+    found = [name for name, models in parts.items() for one in models if word in _fields(one)]
+    if not found:
+        return None
+    one = next(iter(parts[found[0]]))
+    if len(found) == 1 and not isinstance(value, dict) and takes(one, word, value):
+        is_list = get_origin(fields[found[0]].annotation) is tuple
+        form = f"{{…, {word}: {flow(value)}}}" if is_list else f"{{{word}: {flow(value)}}}"
+        return f"write `{found[0]}: {f'[{form}]' if is_list else form}`"
+    return f"it stands in {listed([f'`{name}`' for name in dict.fromkeys(found)], 'or')}"
+
+
 def _elsewhere(word: str, fields: Collection[str]) -> str | None:
     """Return where something is that is no field of a mapping with these fields."""
     rows: list[tuple[str, str, str]] = words_beside(__file__)["elsewhere"]
     for beside, names, text in rows:
-        there = beside in fields or beside.split() == [*fields]
+        there = beside in fields or beside == f"only {' '.join(fields)}"
         if there and word not in fields and word in names.split():
             return text
     return None
@@ -352,6 +377,20 @@ def _special_help(
         if "length" in fields:
             return "give the first cell, and how many: `{at: [x, y], side: S, length: n}`"
         return "write an entry for each cell"
+    if (
+        COLOR_CHECK in _parts(fields.get(field))
+        and isinstance(value, list)
+        and len(value) in (3, 4)
+    ):
+        return f'write `{field}: "rgb{"a" * (len(value) == 4)}({", ".join(map(str, value))})"`'
+    if field.endswith("weights") and isinstance(value, float):
+        return "weights are whole numbers from 1 to 100: `[3, 1]` for 0.75 and 0.25"
+    if isinstance(value, dict) and "values" in value:
+        area = "areas: [{at: [x, y], size: [width, height], reward: {values: …}}]"
+        return f"only rewards of areas are drawn: `{area}`"
+    if field == "exit" and ("reward" in value if isinstance(value, dict) else "bump" in fields):
+        own = "`rewards: {exit: cell}` and `areas: [{at: [x, y], reward: 10}]`"
+        return f"write `rewards: {{exit: 10}}`, or for a reward of each exit {own}"
     if field in ("start", "exit") and _is_word(value, "random"):
         other = "start: " if field == "start" else "exit_one_of: "
         return f"list the cells of which each reset draws one: `{other}[[x, y], [x, y]]`"
@@ -376,7 +415,8 @@ def _is_word(value: Any, *words: str) -> bool:
 def _choice(field: str, expected: str, value: Any) -> Complaint:
     names = _choices(expected)
     if field == "version":
-        return ("BR204", f"unsupported version {show(value)}", "write `version: 1`")
+        also = "; `babyrobot pack` checks a `pack.yaml`" * bool(re.match(VERSION, str(value)))
+        return ("BR204", f"unsupported version {show(value)}", f"write `version: 1`{also}")
     if names == list(SIDES):
         names += SIDE_NAMES
     guess = _guess(value, names)

@@ -33,7 +33,12 @@ def rewritten(value: Any, field: str, model: type[BaseModel], is_entry: bool = F
     if (isinstance(value, str | list | dict) and len(value) > LONGEST) or len(f"{value}") > LONGEST:
         return None
     square = [[value, value]] if field == "size" and isinstance(value, int) else []
-    for each in (*square, *_readings(value)):
+    named = (
+        [[{"name": each} for each in value]]
+        if field == "robots" and isinstance(value, list)
+        else []
+    )
+    for each in (*square, *named, *_readings(value)):
         if takes(model, field, [each] if is_entry else each):
             return each
     return None
@@ -89,6 +94,7 @@ def _of_text(text: str) -> Iterator[Any]:
 def _of_list(items: list[Any]) -> Iterator[Any]:
     if len(items) == 1:
         yield items[0]
+        yield from _readings(items[0])
     if len(items) == 2:
         if all(isinstance(each, int | float) for each in items):
             yield f"{items[0]}..{items[1]}"

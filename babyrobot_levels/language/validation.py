@@ -61,11 +61,13 @@ def check(
 ) -> Checked[ModelT]:
     """Check a document against a model, and if it is valid, by further checks."""
     issues = [*document.issues[:MAX_PROBLEMS]]
-    if not isinstance(document.data, dict):
-        what = "is empty" if document.data is None else "does not contain a mapping of fields"
+    form, is_mapping = other_form(document.source.name), isinstance(document.data, dict)
+    if not is_mapping or (form and "version" not in document.data):
+        what = "is no level" if is_mapping else "does not contain a mapping of fields"
+        what = "is empty" if document.data is None else what
         from babyrobot_levels.language.messages import beginning
 
-        help_text = other_form(document.source.name) or beginning(model)
+        help_text = form or beginning(model)
         if document.data is None and is_block_map(document.source.lines):
             # To YAML, lines that begin with `#` are comments.
             help_text = "convert a map of blocks with `babyrobot import`"

@@ -121,7 +121,10 @@ _OTHERS = {".toml": "TOML", ".py": "Python", ".ini": "INI", ".csv": "CSV"}
 
 def other_form(name: str) -> str | None:
     """Return what to do with a file that is no YAML, by its name; None if that may be YAML."""
-    form = _OTHERS.get(PurePath(name).suffix.lower())
+    suffix = PurePath(name).suffix.lower()
+    if suffix == ".brlplay":
+        return "these are recorded episodes: `babyrobot replay` verifies them"
+    form = _OTHERS.get(suffix)
     return form and f"a level is written in YAML or JSON, and this is a file of {form}"
 
 

@@ -298,11 +298,12 @@ def area_reward_without_effect(context: LintContext) -> Iterator[Finding]:
 
 @rule("BR525", needs=Needs.LEVEL)
 def unused_puddle_type(context: LintContext) -> Iterator[Finding]:
-    """Entry of `puddle_types` for a size that no puddle has.
+    """Entry of `puddle_types` for a size that no puddle has, or `hit` or `team` for nobody.
 
     ## What it does
 
-    Checks for sizes under `puddle_types` of which the level has no puddle.
+    Checks for sizes under `puddle_types` of which the level has no puddle, for `hit` in a level
+    without movers, and for `team` in one without `robots`.
 
     ## Why is this bad?
 
@@ -330,8 +331,8 @@ def unused_puddle_type(context: LintContext) -> Iterator[Finding]:
 
     ## Fix safety
 
-    The fix removes the size from `puddle_types`. It is safe: neither the MDP nor the picture
-    changes.
+    The fix removes the size from `puddle_types`, or the field. It is safe: neither the MDP nor the
+    picture changes.
     """
     level = context.level
     sizes = {puddle.size for puddle in level.puddles}
@@ -342,6 +343,14 @@ def unused_puddle_type(context: LintContext) -> Iterator[Finding]:
                 f"the level has no {size} puddle",
                 f"remove `{size}`, or add such a puddle",
                 fix=removal(context.document, f"remove `{size}`", ("puddle_types", size)),
+            )
+    for field, whose in (("hit", "movers"), ("team", "robots")):
+        if context.data.get(field) and not getattr(level, whose):
+            yield Finding(
+                Key((field,)),
+                f"the level has no `{whose}`",
+                f"remove `{field}`, or add {whose}",
+                fix=removal(context.document, f"remove `{field}`", (field,)),
             )
 
 
