@@ -35,7 +35,9 @@ def blamed(word: str, *, is_reader: bool = False) -> Iterator[None]:
         if lines:
             fail(
                 f"{file}:{lines[-1]}: the agent failed: {type(error).__name__}: {error}",
-                None if is_reader else "without --sight, an agent gets observations, not texts",
+                None
+                if is_reader or isinstance(error, SyntaxError | ImportError)
+                else "without --sight, an agent gets observations, not texts",
             )
         raise
 

@@ -68,8 +68,8 @@ def check_name(name: str) -> None:
     """End the command if a level cannot have a name in its file."""
     from babyrobot_levels.language.names import slug
 
-    good = slug(name)
-    if good != name:
+    if slug(name) != name:
+        good = slug(Path(name).stem if name.endswith((".yaml", ".yml")) else name)
         fail(
             f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
             f"for example {good!r}" if good else None,

@@ -215,6 +215,11 @@ ON_THE_COMMAND_LINE = (
     ("babyrobot diff first-key first-key", WORKS),
     ('babyrobot course new "My Course"', "babyrobot course build 'My Course'"),
     ("babyrobot completion", "'--install-completion'"),
+    ("babyrobot new-level levels/My_Level.yaml", "'my-level'"),
+    ("babyrobot generate small.yaml --count 3", "`generate --from`"),
+    ("babyrobot validate ada.brlplay", "`babyrobot replay`"),
+    ("babyrobot score broken.py:act first-key", "the agent failed: SyntaxError"),
+    ("babyrobot grade hand-ins --course nosuch", "there is no course, folder or level 'nosuch'"),
 )
 
 
@@ -224,6 +229,8 @@ def folder(here: Path) -> Path:
     (here / "small.yaml").write_text("version: 1\nsize: [4, 3]\n", "utf-8")
     (here / "map.txt").write_text("SFFF\nFHFH\nFFFH\nHFFG\n", "utf-8")
     (here / "agent.py").write_text("def act(observation):\n    return 0\n", "utf-8")
+    (here / "broken.py").write_text("def act(observation) return 0\n", "utf-8")
+    (here / "ada.brlplay").write_text('{"play": 1}\n', "utf-8")
     (here / "other.json").write_text('{"a": "b"}', "utf-8")
     (here / "x.png").write_bytes(b"\x89PNG")
     np.save(here / "learned.npy", brl.solve("first-key").policy)

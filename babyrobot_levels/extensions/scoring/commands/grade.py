@@ -106,7 +106,11 @@ def grade(
       babyrobot grade canvas.zip --course robots --roster gradebook.csv --column Robots -o grades
     """
     # What is wrong with a level, its errors tell.
-    if any(brl.load(each).has_random_maze for each in levels_named([course])):
+    try:
+        has_random_maze = any(brl.load(each).has_random_maze for each in levels_named([course]))
+    except brl.LevelNotFoundError:
+        fail(f"there is no course, folder or level {course!r}", "give the folder of the course")
+    if has_random_maze:
         fail("the maze of a level is random", "give the level with its seed: a file, or a code")
     if ((roster or column) and output is None) or (column and roster is None):
         fail("--roster needs -o, and --column needs --roster")
