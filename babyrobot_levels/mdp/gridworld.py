@@ -97,7 +97,12 @@ class GridWorld(LevelSpec):
             LevelError: the maze has no seed yet (`seed: random`).
             IndexError: there is no such configuration.
         """
-        return self.things().at(self.numbering().configurations[number].tolist())
+        configurations = self.numbering().configurations
+        try:
+            return self.things().at(configurations[number].tolist())
+        except IndexError:
+            message = f"there is no configuration {number}, but 0 to {len(configurations) - 1}"
+            raise IndexError(message) from None
 
     def grid_at(self, configuration: int) -> Grid:
         """Return walls and cells in a configuration: with a wall at each closed door.

@@ -305,9 +305,30 @@ def unexpected(function: str, name: str, known: Collection[str]) -> str:
     return f"{function}() got an unexpected keyword argument {name!r}{guess}"
 
 
+def check_places(function: Callable[..., Any], given: int, known: inspect.Signature) -> None:
+    """Raise a TypeError, with the names to give, if a call has more arguments without one."""
+    each = known.parameters.values()
+    placed = [one.name for one in each if one.kind is one.POSITIONAL_OR_KEYWORD]
+    if given <= len(placed) or any(one.kind is one.VAR_POSITIONAL for one in each):
+        return
+    named = [one for one in each if one.kind is one.KEYWORD_ONLY]
+    named.sort(key=lambda one: one.default is not one.empty)
+    rest = ": " * bool(named) + ", ".join(f"{one.name}=…" for one in named[:10])
+    first = listed([f"`{name}`" for name in placed if name != "self"])
+    raise TypeError(
+        f"{called(function)}() takes {first} without a name, and all else by name{rest}"
+    )
+
+
+def called(function: Callable[..., Any]) -> str:
+    """Return the name by which a function is called: of a constructor, that of its class."""
+    return function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+
+
 def telling(function: Callable[P, T]) -> Callable[P, T]:
     """Let a function tell its own keyword where it is called by another, and the first argument."""
-    known = inspect.signature(function).parameters
+    signature = inspect.signature(function)
+    known = signature.parameters
     takes_more = any(each.kind is each.VAR_KEYWORD for each in known.values())
 
     @wraps(function)
@@ -317,6 +338,7 @@ def telling(function: Callable[P, T]) -> Callable[P, T]:
             textbooks = " ".join(words for ours, words in keywords if ours in known).split()
             if not takes_more or name in textbooks or nearest(name, known, 1, 0.85):
                 raise TypeError(unexpected(function.__name__, name, known))
+        check_places(function, len(args), signature)
         try:
             return function(*args, **given)
         except (TypeError, LookupError, ValueError):

@@ -111,6 +111,15 @@ MISTAKES = (
     ("brl.Action(9)", "no action 9; there are stay, north, east, south, west"),
     ("brl.preview('maze', values='best')", "`brl.evaluate(level, policy)` has those of a policy"),
     ("brl.load('maze').with_maze_seed('x')", "must be an integer, not 'x'"),
+    ("brl.q_learning('maze', 9, 0.1)", "takes `level` and `episodes` without a name, and all else"),
+    ("brl.LevelVectorEnv('maze', 8)", "LevelVectorEnv() takes `level` without a name, and all"),
+    ("brl.make('maze', 'planes')", "make() takes `level` without a name, and all else by name"),
+    ("brl.LevelVectorEnv('maze', num_env=8)", "LevelVectorEnv() got an unexpected keyword"),
+    ("gymnasium.make('babyrobot/maze-v0', agent_view_size=7)", "use `view_radius`, the cells on"),
+    ("brl.LevelVectorEnv('maze', view_size=7)", "did you mean `view_radius`?"),
+    ("brl.load('maze').configuration(99)", "there is no configuration 99, but 0 to 0"),
+    ("setattr(brl.load('maze'), 'size', [3, 3])", "levels do not change: `level.replace(…)`"),
+    ("brl.TextEnv('maze')", "did you mean `TextWorld`?"),
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Unpack
 
 from gymnasium import error, spaces
@@ -146,6 +147,9 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         """
         if not self.agents:
             return {}, {}, {}, {}, {}
+        if not isinstance(actions, Mapping):
+            form = {name: int(Action.EAST) for name in self.agents}
+            raise error.InvalidAction(f"actions are a mapping such as {form}, not {actions!r}")
         missing = [name for name in self.agents if name not in actions]
         if missing:
             raise error.InvalidAction(f"there is no action for {', '.join(missing)}")
