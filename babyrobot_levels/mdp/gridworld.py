@@ -134,7 +134,8 @@ class GridWorld(LevelSpec):
     def _things(self) -> Things:
         from babyrobot_levels.mdp.configurations import Things
 
-        return Things(self)
+        # A copy, as they keep it: in a circle, large tables would outlive their level for long.
+        return Things(self.model_copy())
 
     @cached_property
     def _mdp(self) -> Mdp:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from typing import Any
+from weakref import ref
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from hypothesis import given
 from support.things import thing_worlds
 from support.worlds import World, level_of
 
+import babyrobot_levels as brl
 from babyrobot_levels.text.errors import LevelError
 
 VAULT: World = {
@@ -263,3 +266,17 @@ def test_a_door_that_changes_no_transition_changes_the_digest() -> None:
     fields["items"] = [{"name": "key", "at": [1, 0]}]
     doors = [{"at": [2, 0], "side": "E", "needs": "key"}]
     assert level_of({**fields, "doors": doors}).digest != level_of(fields).digest
+
+
+@pytest.mark.parametrize("things", [{}, {"items": [{"name": "key", "at": [1, 0]}]}])
+def test_tables_end_with_their_level(things: dict[str, Any]) -> None:
+    level = brl.load({"version": 1, "size": [4, 3], **things})
+    values = brl.evaluate(level, "random").values
+    tables, walls = ref(level.compile()), ref(level.grid())
+    gc.collect()
+    gc.disable()
+    try:
+        del level
+        assert (tables(), walls(), values.size) == (None, None, values.size)
+    finally:
+        gc.enable()

@@ -29,6 +29,7 @@ from babyrobot_levels.extensions.scoring.score import score
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Flags, Floats
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import Telling
 
 DISCOUNTS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
@@ -124,7 +125,7 @@ def grade_values(
     right = task.right(flat)
     if right.all():
         return GradedAnswer(True, 1.0, points, f"all {right.size} values are right")
-    told = next((said for said in task.mistakes(table)), None) or task.first_wrong(flat)
+    told = _explained(task.mistakes(table)) or task.first_wrong(flat)
     count = f"{int(right.sum())} of {right.size} values are right"
     return GradedAnswer(False, float(right.mean()), points, f"{count}: {told}")
 
@@ -164,7 +165,7 @@ def grade_policy(
         return _wrong(task.explained(policy) or str(error), points)
     if is_optimal:
         return GradedAnswer(True, 1.0, points, f"the policy is optimal in all {right.size} states")
-    told = next(task.mistakes(policy, weights), None) or task.first_wrong(weights)
+    told = _explained(task.mistakes(policy, weights)) or task.first_wrong(weights)
     share, count = float(right.mean()), f"{int(right.sum())} of {right.size} states"
     return GradedAnswer(False, share, points, f"the policy is right in {count}: {told}")
 
@@ -226,6 +227,14 @@ def _whole(policy: NDArray[Any], states: int) -> NDArray[Any]:
         return policy
     is_whole = (np.nan_to_num(policy, nan=0.5) % 1 == 0).all()
     return policy.astype(np.int64) if is_whole else policy
+
+
+def _explained(mistakes: Iterator[str]) -> str | None:
+    """Return the first mistake that explains an answer, if it is found with half the work left."""
+    limits = replace(budget.UNLIMITED, steps=budget.left() / 2)
+    with suppress(budget.OverBudgetError), budget.within(limits):
+        return next(mistakes, None)
+    return None
 
 
 def _wrong(message: str, points: float) -> GradedAnswer:

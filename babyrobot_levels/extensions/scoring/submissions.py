@@ -37,6 +37,7 @@ from babyrobot_levels.language.play import program
 from babyrobot_levels.language.suite_list import CourseLevel
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.render.words.phrases import name_of
+from babyrobot_levels.text import budget
 from babyrobot_levels.text.files import make_folder, write_text
 from babyrobot_levels.text.words import listed
 
@@ -352,7 +353,8 @@ class Grader:
         found: dict[str, Submission] = {}
         with ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
             try:
-                waiting = [pool.submit(one, each) for each in handed]
+                work = budget.limited(one)
+                waiting = [pool.submit(work, each) for each in handed]
                 for number, done in enumerate(as_completed(waiting), 1):
                     player, submission = done.result()
                     found[player] = submission
@@ -487,5 +489,6 @@ class Grader:
             return GradedAnswer(False, 0.0, out_of, f"not graded: {answer.reason}")
         if isinstance(answer, str):
             return GradedAnswer(False, 0.0, out_of, answer)
+        budget.begin()
         grader = GRADERS[self.course.fields.functions[name]]
         return grader(self.levels[level], answer, points=out_of)

@@ -9,6 +9,7 @@ import pytest
 from support.places import ROOT
 
 import babyrobot_levels as brl
+from babyrobot_levels.text.budget import Limits, left, within
 
 LAKE = "frozen-lake"
 CLIFF = "cliff-walking"
@@ -296,3 +297,17 @@ def test_the_message_of_an_assertion() -> None:
     grade = brl.grade_values(LAKE, np.zeros((4, 4)))
     with pytest.raises(AssertionError, match="5 of 16 values are right: all of them are 0"):
         assert grade, grade.message
+
+
+def test_what_takes_too_long_to_explain_is_only_wrong() -> None:
+    level = brl.load({"version": 1, "size": [9, 1], "discount": 0.9})
+    values = brl.solve(level, discount=0.5).values
+    assert "the discount 0.5" in brl.grade_values(level, values).message
+    steps = 0.0
+    with within(Limits(10**9, 10**6)):
+        brl.solve(level)
+        steps = 10**9 - left()
+    with within(Limits(2 * steps, 10**6)):
+        found = brl.grade_values(level, values)
+    assert not found.passed
+    assert "discount" not in found.message

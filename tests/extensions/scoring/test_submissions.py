@@ -6,6 +6,7 @@ import json
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
@@ -14,6 +15,7 @@ from support.places import ROOT
 
 import babyrobot_levels as brl
 from babyrobot_levels.extensions.packs.archive import PackError
+from babyrobot_levels.text.budget import Limits, OverBudgetError, within
 
 SOLUTIONS = Path(__file__).parent / "solutions"
 
@@ -247,3 +249,18 @@ def test_what_is_graded_so_far_is_told_and_what_is_left_is_not_graded(
     assert str(found).endswith("0 of 10 points, 2 not graded")
     with pytest.raises(ValueError, match="total must be above 0"):
         brl.grade_functions(small, ada, total=0)
+
+
+def test_levels_in_which_answers_are_graded_have_the_limits_at_hand(
+    small: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "class" / "ada"
+    folder.mkdir(parents=True)
+    tables = {"row": brl.solve(small / "row.yaml").values.tolist()}
+    (folder / "value_iteration.json").write_text(json.dumps(tables), "utf-8")
+    asked: dict[str, Any] = {"functions": ["value_iteration"], "jobs": 1}
+    with within(Limits(1_000_000, 1_000)):
+        found = brl.grade(folder.parent, small, **asked)
+        assert found.submissions["ada"].points == 2
+    with within(Limits(10, 1_000)), pytest.raises(OverBudgetError, match="more than 10 steps"):
+        brl.grade(folder.parent, small, **asked)
