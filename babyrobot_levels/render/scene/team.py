@@ -20,8 +20,8 @@ _COLORS = ("#0072b2", "#cc79a7", "#009e73")
 They are from Okabe and Ito, https://jfly.uni-koeln.de/color/.
 """
 
-_GRAYS = ("#333333", "#8a8a8a", "#d0d0d0")
-"""The same for a theme of greys."""
+_GRAYS = ("#8a8a8a", "#1f1f1f", "#d0d0d0")
+"""The same for a theme of greys, the first of them far from the dark grey of its robot."""
 
 _ARRIVED = Pose(STANDING.facing, Mood.CHEER)
 
