@@ -72,9 +72,9 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                 )
             elif cell in seen:
                 if not level.robots or (field == "start" and level.team.meet != "pass"):
-                    help_text = "move one of them, or let robots share cells: `team: {meet: pass}`"
-                    message = f"{show_cell(cell)} is listed twice"
-                    yield Issue("BR305", route, message, help_text if level.robots else None)
+                    told = "move one, or let robots share cells: `team: {meet: pass}`"
+                    told = told if level.robots else "remove one of them"
+                    yield Issue("BR305", route, f"{show_cell(cell)} is listed twice", told)
             elif field == "start" and cell in (_exits_from(level, cell) if level.robots else exits):
                 yield Issue(
                     "BR303",

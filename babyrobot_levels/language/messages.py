@@ -15,14 +15,7 @@ from babyrobot_levels.language.names import FUNCTION, SLUG, VERSION, slug
 from babyrobot_levels.language.rewriting import LONGEST, rewritten, takes
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.scalars import is_plain_string
-from babyrobot_levels.text.words import (
-    SHORT,
-    did_you_mean,
-    listed,
-    nearest,
-    shortened,
-    words_beside,
-)
+from babyrobot_levels.text.words import SHORT, did_you_mean, nearest, shortened, words_beside
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
@@ -248,6 +241,8 @@ def _inner(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> tuple[str,
         if (text := _elsewhere(inner, known)) is not None:
             return "", text
         name = inner if inner in known else _other_name(inner, known)
+        if name and field and (text := _special_help(name, (field, name), value, known)):
+            return "", text
         if name and takes(part, name, value):
             meant = f"write `{field}: {{{name}: {flow(value)}}}`"
             return f"; did you mean `{field}`?", meant
@@ -256,16 +251,14 @@ def _inner(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> tuple[str,
 
 def _further_in(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> str | None:
     """Return which fields have mappings with a field of this name in them."""
-    parts = {name: [*filter(_is_model, _parts(info))] for name, info in fields.items()}
-    found = [name for name, models in parts.items() for one in models if word in _fields(one)]
-    if not found:
-        return None
-    one = next(iter(parts[found[0]]))
-    if len(found) == 1 and not isinstance(value, dict) and takes(one, word, value):
-        is_list = get_origin(fields[found[0]].annotation) is tuple
-        form = f"{{…, {word}: {flow(value)}}}" if is_list else f"{{{word}: {flow(value)}}}"
-        return f"write `{found[0]}: {f'[{form}]' if is_list else form}`"
-    return f"it stands in {listed([f'`{name}`' for name in dict.fromkeys(found)], 'or')}"
+    parts = [(name, each) for name, info in fields.items() for each in _parts(info)]
+    found = {name: each for name, each in parts if _is_model(each) and word in _fields(each)}
+    fitting = [name for name, each in found.items() if takes(each, word, value)]
+    if len(fitting) == 1:
+        entry = f"{word}: {flow(value)}"
+        is_list = get_origin(fields[fitting[0]].annotation) is tuple
+        return f"write `{fitting[0]}: " + (f"[{{…, {entry}}}]`" if is_list else f"{{{entry}}}`")
+    return f"it stands in `{'` or `'.join(found)}`" if found else None
 
 
 def _elsewhere(word: str, fields: Collection[str]) -> str | None:
@@ -351,8 +344,11 @@ def _special_help(
     field: str, names: Sequence[str], value: Any, fields: Mapping[str, FieldInfo]
 ) -> str | None:
     """Return what to do about a value of a wrong form that no other form mends."""
-    if field == "exit" and (value is None or value is False):
-        return "write `exit: none` for a level without an exit"
+    told, kinds = _words("instead"), [type(value).__name__]
+    kinds += value if isinstance(value, dict) else [str(value).strip().lower()]
+    for key in (f"{each} {kind}" for kind in kinds for each in (field, " ".join(names), "*")):
+        if key in told:
+            return told[key]
     if value is None:
         if COLOR_CHECK in _parts(fields.get(field)):
             return "put quotes around a colour that begins with `#`, or remove the field"
@@ -377,39 +373,9 @@ def _special_help(
         if "length" in fields:
             return "give the first cell, and how many: `{at: [x, y], side: S, length: n}`"
         return "write an entry for each cell"
-    if (
-        COLOR_CHECK in _parts(fields.get(field))
-        and isinstance(value, list)
-        and len(value) in (3, 4)
-    ):
-        return f'write `{field}: "rgb{"a" * (len(value) == 4)}({", ".join(map(str, value))})"`'
-    if field.endswith("weights") and isinstance(value, float):
-        return "weights are whole numbers from 1 to 100: `[3, 1]` for 0.75 and 0.25"
-    if isinstance(value, dict) and "values" in value:
-        area = "areas: [{at: [x, y], size: [width, height], reward: {values: …}}]"
-        return f"only rewards of areas are drawn: `{area}`"
-    if field == "exit" and ("reward" in value if isinstance(value, dict) else "bump" in fields):
-        own = "`rewards: {exit: cell}` and `areas: [{at: [x, y], reward: 10}]`"
-        return f"write `rewards: {{exit: 10}}`, or for a reward of each exit {own}"
-    if field in ("start", "exit") and _is_word(value, "random"):
-        other = "start: " if field == "start" else "exit_one_of: "
-        return f"list the cells of which each reset draws one: `{other}[[x, y], [x, y]]`"
-    if field == "max_steps" and (_is_word(value, "none", "inf", "infinity", ".inf", "unlimited")):
-        return "leave it out for episodes without a limit"
-    return {
-        "version": "write three numbers, such as `version: 1.0.0`",
-        "splits": "write `splits: {train: 0.8, test: 0.2}`",
-        "skid": "write `skid: 0.2`, how likely the robot skids"
-        if value is True or _is_word(value, "yes", "on")
-        else None,
-        "map": "draw it below `map: |`, or convert a map of FrozenLake with `babyrobot import`"
-        if isinstance(value, list)
-        else None,
-    }.get(field)
-
-
-def _is_word(value: Any, *words: str) -> bool:
-    return isinstance(value, str) and value.strip().lower() in words
+    if COLOR_CHECK in _parts(fields.get(field)) and isinstance(value, list) and value[2:]:
+        return f'write `{field}: "rgb{"a" * len(value[3:4])}({", ".join(map(str, value))})"`'
+    return told.get(" ".join(names))
 
 
 def _choice(field: str, expected: str, value: Any) -> Complaint:

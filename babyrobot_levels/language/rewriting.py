@@ -33,12 +33,7 @@ def rewritten(value: Any, field: str, model: type[BaseModel], is_entry: bool = F
     if (isinstance(value, str | list | dict) and len(value) > LONGEST) or len(f"{value}") > LONGEST:
         return None
     square = [[value, value]] if field == "size" and isinstance(value, int) else []
-    named = (
-        [[{"name": each} for each in value]]
-        if field == "robots" and isinstance(value, list)
-        else []
-    )
-    for each in (*square, *named, *_readings(value)):
+    for each in (*square, *_readings(value)):
         if takes(model, field, [each] if is_entry else each):
             return each
     return None
@@ -120,3 +115,4 @@ def _of_mapping(mapping: dict[str, Any]) -> Iterator[Any]:
         yield mapping.get("at", next(iter(mapping.values())))
     yield [mapping]
     yield [{"name": name, "at": at} for name, at in mapping.items()]
+    yield [{"name": name, "start": at} for name, at in mapping.items()]

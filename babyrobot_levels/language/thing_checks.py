@@ -106,6 +106,7 @@ def _unknown_name(
     guess = did_you_mean(name, known) if len(known) <= 200 else ""
     shown = ", ".join(known[:8]) + (", …" if len(known) > 8 else "")
     none = f"the level has {listed([f'no {kind.plural}' for kind in NEEDED])}"
+    none = "name a target: `targets: [{…, name: pad}]`" if level.targets else none
     nouns = listed([kind.noun for kind in NEEDED], "or")
     help_text = f"known names: {shown}" if known else none
     return Issue("BR321", route, f"there is no {nouns} `{name}`{guess}", help_text)

@@ -259,8 +259,8 @@ class _Rest:
 
     def causes(self, issue: Issue) -> bool:
         """Tell whether an issue may only be there because invalid entries were left out."""
-        if issue.code == "BR328":
-            return "robots" in self.without
+        if issue.code in ("BR328", "BR329") and len(route_of(issue)) == 1:
+            return route_of(issue)[0] in self.without
         if issue.code in ("BR321", "BR326"):
             return not self.without.isdisjoint(kind.field for kind in NAMED)
         # A drawn door without an entry.

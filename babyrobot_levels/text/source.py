@@ -117,14 +117,12 @@ _JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 
 
 _OTHERS = {".toml": "TOML", ".py": "Python", ".ini": "INI", ".csv": "CSV"}
+_OTHERS[".brlplay"] = "recorded episodes, which `babyrobot replay` verifies"
 
 
 def other_form(name: str) -> str | None:
     """Return what to do with a file that is no YAML, by its name; None if that may be YAML."""
-    suffix = PurePath(name).suffix.lower()
-    if suffix == ".brlplay":
-        return "these are recorded episodes: `babyrobot replay` verifies them"
-    form = _OTHERS.get(suffix)
+    form = _OTHERS.get(PurePath(name).suffix.lower())
     return form and f"a level is written in YAML or JSON, and this is a file of {form}"
 
 
