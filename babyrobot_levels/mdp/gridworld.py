@@ -98,11 +98,9 @@ class GridWorld(LevelSpec):
             IndexError: there is no such configuration.
         """
         configurations = self.numbering().configurations
-        try:
-            return self.things().at(configurations[number].tolist())
-        except IndexError:
-            message = f"there is no configuration {number}, but 0 to {len(configurations) - 1}"
-            raise IndexError(message) from None
+        if number >= len(configurations):
+            raise IndexError(f"there is no configuration {number}: there are {len(configurations)}")
+        return self.things().at(configurations[number].tolist())
 
     def grid_at(self, configuration: int) -> Grid:
         """Return walls and cells in a configuration: with a wall at each closed door.

@@ -301,7 +301,7 @@ class TellingEnum(EnumType):
 
 def unexpected(function: str, name: str, known: Collection[str]) -> str:
     """Return the message that a function has no such keyword, with the one that is meant."""
-    guess = meant(name, known, "keywords")
+    guess = meant(name, [each for each in known if each != "self"], "keywords")
     return f"{function}() got an unexpected keyword argument {name!r}{guess}"
 
 
@@ -312,12 +312,9 @@ def check_places(function: Callable[..., Any], given: int, known: inspect.Signat
     if given <= len(placed) or any(one.kind is one.VAR_POSITIONAL for one in each):
         return
     named = [one for one in each if one.kind is one.KEYWORD_ONLY]
-    named.sort(key=lambda one: one.default is not one.empty)
     rest = ": " * bool(named) + ", ".join(f"{one.name}=…" for one in named[:10])
     first = listed([f"`{name}`" for name in placed if name != "self"])
-    raise TypeError(
-        f"{called(function)}() takes {first} without a name, and all else by name{rest}"
-    )
+    raise TypeError(f"{called(function)}() takes {first} without a name, all else by name{rest}")
 
 
 def called(function: Callable[..., Any]) -> str:
@@ -327,8 +324,7 @@ def called(function: Callable[..., Any]) -> str:
 
 def telling(function: Callable[P, T]) -> Callable[P, T]:
     """Let a function tell its own keyword where it is called by another, and the first argument."""
-    signature = inspect.signature(function)
-    known = signature.parameters
+    known = (signature := inspect.signature(function)).parameters
     takes_more = any(each.kind is each.VAR_KEYWORD for each in known.values())
 
     @wraps(function)

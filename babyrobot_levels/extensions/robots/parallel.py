@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, ClassVar, Unpack
 
 from gymnasium import error, spaces
@@ -145,11 +144,12 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         Raises:
             InvalidAction: the action of one of them is missing, or is none.
         """
+        if not self.agents and not self._steps:
+            raise error.ResetNeeded("call `reset()` before the first `step()`")
         if not self.agents:
             return {}, {}, {}, {}, {}
-        if not isinstance(actions, Mapping):
-            form = {name: int(Action.EAST) for name in self.agents}
-            raise error.InvalidAction(f"actions are a mapping such as {form}, not {actions!r}")
+        if not isinstance(actions, dict):
+            raise error.InvalidAction(f"actions are a dict of {self.agents}, not {actions!r}")
         missing = [name for name in self.agents if name not in actions]
         if missing:
             raise error.InvalidAction(f"there is no action for {', '.join(missing)}")

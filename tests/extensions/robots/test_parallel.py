@@ -80,13 +80,14 @@ def test_agents_can_get_what_the_team_gets_and_are_truncated() -> None:
     ("actions", "message"),
     [
         ({}, "there is no action for red, blue"),
+        ([2, 2], r"actions are a dict of \['red', 'blue'\], not \[2, 2\]"),
         ({"red": 0}, "there is no action for blue"),
         ({"red": 1.5, "blue": 0}, "0 to 4 for each of the 2 robots"),
         ({"red": None, "blue": 0}, "0 to 4 for each of the 2 robots"),
         ({"red": "2", "blue": 0}, "0 to 4 for each of the 2 robots"),
     ],
 )
-def test_wrong_actions_are_named(actions: dict[str, Any], message: str) -> None:
+def test_wrong_actions_are_named(actions: Any, message: str) -> None:
     env = brl.parallel_env(PASSING)
     env.reset(seed=1)
     with pytest.raises(gymnasium.error.InvalidAction, match=message):
@@ -123,3 +124,8 @@ def test_its_render_modes_are_those_of_levels() -> None:
     assert modes == brl.LevelEnv.metadata["render_modes"]
     for mode in modes:
         assert brl.parallel_env(PASSING, render_mode=mode).render_mode == mode
+
+
+def test_a_step_before_the_first_reset_is_refused() -> None:
+    with pytest.raises(gymnasium.error.ResetNeeded, match="call `reset"):
+        brl.parallel_env(PASSING).step({"red": 0, "blue": 0})

@@ -107,11 +107,10 @@ def grade(
     """
     # What is wrong with a level, its errors tell.
     try:
-        has_random_maze = any(brl.load(each).has_random_maze for each in levels_named([course]))
+        if any(brl.load(each).has_random_maze for each in levels_named([course])):
+            fail("the maze of a level is random", "give the level with its seed: a file, or a code")
     except brl.LevelNotFoundError:
         fail(f"there is no course, folder or level {course!r}", "give the folder of the course")
-    if has_random_maze:
-        fail("the maze of a level is random", "give the level with its seed: a file, or a code")
     if ((roster or column) and output is None) or (column and roster is None):
         fail("--roster needs -o, and --column needs --roster")
     if output is not None and not _is_free(output):
