@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from babyrobot_levels.analysis.solver.evaluation import random_return
-from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.optimum import optimum_of
 from babyrobot_levels.analysis.solver.policies import StateSpace
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 from babyrobot_levels.mdp.tables import Floats
@@ -47,8 +47,7 @@ class ValuesByStep:
         # The last entry of each is the end, which has no value.
         self._values = [np.zeros(model.size + 1)]
         if limit is None:
-            solution = solve(space.level, actions=space.actions, discount=discount)
-            self._values[0][:-1] = solution.values.ravel()[model.states]
+            self._values[0][:-1] = optimum_of(model, space, discount).found.values
         while limit is not None and len(self._values) <= limit:
             before = self._values[-1]
             budget.spend(2 * model.probability.size)
@@ -110,7 +109,7 @@ class ValuesByStep:
     @cached_property
     def random(self) -> float:
         """The expected return of the random policy."""
-        return random_return(self.space, self.limit, self.discount)
+        return random_return(self.space, self.limit, self.discount, model=self._model)
 
     @cached_property
     def largest_regret(self) -> float:

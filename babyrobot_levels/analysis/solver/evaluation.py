@@ -146,7 +146,12 @@ def evaluation_of(
 
 
 def random_return(
-    space: StateSpace, limit: int | None, discount: float, *, quick: bool = False
+    space: StateSpace,
+    limit: int | None,
+    discount: float,
+    *,
+    model: Model | None = None,
+    quick: bool = False,
 ) -> float:
     """Return the expected return of the random policy, and find nothing else.
 
@@ -154,6 +159,7 @@ def random_return(
         space: the level's states.
         limit: after how many steps episodes are truncated; None for never.
         discount: above 0 and at most 1.
+        model: that of the space, if it is at hand.
         quick: with a limit, whether this may take a second at most; see `induction`.
 
     Raises:
@@ -162,7 +168,7 @@ def random_return(
     weights = read_policy(RANDOM, space)
     if limit is not None:
         return float(worth_within([space], [limit], [discount], [weights], quick).returns[0])
-    model = space.model()
+    model = space.model() if model is None else model
     values = chain_values(model.mixed(weights[model.states]), discount, space)
     return space.at_start(model, values)
 

@@ -6,7 +6,7 @@ import math
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import sha256
@@ -66,21 +66,16 @@ def bounds_of(play: Play) -> Bounds:
 
 @lru_cache(maxsize=256)
 def _bounds(level: Level, digest: str, actions: str, limit: int | None, discount: float) -> Bounds:
-    space, none = space_of(level, actions), Bounds(math.nan, math.nan)
     values = optimal_values(level, digest, actions, limit, discount)
-    try:
-        if values is not None:
-            optimum = values.optimum
-        elif limit is not None:
+    with suppress(UndefinedReturnError, EpisodeTooLongError):
+        if values is not None and math.isfinite(values.optimum):
+            return Bounds(values.optimum, values.random)
+        if values is None and limit is not None:
             # They are too many to be kept for each step.
-            optimum = float(best_returns_within([space], [limit], [discount])[0])
-        else:
-            return none
-        if not math.isfinite(optimum):
-            return none
-        return Bounds(optimum, random_return(space, limit, discount))
-    except (UndefinedReturnError, EpisodeTooLongError):
-        return none
+            space = space_of(level, actions)
+            (optimum,) = best_returns_within([space], [limit], [discount]).tolist()
+            return Bounds(optimum, random_return(space, limit, discount))
+    return Bounds(math.nan, math.nan)
 
 
 def reaches_exit(play: Play) -> bool:
