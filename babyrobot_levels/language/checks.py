@@ -72,8 +72,7 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                 )
             elif cell in seen:
                 if not level.robots or (field == "start" and level.team.meet != "pass"):
-                    told = "move one, or let robots share cells: `team: {meet: pass}`"
-                    told = told if level.robots else "remove one of them"
+                    told = "move one, or use `team: {meet: pass}`" if level.robots else "remove one"
                     yield Issue("BR305", route, f"{show_cell(cell)} is listed twice", told)
             elif field == "start" and cell in (_exits_from(level, cell) if level.robots else exits):
                 yield Issue(
