@@ -98,9 +98,11 @@ class GridWorld(LevelSpec):
             IndexError: there is no such configuration.
         """
         configurations = self.numbering().configurations
-        if number >= len(configurations):
-            raise IndexError(f"there is no configuration {number}: there are {len(configurations)}")
-        return self.things().at(configurations[number].tolist())
+        try:
+            return self.things().at(configurations[number].tolist())
+        except IndexError:
+            message = f"there is no configuration {number}: there are {len(configurations)}"
+            raise IndexError(message) from None
 
     def grid_at(self, configuration: int) -> Grid:
         """Return walls and cells in a configuration: with a wall at each closed door.
