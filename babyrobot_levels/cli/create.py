@@ -20,7 +20,7 @@ from babyrobot_levels.cli.console import (
     value_option,
     write,
 )
-from babyrobot_levels.cli.inputs import check_name
+from babyrobot_levels.cli.inputs import check_name, is_folder
 from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
@@ -72,7 +72,9 @@ def new_level(
     ] = "grid",
     output: Annotated[
         Path | None,
-        value_option("FILE", "Write to this file.  [default: levels/NAME.yaml]", "--output", "-o"),
+        value_option(
+            "PATH", "Write to this file or folder.  [default: levels/NAME.yaml]", "--output", "-o"
+        ),
     ] = None,
     force: ForceOption = False,
 ) -> None:
@@ -104,6 +106,8 @@ def new_level(
     if not 0 <= puddles <= MAX_PUDDLES:
         fail(f"--puddles must be from 0 to {MAX_PUDDLES:,}, not {puddles:,}")
     path = output or Path("levels", f"{name}.yaml")
+    if is_folder(path):
+        path /= f"{name}.yaml"
     options = StarterOptions(
         name,
         str(template),

@@ -249,9 +249,15 @@ def names_of_files(levels: Iterator[brl.Level]) -> Iterator[tuple[str, brl.Level
         yield name, level
 
 
+def is_folder(output: Path) -> bool:
+    """Return whether a path to write to is a folder, or will be: a file would have a suffix."""
+    is_file = output == STANDARD_OUTPUT or output.suffix != "" or output.exists()
+    return output.is_dir() or not is_file
+
+
 def folder_for(output: Path) -> Path:
     """Return the folder to which files of several levels are written, made if there is none."""
-    if not output.is_dir() and (output == STANDARD_OUTPUT or output.suffix or output.exists()):
+    if not is_folder(output):
         fail(f"{output} is not a folder", "several levels are written to one: -o FOLDER")
     make_folder(output)
     return output

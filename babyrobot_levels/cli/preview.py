@@ -43,6 +43,7 @@ from babyrobot_levels.cli.inputs import (
     each_loaded,
     file_of,
     folder_for,
+    is_folder,
     is_one_level,
     levels_named,
     load_level,
@@ -252,7 +253,9 @@ def preview(
 
       babyrobot preview final-maze frozen-lake --values --format png -o pictures/
     """
-    one = split is None and is_one_level(levels) and not _is_folder(output, picture_format)
+    will_be_folder = output is not None and not picture_format and is_folder(output)
+    has_folder = will_be_folder or (output is not None and output.is_dir())
+    one = split is None and is_one_level(levels) and not has_folder
     chosen = _chosen_format(picture_format, output if one else None, folder=output)
     is_text = chosen.kind == TEXT
     _check_for("seed", chosen, given=seed is not None)
@@ -324,13 +327,6 @@ def preview(
         return
     for result in _each_time(made, file_of(levels[0])) if watch else [made()]:
         put(result, output, chosen.title)
-
-
-def _is_folder(output: Path | None, picture_format: str | None) -> bool:
-    """Return whether a path to write to is a folder, or will be: a file would have a suffix."""
-    if output is None or output.is_dir():
-        return output is not None
-    return not (output.suffix or output.exists() or picture_format)
 
 
 def _put_all(
