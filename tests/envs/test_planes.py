@@ -257,6 +257,7 @@ def test_vectors_of_a_suite_with_diagonal_moves_are_those_of_its_levels() -> Non
     assert suite.reset(seed=0)[0].tolist() == alone.reset(seed=0)[0].tolist()
 
 
+@pytest.mark.slow
 @given(level=levels(), seed=st.integers(0, 9))
 def test_vectors_are_what_planes_and_tables_say_about_the_robot(level: Level, seed: int) -> None:
     env = LevelEnv(level, observation=("planes", "vector"), actions="moves")

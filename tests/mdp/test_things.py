@@ -268,6 +268,7 @@ def test_a_door_that_changes_no_transition_changes_the_digest() -> None:
     assert level_of({**fields, "doors": doors}).digest != level_of(fields).digest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("things", [{}, {"items": [{"name": "key", "at": [1, 0]}]}])
 def test_tables_end_with_their_level(things: dict[str, Any]) -> None:
     level = brl.load({"version": 1, "size": [4, 3], **things})

@@ -62,6 +62,7 @@ def handwritten(scribe: Scribe, world: dict[str, Any]) -> tuple[str, Document]:
     return text, read_back
 
 
+@pytest.mark.slow
 @given(
     decorated_worlds() | thing_worlds(),
     st.randoms(use_true_random=False),
@@ -77,6 +78,7 @@ def test_any_handwriting(world: dict[str, Any], rng: random.Random, chatty: floa
     assert formatted(result) == result
 
 
+@pytest.mark.slow
 @given(worlds(5) | thing_worlds(), st.randoms(use_true_random=False))
 def test_the_digest_stays(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Scribe(rng), world)

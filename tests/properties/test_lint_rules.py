@@ -86,6 +86,7 @@ untimed = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 # -- fixes -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @untimed
 @given(texts())
 def test_safe_fixes_do_not_change_the_mdp(text: str) -> None:
@@ -267,6 +268,7 @@ def codes(text: str) -> set[str]:
     return {each.code for each in found(text)}
 
 
+@pytest.mark.slow
 @untimed
 @given(worlds(4), st.integers(1, 20))
 def test_findings_about_reachability_are_exact(world: World, limit: int) -> None:

@@ -153,6 +153,7 @@ def test_things_are_called_as_in_the_level() -> None:
     assert thing(data, "door east of [4, 2]")["sides"] == [18, 2, 19, 4]
 
 
+@pytest.mark.slow
 def test_every_look_is_there_and_none_twice() -> None:
     data = told()
     looks = data["picture"]["looks"]

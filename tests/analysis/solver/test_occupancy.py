@@ -15,6 +15,7 @@ from babyrobot_levels.analysis.solver.occupancy import occupancy, successor_repr
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 
 
+@pytest.mark.slow
 @given(
     st.integers(0, 10**6), st.sampled_from([0.5, 0.99]), st.sampled_from(["all", "moves", "turns"])
 )

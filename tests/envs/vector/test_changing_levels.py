@@ -456,6 +456,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
 # -- the tables ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(played=st.lists(levels(), min_size=1, max_size=3), first_action=st.sampled_from([0, 1]))
 def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     played: list[Level], first_action: int

@@ -100,6 +100,7 @@ def test_all_can_act_by_chance_and_begin_anew_in_the_same_step() -> None:
         assert 0.3 < (begun == [1, 1]).all(axis=1).mean() < 0.5
 
 
+@pytest.mark.slow
 @given(
     played=st.lists(levels(), min_size=1, max_size=3),
     actions=st.sampled_from(["all", "moves"]),

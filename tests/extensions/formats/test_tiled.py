@@ -59,6 +59,7 @@ def test_a_map_is_what_tiled_saves_but_for_its_version() -> None:
     assert ours == theirs
 
 
+@pytest.mark.slow
 @given(decorated_worlds())
 @settings(suppress_health_check=[HealthCheck.too_slow])
 def test_all_fields_come_back(world: World) -> None:

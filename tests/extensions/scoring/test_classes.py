@@ -306,6 +306,7 @@ def test_an_interrupt_ends_all_that_runs(tmp_path: Path) -> None:
     assert not [each for each in threading.enumerate() if each.name.startswith("ThreadPool")]
 
 
+@pytest.mark.slow
 def test_what_students_are_given_is_there_also_if_they_do_not_hand_it_in(tmp_path: Path) -> None:
     course = tmp_path / "course"
     shutil.copytree(COURSE, course)
