@@ -20,6 +20,7 @@ def _short(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(jax_envs, "mazes", lambda: few)
 
 
+@pytest.mark.sweep
 def test_levels_are_measured_beside_others_and_missing_peers_are_named(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -40,6 +41,7 @@ def test_levels_are_measured_beside_others_and_missing_peers_are_named(
     assert pool.missing == {jax_envs.ENGINE_POOL: "numba is not installed (the extra `fast`)"}
 
 
+@pytest.mark.sweep
 def test_optima_and_regret_in_jax_are_those_of_solve_and_score() -> None:
     import jax_solve
 
@@ -59,6 +61,7 @@ def test_jaxdp_finds_the_same_values() -> None:
     assert np.allclose(own, theirs, rtol=1e-5)
 
 
+@pytest.mark.sweep
 def test_the_tables_name_the_device(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
