@@ -78,6 +78,7 @@ sweep)
     # It lacks the bound of muutils that it needs.
     install_into .venv-libraries maze-dataset==1.4.2 "muutils<0.9"
     with_libraries sweep
+    pages .venv-libraries fast,rllib,sb3,tianshou,torchrl
     make_jax
     with_jax sweep
     make_storm
@@ -87,7 +88,8 @@ sweep)
     ;;
 libraries)
     make_libraries
-    beside_pages .venv-libraries arc,editor,exact,fast,mcp,minari,minigrid,parquet,pettingzoo,rllib,sb3,tianshou,torchrl,trl,umb with_libraries "not sweep"
+    # What pages say of RLlib is run in the sweep: clusters of a page do not come up beside other learners.
+    beside_pages .venv-libraries arc,editor,exact,fast,mcp,minari,minigrid,parquet,pettingzoo,sb3,tianshou,torchrl,trl,umb with_libraries "not sweep"
     exit
     ;;
 jax)
