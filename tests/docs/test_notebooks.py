@@ -17,8 +17,8 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 RUN = [path for path in NOTEBOOKS if path.stem != "jax"]
 """Those that need no library that learns; tests/jax_levels/test_docs.py runs the other."""
 
-LONG = {"learning"}
-"""It learns for half a minute, by functions that have tests of their own."""
+LONG = {"learning", "pomdp"}
+"""They learn for half a minute, by functions that have tests of their own."""
 
 MAX_BYTES = 1_000_000
 """Of a larger notebook, some sites show nothing."""
