@@ -253,8 +253,7 @@ def preview(
 
       babyrobot preview final-maze frozen-lake --values --format png -o pictures/
     """
-    will_be_folder = output is not None and not picture_format and is_folder(output)
-    has_folder = will_be_folder or (output is not None and output.is_dir())
+    has_folder = output is not None and (output.is_dir() if picture_format else is_folder(output))
     one = split is None and is_one_level(levels) and not has_folder
     chosen = _chosen_format(picture_format, output if one else None, folder=output)
     is_text = chosen.kind == TEXT

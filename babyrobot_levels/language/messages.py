@@ -204,9 +204,10 @@ def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint
     if inner := _inner(word, value, fields):
         return "BR201", message + inner[0], inner[1]
     other = _other_name(word, fields) or next(iter(nearest(field, fields, 1, 0.9)), None)
-    text = _further_in(word, value, fields)
-    if text and not (other and model and (text[0] != "w" or takes(model, other, value))):
-        return "BR201", message, text
+    if text := _further_in(word, value, fields):
+        is_fitting = text.startswith("write ")
+        if not (other and model) or (is_fitting and not takes(model, other, value)):
+            return "BR201", message, text
     other = other or next(iter(nearest(field, fields, 1)), None)
     if other is None or model is None:
         metrics = "`expect` takes the metrics that `babyrobot show` shows"
