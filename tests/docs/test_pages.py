@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from support.each import for_each
-from support.pages import all_pages, blocks_of, run_page
+from support.pages import all_pages, blocks_of, blocks_with, run_page
 from support.places import ROOT
 
 BIN = Path(sys.executable).parent
@@ -20,7 +20,7 @@ def faults(tmp_path: Path, page: str, *extras: str) -> list[str]:
     path.write_text(page, encoding="utf-8")
     return [
         fault.removeprefix(f"{path.as_posix()}:")
-        for fault in run_page(path, BIN, set(extras), str(ROOT))
+        for fault in run_page(blocks_of(path), BIN, set(extras), str(ROOT))
     ]
 
 
@@ -118,6 +118,36 @@ def test_a_fault_is_found(block: str, fault: str, tmp_path: Path) -> None:
     (found,) = faults(tmp_path, block + "\n")
     assert found.startswith("2: " if block.startswith("<!--") else "1: ")
     assert fault in found
+
+
+def test_blocks_that_need_extras_come_with_files_and_commands_before_them(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        """\
+<!-- file: my.yaml -->
+```yaml
+```
+```python
+1
+```
+```sh
+2
+```
+<!-- needs: sb3 -->
+```python
+3
+```
+<!-- needs: ray -->
+```python
+4
+```
+```sh
+5
+```
+"""
+    )
+    assert [each.line for each in blocks_with(page, {"sb3"})] == [2, 7, 11]
+    assert not blocks_with(page, {"jax"})
 
 
 # -- the pages -------------------------------------------------------------------------------

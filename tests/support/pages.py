@@ -4,8 +4,8 @@
 
 runs the blocks of pages, each page in a folder of its own, and reports what differs. Without pages,
 all are run. `--with sb3,fast` runs the blocks that need these extras too, and without pages only
-the pages that have such blocks. `--bin FOLDER` names the environment in which the package is
-installed; without it, it is this one, with the package of this checkout.
+those, with the files and commands before them. `--bin FOLDER` names the environment in which the
+package is installed; without it, it is this one, with the package of this checkout.
 """
 
 from __future__ import annotations
@@ -109,6 +109,20 @@ def blocks_of(page: Path) -> list[Block]:
             above -= 1
         blocks.append(Block(page, line, found[2], dedent(found[3]), tuple(marks)))
     return blocks
+
+
+def blocks_with(page: Path, extras: set[str]) -> list[Block]:
+    """Return the blocks of a page that need extras, and what stands before them.
+
+    Code that needs none is left out: nothing but files and commands leaves something to others.
+    """
+    blocks = [each for each in blocks_of(page) if each.is_run and each.needs <= extras]
+    last = max((number for number, each in enumerate(blocks, 1) if each.needs), default=0)
+    return [
+        each
+        for each in blocks[:last]
+        if each.needs or each.value_of("file") or each.language != "python"
+    ]
 
 
 def all_pages() -> list[Path]:
@@ -287,13 +301,15 @@ def _is_shown(value: str, comment: str) -> bool:
     return bool(found == expected)
 
 
-def run_page(page: Path, bin_folder: Path, extras: set[str], path: str = "") -> list[str]:
+def run_page(
+    blocks: Sequence[Block], bin_folder: Path, extras: set[str], path: str = ""
+) -> list[str]:
     """Return what a reader of a page finds wrong, block by block."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve() / "project"
         folder.mkdir()
         reader = Reader(folder, bin_folder, extras, path)
-        return [f"{block}: {fault}" for block in blocks_of(page) for fault in reader.faults(block)]
+        return [f"{block}: {fault}" for block in blocks for fault in reader.faults(block)]
 
 
 def _name_of(page: Path) -> str:
@@ -310,21 +326,18 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     given = parser.parse_args()
     extras = {each for each in given.extras.split(",") if each}
-    pages = given.pages or [
-        page
-        for page in all_pages()
-        if any(
-            block.is_run and block.needs <= extras and (block.needs or not extras)
-            for block in blocks_of(page)
-        )
-    ]
+    if given.pages or not extras:
+        pages = {page: blocks_of(page) for page in given.pages or all_pages()}
+    else:
+        pages = {page: blocks_with(page, extras) for page in all_pages()}
+    pages = {page: blocks for page, blocks in pages.items() if any(b.is_run for b in blocks)}
     bin_folder = (given.bin or Path(sys.executable).parent).absolute()
     path = "" if given.bin else str(ROOT)
     with ThreadPoolExecutor(given.jobs) as pool:
-        faults = pool.map(lambda page: run_page(page, bin_folder, extras, path), pages)
+        faults = pool.map(lambda blocks: run_page(blocks, bin_folder, extras, path), pages.values())
         number = 0
-        for page, found in zip(pages, faults, strict=True):
-            run = [b for b in blocks_of(page) if b.is_run and not b.needs - extras]
+        for (page, blocks), found in zip(pages.items(), faults, strict=True):
+            run = [b for b in blocks if b.is_run and not b.needs - extras]
             print(f"{_name_of(page)}: {len(run)} blocks, {len(found)} faults", flush=True)
             print("".join(f"\n{fault}\n" for fault in found), end="", flush=True)
             number += len(found)

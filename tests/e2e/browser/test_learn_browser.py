@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import re
-import sys
-from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qsl
 
 import pytest
 from playwright.sync_api import Page, expect
 from support.learned import LEARNED, runs_of
-from support.pages import run_page
-from support.places import DOCS, ROOT
+from support.places import DOCS
 from support.playground import FAST, Playground
 
 import babyrobot_levels as brl
@@ -292,11 +289,6 @@ def test_pages_that_do_not_learn_ignore_what_a_link_tells(ground: Playground) ->
 
 
 WORKSHEET = DOCS / "watch-it-learn.md"
-
-
-@pytest.mark.sweep
-def test_the_answers_of_the_worksheet_are_those_of_python() -> None:
-    assert list(run_page(WORKSHEET, Path(sys.executable).parent, set(), str(ROOT))) == []
 
 
 @pytest.mark.sweep
