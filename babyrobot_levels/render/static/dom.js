@@ -42,6 +42,26 @@ export function saveFile(download, text, type = "text/plain") {
   URL.revokeObjectURL(href);
 }
 
+/** Copy a text; pages that are not from this machine have no clipboard, but an element that one has pressed. */
+export async function copyText(text, pressed) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const field = html("textarea", { class: "unseen" });
+    field.value = text;
+    pressed.after(field);
+    field.select();
+    document.execCommand("copy");
+    field.remove();
+    pressed.focus();
+  }
+}
+
+/** Show a text that is read out; the same once more is another text, or it would not be read again. */
+export function readOut(place, text) {
+  place.textContent = place.textContent === text ? `${text}\u00a0` : text;
+}
+
 /** Return what the browser keeps under a name; null for nothing, or without storage. */
 export function recallText(name) {
   try {
@@ -59,6 +79,20 @@ export function keepText(name, text) {
   } catch {
     return false;
   }
+}
+
+/** Return what is kept as JSON under a name; null for nothing, or without storage. */
+export function recalled(name) {
+  try {
+    return JSON.parse(recallText(name));
+  } catch {
+    return null;
+  }
+}
+
+/** Keep something as JSON under a name; returns whether it is kept. */
+export function keepData(name, data) {
+  return keepText(name, JSON.stringify(data));
 }
 
 /** Return three signs, of which some are full stars. @param {number} stars */

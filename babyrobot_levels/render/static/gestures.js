@@ -1,7 +1,7 @@
 // Gestures on the picture: swipes move the robot, pinches zoom, drags scroll.
 
 import { swiped } from "./game.js";
-import { spread, ZOOM_STEP } from "./view.js";
+import { spread } from "./view.js";
 
 /**
  * Listen to the pointers over the stage of a view.
@@ -48,13 +48,5 @@ export function listenToGestures(view, swipe, tap) {
   for (const name of ["pointerup", "pointercancel"]) {
     addEventListener(name, (/** @type {any} */ { pointerId }) => fingers.delete(pointerId));
   }
-  stage.addEventListener(
-    "wheel",
-    (event) => {
-      if (!event.ctrlKey) return;
-      event.preventDefault();
-      view.zoomTo(view.zoom * ZOOM_STEP ** (-event.deltaY / 100), [event.clientX, event.clientY]);
-    },
-    { passive: false },
-  );
+  stage.addEventListener("wheel", (event) => event.ctrlKey && view.wheel(event), { passive: false });
 }

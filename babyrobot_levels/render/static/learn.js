@@ -1,6 +1,7 @@
 // Learn: an algorithm at work, in the picture of the player and in a panel of its own.
 
 import { COMMON } from "./common.js";
+import { copyText } from "./dom.js";
 import { capital, formatted } from "./game.js";
 import { chart, inPython, LearnedLayer, toldUpdate } from "./learned.js";
 import { Learner, USUAL } from "./learner.js";
@@ -53,11 +54,11 @@ export class Learning {
       again: () => this.begin(),
       luck: () => this.begin(String(BigInt(this.options.seed) + 1n)),
       faster: () => this.faster(),
-      copy: () => this.copy(this.python.textContent),
-      link: () => this.copy(location.href),
+      copy: (button) => this.copy(this.python.textContent, button),
+      link: (button) => this.copy(location.href, button),
     };
     for (const button of this.panel.querySelectorAll("[data-learn]")) {
-      button.addEventListener("click", () => this.commands[button.dataset.learn]());
+      button.addEventListener("click", () => this.commands[button.dataset.learn](button));
     }
     for (const name of ["input", "change"]) {
       this.panel.addEventListener(name, ({ target }) => this.change(target, name === "change"));
@@ -366,9 +367,9 @@ export class Learning {
     return true;
   }
 
-  copy(text) {
-    const told = navigator.clipboard?.writeText(text).then(() => "Copied.") ?? Promise.reject();
-    told.catch(() => "This browser does not let the page copy.").then((words) => this.say(words));
+  async copy(text, button) {
+    await copyText(text, button);
+    this.say("Copied.");
   }
 
   /** Tell something, also to screen readers. */

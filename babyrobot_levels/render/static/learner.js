@@ -378,13 +378,8 @@ export class Learner {
 
   /** Return the root of the mean square of the differences from the exact values, where these are finite. */
   error() {
-    let [squares, count] = [0, 0];
-    for (const state of this.problem.reached) {
-      if (!Number.isFinite(this.exact[state])) continue;
-      squares += (this.values[state] - this.exact[state]) ** 2;
-      count += 1;
-    }
-    return Math.sqrt(squares / count);
+    const finite = this.problem.reached.filter((state) => Number.isFinite(this.exact[state]));
+    return Math.sqrt(sum(finite.map((state) => (this.values[state] - this.exact[state]) ** 2)) / finite.length);
   }
 
   /** Count a sweep, a round, or an episode with its return. */

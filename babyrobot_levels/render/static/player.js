@@ -1,7 +1,7 @@
 // The player: a level in the elements of `player.html`, and how it is controlled.
 
 import { keepRun, runOf } from "./address.js";
-import { byId, html, showStars } from "./dom.js";
+import { byId, html, readOut, showStars } from "./dom.js";
 import { Fog, limitSight } from "./fog.js";
 import { capital, formatted, GOAL, SIDES } from "./game.js";
 import { listenToGestures } from "./gestures.js";
@@ -144,10 +144,7 @@ function showButton(button) {
 
 /** Tell screen readers what happened, and which sides are closed now. */
 function speak(message) {
-  const line = byId("spoken");
-  const text = game.end === null ? `${message.replace(/[^.!?]$/, "$&.")} ${closedSides(game)}` : message;
-  // The same text again is only read out if it differs.
-  line.textContent = line.textContent === text ? `${text}\u00a0` : text;
+  readOut(byId("spoken"), game.end === null ? `${message.replace(/[^.!?]$/, "$&.")} ${closedSides(game)}` : message);
 }
 
 /** Tell where the robot is, what is around it, and where the exits lie. */
@@ -325,15 +322,7 @@ function hint() {
   showHint(action);
 }
 
-/** Show or hide the shades of what may be. */
-function toggleBelief() {
-  const button = byId("show-belief");
-  if (button.hidden) return;
-  const isShown = button.getAttribute("aria-pressed") !== "true";
-  button.setAttribute("aria-pressed", isShown);
-  fog.shades.classList.toggle("hidden", !isShown);
-}
-
+/** Show or hide values, optimal actions, or the shades of what may be. */
 function toggle(name) {
   const button = byId(`show-${name}`);
   if (button.hidden) return;
@@ -391,7 +380,7 @@ const CONTROLS = {
   watch: () => byId("watch").hidden || watch(!isWatching),
   values: () => toggle("values"),
   policy: () => toggle("policy"),
-  belief: toggleBelief,
+  belief: () => toggle("belief"),
   turning: turn,
   learn,
   look: () => byId("look").hidden || lookAround(),
@@ -403,29 +392,13 @@ const CONTROLS = {
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),
 };
 
+const MOVE_KEYS = ["arrowup", "arrowright", "arrowdown", "arrowleft", ..."9317"];
 /** What keys do, and those that buttons show. */
 const KEYS = {
-  arrowup: "north",
-  arrowright: "east",
-  arrowdown: "south",
-  arrowleft: "west",
-  w: "north",
-  d: "east",
-  s: "south",
-  a: "west",
-  9: "north-east",
-  3: "south-east",
-  1: "south-west",
-  7: "north-west",
-  " ": "stay",
-  escape: "stop",
-  enter: "onwards",
-  0: "fit",
-  "+": "larger",
-  "=": "larger",
-  "-": "smaller",
+  ...Object.fromEntries(MOVE_KEYS.map((key, at) => [key, SIDES[at + 1]])),
+  ...{ w: "north", d: "east", s: "south", a: "west", " ": "stay" },
+  ...{ escape: "stop", enter: "onwards", 0: "fit", "+": "larger", "=": "larger", "-": "smaller" },
 };
-
 for (const key of document.querySelectorAll("[data-control] > kbd"))
   KEYS[key.textContent.toLowerCase()] = key.parentElement.dataset.control;
 

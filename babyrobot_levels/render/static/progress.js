@@ -1,7 +1,6 @@
 // What the visitor has reached: kept in the browser, for all levels by their digests.
 
-import { byId, html, showStars } from "./dom.js";
-import { keepData, recalled } from "./recalled.js";
+import { byId, html, keepData, recalled, showStars } from "./dom.js";
 
 export const STORE = "babyrobot:progress";
 

@@ -1,4 +1,12 @@
-// Arrow keys in a row of buttons, of which one is chosen.
+// A row of buttons of which one is chosen, such as tabs.
+
+/** Mark the chosen button of a row by an attribute; Tab comes to it alone. */
+export function markChosen(row, chosen, attribute = "aria-selected") {
+  for (const each of row) {
+    each.setAttribute(attribute, each === chosen);
+    each.tabIndex = each === chosen ? 0 : -1;
+  }
+}
 
 /** Have arrow keys choose the button before or after the one with the focus, and Home and End the outermost. */
 export function listenToArrows(row, choose, ways = { ArrowLeft: -1, ArrowRight: 1 }) {

@@ -110,6 +110,12 @@ export class View {
     this.drawMap();
   }
 
+  /** Zoom as a wheel turns, where the pointer is. @param {WheelEvent} event */
+  wheel(event) {
+    event.preventDefault();
+    this.zoomTo(this.zoom * ZOOM_STEP ** (-event.deltaY / 100), [event.clientX, event.clientY]);
+  }
+
   /** Zoom and scroll as two fingers do that were spread in one way, and now are in another. */
   pinch([x, y, distance], [toX, toY, apart]) {
     this.zoomTo((this.zoom * apart) / Math.max(1, distance), [x, y]);

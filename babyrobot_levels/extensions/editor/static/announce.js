@@ -1,6 +1,7 @@
 // What is told to people who do not see the picture: what changed, and what is in a cell.
 
 import { COMMON } from "../../../render/static/common.js";
+import { readOut } from "../../../render/static/dom.js";
 import { capital } from "../../../render/static/game.js";
 import { listed } from "../../../render/static/things.js";
 import { isSameCell, SIDE_NAMES, sidesOfRun } from "./spots.js";
@@ -139,8 +140,7 @@ export class Announcer {
     this.route = route;
   }
 
-  /** Have words read out; what is said twice is another text, or it would not be read again. */
   speak(words) {
-    this.place.textContent = this.place.textContent === words ? `${words}\u00a0` : words;
+    readOut(this.place, words);
   }
 }

@@ -52,8 +52,9 @@ export class Answers {
     this.name.textContent = answers.best_name;
     this.best.textContent = isPending ? "…" : answers.best_text || "none";
     this.best.classList.toggle("pending", isPending);
-    this.change.textContent = isPending ? "is computed when you pause" : changeInWords(answers);
-    this.change.dataset.way = wayOf(answers);
+    const way = wayOf(answers);
+    this.change.textContent = isPending ? "is computed when you pause" : changeInWords(answers, way);
+    this.change.dataset.way = way;
     this.reason.textContent = answers.reason && `${capital(answers.reason)}.`;
     this.reason.hidden = answers.reason === "";
     const isLearning = this.editor.learning?.isSeen; // Then the picture shows what is learned.
@@ -118,10 +119,9 @@ export function offerSets(editor, place) {
 }
 
 /** Describe what the last change did to the optimum; the empty text for nothing. */
-function changeInWords({ best, before, changed }) {
-  const isOther = best !== null && before !== null && formatted(best) !== formatted(before);
+function changeInWords({ before, changed }, way) {
   const cells = changed.length > 0 && `${changed.length} cell${changed.length === 1 ? "" : "s"} changed`;
-  return [isOther && `was ${formatted(before)}`, cells].filter(Boolean).join(", ");
+  return [way && `was ${formatted(before)}`, cells].filter(Boolean).join(", ");
 }
 
 /** Return whether the optimum went "up" or "down" by the last change; the empty text for neither. */

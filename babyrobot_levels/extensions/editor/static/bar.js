@@ -1,6 +1,6 @@
 // The bar: what is open and whether it is saved, undo and redo, and the mode.
 
-import { listenToArrows } from "../../../render/static/steps.js";
+import { listenToArrows, markChosen } from "../../../render/static/steps.js";
 import { finder } from "./html.js";
 
 const OWN_PANELS = ["algorithm", "file"]; // They stay while one draws, whatever is selected.
@@ -59,11 +59,11 @@ export class Panels {
   }
 
   show() {
-    for (const tab of this.tabs) {
-      const isShown = tab.dataset.panel === this.editor.panel;
-      tab.setAttribute("aria-selected", isShown);
-      tab.tabIndex = isShown ? 0 : -1;
-      this.panels.querySelector(`:scope > .${tab.dataset.panel}`).classList.toggle("shown", isShown);
-    }
+    const { panel } = this.editor;
+    markChosen(
+      this.tabs,
+      this.tabs.find(({ dataset }) => dataset.panel === panel),
+    );
+    for (const each of this.panels.children) each.classList.toggle("shown", each.classList.contains(panel));
   }
 }

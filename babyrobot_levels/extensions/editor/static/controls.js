@@ -129,15 +129,20 @@ function textControl({ label, name, default: usual }, change) {
     placeholder: usual ?? "",
     autocomplete: "off",
   });
+  return { element, show: written(element, change) };
+}
+
+/** Call `change` when another text was written in a field, null for none; return what shows a value in it. */
+function written(input, change) {
   let given;
-  element.addEventListener("change", () => {
-    if (element.value !== (given ?? "")) change(element.value === "" ? null : element.value);
+  input.addEventListener("change", () => {
+    const text = input.value.trim();
+    if (text !== (given ?? "")) change(text === "" ? null : text);
   });
-  const show = (value) => {
+  return (value) => {
     given = value;
-    element.value = value ?? "";
+    input.value = value ?? "";
   };
-  return { element, show };
 }
 
 /** Several texts in one line, such as tags. */
@@ -171,16 +176,11 @@ function colorControl({ label, default: usual }, change) {
     autocomplete: "off",
   });
   const palette = html("input", { type: "color", "aria-label": `${label}: palette` });
-  let given;
-  const done = (value) => {
-    if (value !== (given ?? "")) change(value === "" ? null : value);
-  };
-  name.addEventListener("change", () => done(name.value.trim()));
-  palette.addEventListener("change", () => done(palette.value));
+  palette.addEventListener("change", () => change(palette.value));
   const element = html("span", { class: "color" }, palette, name);
+  const showName = written(name, change);
   const show = (value) => {
-    given = value;
-    name.value = value ?? "";
+    showName(value);
     palette.value = digitsOf(value ?? usual ?? "#888888");
     element.classList.toggle("unset", value === undefined);
   };

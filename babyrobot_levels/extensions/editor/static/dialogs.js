@@ -1,6 +1,6 @@
 // Dialogs: what a level is opened from, the forms in which it is handed on, and its file.
 
-import { html, prose, saveFile } from "../../../render/static/dom.js";
+import { copyText, html, prose, saveFile } from "../../../render/static/dom.js";
 import { button, finder } from "./html.js";
 
 /** Save the text as a file of the browser's downloads. Returns whether that is known to Python. */
@@ -131,7 +131,8 @@ class CopyDialog {
     this.copied = find("[role=status]");
     this.download = find(".download");
     this.download.onclick = () => download(editor);
-    find(".chief").onclick = () => this.copy();
+    this.chief = find(".chief");
+    this.chief.onclick = () => this.copy();
     for (const each of this.forms) each.onclick = () => this.choose(each);
   }
 
@@ -155,12 +156,7 @@ class CopyDialog {
   }
 
   async copy() {
-    this.shown.select();
-    try {
-      await navigator.clipboard.writeText(this.shown.value);
-    } catch {
-      document.execCommand("copy"); // Pages that are not from this machine have no clipboard.
-    }
+    await copyText(this.shown.value, this.chief);
     this.copied.textContent = "Copied.";
   }
 }

@@ -7,6 +7,7 @@ import { beyond, cornersOf, isSameCell, SIDE_NAMES, sidesOfRun } from "./spots.j
 import { isInside, sizeOf, toolNamed } from "./tools.js";
 
 const TARGET = matchMedia("(pointer: coarse)").matches ? 44 : 28; // The side of what takes a handle, in pixels,
+const WIND_TARGET = 26;
 const RIM = 16; // and how far its middle is from the border.
 const INSET = COMMON.cell / 8; // How far from their border the cells are outlined that a mover wanders in.
 const CURSOR = COMMON.cell / 16; // And that of the cursor.
@@ -137,22 +138,19 @@ export class Overlay {
     const box = this.box([-dx, -dy], [width, height]);
     return [
       ...this.outlined(boxPath(box), "build"),
-      ...this.label(`${width} × ${height}`, [box.x + box.width / 2, box.y + box.height / 2]),
+      this.label(`${width} × ${height}`, [box.x + box.width / 2, box.y + box.height / 2]),
     ];
   }
 
   /** Return words on a plate around a point, of the same size at any zoom. */
-  label(words, [x, y], pixels = 15) {
-    const { unit } = this.stage;
-    const [wide, high] = [words.length * 0.62 * pixels + 12, pixels + 8];
-    return [
-      element(
-        "g",
-        { transform: `translate(${x} ${y}) scale(${unit})`, class: "label" },
-        element("rect", { x: -wide / 2, y: -high / 2, width: wide, height: high, rx: 6 }),
-        element("text", { y: 0.36 * pixels, "text-anchor": "middle", "font-size": pixels }, words),
-      ),
-    ];
+  label(words, [x, y]) {
+    const [wide, high] = [9.3 * words.length + 12, 23];
+    return element(
+      "g",
+      { transform: `translate(${x} ${y}) scale(${this.stage.unit})`, class: "label" },
+      element("rect", { x: -wide / 2, y: -high / 2, width: wide, height: high, rx: 6 }),
+      element("text", { y: 5.4, "text-anchor": "middle", "font-size": 15 }, words),
+    );
   }
 
   /** Return the ways of movers, and lines from things to the doors and exits that need them. */
@@ -224,20 +222,18 @@ export class Overlay {
     const ends = this.ends();
     return GRIPS.map(([dx, dy]) => {
       const at = [dx, dy].map((way, axis) => (way === 0 ? size[axis] / 2 : way < 0 ? -this.rim : ends[axis]));
-      const [x, y] = this.corner(...at);
       const shape = dx * dy !== 0 ? "M-5 -5h10v10h-10z" : dx === 0 ? "M-12 -3.5h24v7h-24z" : "M-3.5 -12h7v24h-7z";
-      return element(
-        "g",
-        {
-          class: "grip",
-          "data-handle": "size",
-          "data-way": `${dx} ${dy}`,
-          transform: `translate(${x} ${y}) scale(${this.stage.unit})`,
-        },
-        element("rect", { x: -TARGET / 2, y: -TARGET / 2, width: TARGET, height: TARGET, class: "target" }),
-        element("path", { d: shape }),
-      );
+      const data = { class: "grip", "data-handle": "size", "data-way": `${dx} ${dy}` };
+      return this.handle(at, data, TARGET, element("path", { d: shape }));
     });
+  }
+
+  /** Return what is taken around a point in cells, of the same size at any zoom. */
+  handle(at, data, side, ...shapes) {
+    const [x, y] = this.corner(...at);
+    const transform = `translate(${x} ${y}) scale(${this.stage.unit})`;
+    const target = element("rect", { x: -side / 2, y: -side / 2, width: side, height: side, class: "target" });
+    return element("g", { ...data, transform }, target, ...shapes);
   }
 
   winds() {
@@ -245,7 +241,7 @@ export class Overlay {
     const [right, bottom] = this.ends();
     const { rim } = this;
     const arrows = (count, side, at) =>
-      Array.from({ length: count }, (_, index) => this.wind(side, index, this.corner(...at(index + 0.5))));
+      Array.from({ length: count }, (_, index) => this.wind(side, index, at(index + 0.5)));
     return [
       ...arrows(width, "N", (along) => [along, -rim]),
       ...arrows(width, "S", (along) => [along, bottom]),
@@ -254,22 +250,14 @@ export class Overlay {
     ];
   }
 
-  wind(side, index, [x, y]) {
+  wind(side, index, at) {
     const strength = this.strengthOf(side, index);
     const turn = 90 * "NESW".indexOf(side);
-    return element(
-      "g",
-      {
-        class: `wind ${strength > 0 ? "on" : ""}`,
-        "data-handle": "wind",
-        "data-side": side,
-        "data-index": index,
-        transform: `translate(${x} ${y}) scale(${this.stage.unit})`,
-      },
-      element("rect", { x: -13, y: -13, width: 26, height: 26, class: "target" }),
-      element("path", { d: "M0 -10l9 9h-5v8h-8v-8h-5z", transform: `rotate(${turn})` }),
-      ...(strength > 0 ? [element("text", { y: 4, "text-anchor": "middle", "font-size": 11 }, String(strength))] : []),
-    );
+    const data = { "data-handle": "wind", "data-side": side, "data-index": index };
+    const shapes = [element("path", { d: "M0 -10l9 9h-5v8h-8v-8h-5z", transform: `rotate(${turn})` })];
+    if (strength > 0)
+      shapes.push(element("text", { y: 4, "text-anchor": "middle", "font-size": 11 }, String(strength)));
+    return this.handle(at, { class: `wind ${strength > 0 ? "on" : ""}`, ...data }, WIND_TARGET, ...shapes);
   }
 
   strengthOf(side, index) {

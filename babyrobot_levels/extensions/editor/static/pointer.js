@@ -1,6 +1,5 @@
 // Drawing: from where a pointer is pressed to where it is released is one gesture, and one message.
 
-import { ZOOM_STEP } from "../../../render/static/view.js";
 import { gestureOf, sendOrSelect, takenAt, thingsAt, toolAt } from "./tools.js";
 
 const EDGE = 20; // How near to the edge of the stage, in pixels, a pointer scrolls the picture,
@@ -157,9 +156,7 @@ export class Pointer {
   wheel(event) {
     const { selection } = this.editor;
     if (event.ctrlKey) {
-      event.preventDefault();
-      const { view } = this.stage;
-      view.zoomTo(view.zoom * ZOOM_STEP ** (-event.deltaY / 100), [event.clientX, event.clientY]);
+      this.stage.view.wheel(event);
     } else if (
       selection?.fields.pass > 0 &&
       this.isDrawing &&

@@ -180,15 +180,18 @@ export class PolicyDrawing {
     });
   }
 
+  get allCells() {
+    const { game } = this.editor;
+    return Array.from({ length: game.cells }, (_, cell) => game.place(cell));
+  }
+
   show() {
     const layer = this.editor.stage.layer("drawn-policy");
     if (!this.isOn) {
       layer.replaceChildren();
       return;
     }
-    const { game } = this.editor;
-    const cells = Array.from({ length: game.cells }, (_, cell) => game.place(cell));
-    const seen = cells.map((cell) => [cell, this.actionAt(cell)]).filter(([, action]) => action >= 0);
+    const seen = this.allCells.map((cell) => [cell, this.actionAt(cell)]).filter(([, action]) => action >= 0);
     layer.replaceChildren(...seen.map(([cell, action]) => this.arrow(cell, action)));
   }
 
@@ -209,8 +212,7 @@ export class PolicyDrawing {
     if (this.isAsking || !this.editor.state.is_valid) return;
     this.isAsking = true;
     try {
-      const { game } = this.editor;
-      const cells = Array.from({ length: game.cells }, (_, cell) => game.place(cell));
+      const cells = this.allCells;
       const rows = new Map(
         [...this.situations.keys()].map((held) => [held, cells.map((cell) => this.actionAt(cell, held))]),
       );

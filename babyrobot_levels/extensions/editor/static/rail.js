@@ -4,7 +4,7 @@ import { COMMON } from "../../../render/static/common.js";
 import { html } from "../../../render/static/dom.js";
 import { capital } from "../../../render/static/game.js";
 import { element } from "../../../render/static/paint.js";
-import { listenToArrows } from "../../../render/static/steps.js";
+import { listenToArrows, markChosen } from "../../../render/static/steps.js";
 import { tapped } from "./html.js";
 import { MIRRORS, mirror } from "./region.js";
 import { TOOLS, toolNamed } from "./tools.js";
@@ -56,12 +56,9 @@ export class Rail {
 
   show() {
     const { tool, modifiers } = this.editor;
-    for (const button of this.tools) {
-      const isChosen = button.dataset.tool === tool;
-      button.setAttribute("aria-pressed", isChosen);
-      button.tabIndex = isChosen ? 0 : -1;
-      if (isChosen) button.scrollIntoView({ block: "nearest", inline: "nearest" });
-    }
+    const chosen = this.tools.find(({ dataset }) => dataset.tool === tool);
+    markChosen(this.tools, chosen, "aria-pressed");
+    chosen.scrollIntoView({ block: "nearest", inline: "nearest" });
     for (const button of this.modifiers) button.setAttribute("aria-pressed", modifiers[button.dataset.modifier]);
   }
 }

@@ -1,7 +1,6 @@
 // The editor as a site: its messages go to Python in a worker of this browser.
 
-import { html } from "../../../render/static/dom.js";
-import { keepData, recalled } from "../../../render/static/recalled.js";
+import { html, keepData, recalled } from "../../../render/static/dom.js";
 import { FIRST_TIME, Python, PythonConnection, STARTING } from "./python.js";
 import { fillWindow } from "./window.js";
 

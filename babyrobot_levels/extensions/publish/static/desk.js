@@ -1,7 +1,7 @@
 // The page in which students write the functions of a course, and see in which levels they are right.
 
 import { byId, html, keepText, recallText, saveFile } from "../../../render/static/dom.js";
-import { listenToArrows } from "../../../render/static/steps.js";
+import { listenToArrows, markChosen } from "../../../render/static/steps.js";
 
 const SECONDS = 60; // That a function may take in a level.
 const INDENT = "    ";
@@ -37,12 +37,9 @@ function tell(said) {
 function choose(wanted) {
   end();
   chosen = wanted;
-  for (const tab of tabs.children) {
-    const isChosen = tab.textContent === `${wanted.name}.py`;
-    tab.setAttribute("aria-selected", String(isChosen));
-    tab.tabIndex = isChosen ? 0 : -1;
-    if (isChosen) panel.setAttribute("aria-labelledby", tab.id);
-  }
+  const tab = tabs.children[course.functions.indexOf(wanted)];
+  markChosen(tabs.children, tab);
+  panel.setAttribute("aria-labelledby", tab.id);
   text.value = textOf(wanted);
   text.setAttribute("aria-label", `${wanted.name}.py`);
   found.replaceChildren();

@@ -1,8 +1,8 @@
 // The page of a level: tabs, texts to copy, and what the visitor has reached.
 
-import { byId } from "../../../render/static/dom.js";
+import { byId, copyText } from "../../../render/static/dom.js";
 import { reachedIn } from "../../../render/static/progress.js";
-import { listenToArrows } from "../../../render/static/steps.js";
+import { listenToArrows, markChosen } from "../../../render/static/steps.js";
 
 const COPIED = 2000; // Milliseconds for which a button says so.
 const level = byId("level");
@@ -33,11 +33,8 @@ function beginIfSeen() {
 }
 
 function chooseTab(tab) {
-  for (const each of tabs) {
-    each.setAttribute("aria-selected", each === tab);
-    each.tabIndex = each === tab ? 0 : -1;
-    panelOf(each).hidden = each !== tab;
-  }
+  markChosen(tabs, tab);
+  for (const each of tabs) panelOf(each).hidden = each !== tab;
   tab.scrollIntoView?.({ block: "nearest", inline: "nearest" });
   beginIfSeen();
 }
@@ -67,18 +64,7 @@ listenToArrows(tabList, open);
 // -- texts to copy -------------------------------------------------------------------------
 
 async function copy(text, button) {
-  try {
-    await navigator.clipboard.writeText(text);
-  } catch {
-    const field = document.createElement("textarea");
-    field.value = text;
-    field.className = "unseen";
-    button.after(field);
-    field.select();
-    document.execCommand("copy");
-    field.remove();
-    button.focus();
-  }
+  await copyText(text, button);
   const [label] = button.childNodes;
   const before = (button.dataset.label ??= label.data);
   label.data = "Copied";

@@ -52,11 +52,6 @@ function time() {
   return parts.map((part, index) => String(Math.floor(part)).padStart(index ? 2 : 4, "0")).join(":");
 }
 
-/** Listen to the page of the level. */
-function listen() {
-  frame.contentDocument?.addEventListener("episodeend", (/** @type {any} */ { detail }) => tell(detail));
-}
-
 /** Return who plays, as the system knows them: `Lovelace, Ada (1815)`. */
 function player() {
   const [name, id] = ["name", "id"].map((each) => system.LMSGetValue(`cmi.core.student_${each}`));
@@ -72,7 +67,9 @@ if (system) {
     system.LMSCommit("");
   }
   page += `?player=${encodeURIComponent(player())}`;
-  frame.addEventListener("load", listen);
+  frame.addEventListener("load", () =>
+    frame.contentDocument?.addEventListener("episodeend", (/** @type {any} */ { detail }) => tell(detail)),
+  );
   addEventListener("pagehide", () => {
     system.LMSSetValue("cmi.core.session_time", time());
     system.LMSSetValue("cmi.core.exit", "suspend");

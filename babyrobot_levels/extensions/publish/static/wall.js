@@ -1,9 +1,8 @@
 // The wall of a gallery: filters, search, order, films, and the visitor's progress. The address
 // after its `#` holds what is chosen, so that it can be linked and the Back button returns to it.
 
-import { byId, html, starSigns } from "../../../render/static/dom.js";
+import { byId, html, keepData, starSigns } from "../../../render/static/dom.js";
 import { STORE, storedProgress } from "../../../render/static/progress.js";
-import { keepData } from "../../../render/static/recalled.js";
 
 const SORTS = ["size", "difficulty", "steps", "return"];
 const FILM_DELAY = 150; // Milliseconds: the pointer passes over tiles on its way to another.
