@@ -129,11 +129,11 @@ function textControl({ label, name, default: usual }, change) {
     placeholder: usual ?? "",
     autocomplete: "off",
   });
-  return { element, show: written(element, change) };
+  return { element, show: textField(element, change) };
 }
 
 /** Call `change` when another text was written in a field, null for none; return what shows a value in it. */
-function written(input, change) {
+function textField(input, change) {
   let given;
   input.addEventListener("change", () => {
     const text = input.value.trim();
@@ -178,7 +178,7 @@ function colorControl({ label, default: usual }, change) {
   const palette = html("input", { type: "color", "aria-label": `${label}: palette` });
   palette.addEventListener("change", () => change(palette.value));
   const element = html("span", { class: "color" }, palette, name);
-  const showName = written(name, change);
+  const showName = textField(name, change);
   const show = (value) => {
     showName(value);
     palette.value = digitsOf(value ?? usual ?? "#888888");
