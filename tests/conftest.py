@@ -149,7 +149,12 @@ def browser() -> Iterator[Browser]:
     from playwright.sync_api import Error, sync_playwright
 
     system = shutil.which("chromium") or shutil.which("chromium-browser")
-    options = [NO_NETWORK, f"--disable-features={','.join(UNUSED_FEATURES.split())}"]
+    # There is no GPU: what is drawn as if on one takes longer than what is painted at once.
+    options = [
+        NO_NETWORK,
+        "--disable-gpu",
+        f"--disable-features={','.join(UNUSED_FEATURES.split())}",
+    ]
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         # Chromium's sandbox refuses to work for root.
         options.append("--no-sandbox")
