@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -16,7 +17,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from jsonschema import Draft4Validator
-from support.findings import FIX, HOSTILE, MADE_UP, REAL, TITLES, finding
+from support.findings import FIX, HOSTILE, MADE_UP, TITLES, finding, real
 
 from babyrobot_levels.linter.reporters import render
 from babyrobot_levels.linter.rules import select, titles
@@ -43,19 +44,19 @@ def test_the_schema_is_the_official_one() -> None:
     assert not VALIDATOR.is_valid(log)
 
 
-@pytest.mark.parametrize("found", [[], MADE_UP, REAL], ids=["nothing", "made up", "real"])
-def test_reports_are_valid(found: list[Diagnostic]) -> None:
-    run = run_of(*found)
-    assert len(run["results"]) == len(found)
+@pytest.mark.parametrize("find", [list, MADE_UP.copy, real], ids=["nothing", "made up", "real"])
+def test_reports_are_valid(find: Callable[[], list[Diagnostic]]) -> None:
+    run = run_of(*find())
+    assert len(run["results"]) == len(find())
     driver = run["tool"]["driver"]
     assert (driver["name"], driver["version"]) == ("babyrobot", "1.2.3")
 
 
 def test_each_result_points_at_its_rule() -> None:
-    run = run_of(*REAL, *MADE_UP)
+    run = run_of(*real(), *MADE_UP)
     rules = run["tool"]["driver"]["rules"]
     codes = [rule["id"] for rule in rules]
-    assert codes == sorted({diagnostic.code for diagnostic in [*REAL, *MADE_UP]})
+    assert codes == sorted({diagnostic.code for diagnostic in [*real(), *MADE_UP]})
     for result in run["results"]:
         assert rules[result["ruleIndex"]]["id"] == result["ruleId"]
 
@@ -209,9 +210,9 @@ def test_a_finding_is_one_command() -> None:
 
 
 def test_every_finding_has_its_position() -> None:
-    told = commands(render("github", [*REAL, *MADE_UP], [], TITLES, ""))
-    assert len(told) == len(REAL) + len(MADE_UP)
-    for command, diagnostic in zip(told, [*REAL, *MADE_UP], strict=True):
+    told = commands(render("github", [*real(), *MADE_UP], [], TITLES, ""))
+    assert len(told) == len(real()) + len(MADE_UP)
+    for command, diagnostic in zip(told, [*real(), *MADE_UP], strict=True):
         assert command.properties["file"] == one_line(diagnostic.file)
         assert command.properties["line"] == str(diagnostic.line)
         assert command.properties["endLine"] == str(diagnostic.end.line)
@@ -287,8 +288,8 @@ def test_findings_in_other_files_are_included() -> None:
 
 
 def test_every_file_with_findings_fails() -> None:
-    files = list(dict.fromkeys(diagnostic.file for diagnostic in [*REAL, *MADE_UP]))
-    inner = suite([*REAL, *MADE_UP], files)
+    files = list(dict.fromkeys(diagnostic.file for diagnostic in [*real(), *MADE_UP]))
+    inner = suite([*real(), *MADE_UP], files)
     assert [case.attrib["name"] for case in inner] == [one_line(file) for file in files]
     assert all(len(case) == 1 for case in inner)
 

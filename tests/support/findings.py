@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix, Severity
 from babyrobot_levels.text.source import Position, SourceFile, Span
 from support.reports import BAD, read
 
-REAL = [diagnostic for path in BAD for diagnostic in read(path)[1]]
-"""What is wrong with the faulty files of the tests."""
+
+@cache
+def real() -> list[Diagnostic]:
+    """Return what is wrong with the faulty files of the tests: they take a second to read."""
+    return [diagnostic for path in BAD for diagnostic in read(path)[1]]
+
 
 TITLES = {"BR105": "a field is there twice", "BR601": "a title, with: 100%"}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from itertools import compress
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 from support.codes import played
+from support.combinations import swept
 from support.playground import KEYS, Playground, guide
 from support.vault import vault
 
@@ -105,7 +107,7 @@ def test_a_robot_that_turns_has_the_environments_episodes_too(ground: Playground
     assert ground.number("steps") == steps
 
 
-@pytest.mark.parametrize("actions", ["all", "turns"])
+@pytest.mark.parametrize("actions", swept(["turns"], ["all"]))
 def test_the_optimal_policy_has_the_environments_episode(actions: str, ground: Playground) -> None:
     best = replace(guide(LOOKING), turning=guide(LOOKING, "turns"))
     known = best if actions == "all" else best.turning
@@ -293,15 +295,22 @@ def test_a_link_shows_things_and_forgets_them_again(ground: Playground) -> None:
     expect(ground.page.locator("#turning")).to_be_hidden()
 
 
-DATA: Any = page_data(LOOKING, guide=replace(guide(LOOKING), turning=guide(LOOKING, "turns")))
-NAMES = [thing["name"] for thing in DATA["things"]]
+@cache
+def page_of_vault() -> Any:
+    """Return the data of a page, which takes seconds: tests that need it ask for it."""
+    return page_data(LOOKING, guide=replace(guide(LOOKING), turning=guide(LOOKING, "turns")))
+
+
+def thing_of(data: Any, name: str) -> int:
+    """Return the number of a thing."""
+    return [thing["name"] for thing in data["things"]].index(name)
 
 
 def field(value: Any, *route: Any) -> Callable[[Any], None]:
     def put(data: Any) -> None:
         inner = data
         for key in route[:-1]:
-            inner = inner[NAMES.index(key) if inner is data["things"] else key]
+            inner = inner[thing_of(data, key) if inner is data["things"] else key]
         inner[route[-1]] = value
 
     return put
@@ -319,7 +328,7 @@ HOSTILE: dict[str, Callable[[Any], object]] = {
     "phases above the last": field(4, "things", "guard", "values", 0),
     "places of movers off the grid": field([35], "things", "guard", "cells", 0),
     "places of items off the grid": field([35], "things", "coin", "cells", 0),
-    "fewer places than values": lambda data: data["things"][NAMES.index("key")]["cells"].pop(),
+    "fewer places than values": lambda data: data["things"][thing_of(data, "key")]["cells"].pop(),
     "looks that are not there": field([10**6], "things", "key", "looks", 0),
     "movers without a look": field([], "things", "guard", "looks", 0),
     "labels that are not there": field(10**6, "things", "bat", "label"),
@@ -339,13 +348,14 @@ HOSTILE: dict[str, Callable[[Any], object]] = {
 def test_what_are_no_things_is_not_shown(ground: Playground) -> None:
     ground.open(Level.from_fields({"version": 1, "size": [4, 3], "title": "Plain"}))
     # Otherwise the page would pass that shows nothing.
-    ground.follow(played(DATA))
+    whole = page_of_vault()
+    ground.follow(played(whole))
     expect(ground.page.locator("#notice")).to_be_hidden()
     assert ground.page.title() == "The vault"
     for name, spoil in HOSTILE.items():
-        data = copy.deepcopy(DATA)
+        data = copy.deepcopy(whole)
         spoil(data)
-        assert data != DATA, name
+        assert data != whole, name
         ground.follow(played(data))
         notice = ground.page.locator("#notice")
         expect(notice, name).to_contain_text("its content is not a level")
