@@ -120,18 +120,26 @@ def test_a_level_is_drawn_mended_saved_and_shared_offline(
     visit: Visit, server: StaticServer, tmp_path: Path
 ) -> None:
     page = visit()
-    cut_off(page, server)
-    page.reload()
-    starts(page)
     stage, text = page.locator(".stage"), text_of(page)
     for key in ("4", "ArrowRight", "ArrowRight", "Space"):
         stage.press(key)
     expect(text).to_have_value(re.compile(r"^blocked:", re.M))
     expect(page.locator(".file-state")).to_have_text("in this browser, not saved")
-    # What is kept here is there again.
+    # What is kept here is there again, its picture before Python is.
+    cut_off(page, server)
     page.reload()
+    picture = page.locator(".stage > img")
+    expect(picture).to_be_visible()
+    expect(page.locator(".notice")).to_contain_text("Starting Python")
+    blocked = BUILTIN_THEMES["default"].colors.blocked.removeprefix("#")
+    assert blocked in (picture.get_attribute("src") or "")
     starts(page)
+    expect(picture).to_have_count(0)
+    expect(page.locator(".notice")).to_be_empty()
     expect(text).to_have_value(re.compile(r"^blocked:", re.M))
+    for key in ("2", "ArrowDown", "Space"):
+        stage.press(key)
+    expect(text).to_have_value(re.compile(r"^puddles:", re.M))
     text.fill(TEXT.replace("size", "sise"))
     expect(page.locator(".problem")).to_contain_text("did you mean size?")
     text.fill(TEXT + TWO_WALLS)
@@ -234,23 +242,6 @@ def test_what_was_drawn_before_a_link_was_opened_is_there_again(visit: Visit) ->
     expect(text_of(page)).to_have_value(drawn)
 
 
-def test_a_picture_is_there_before_python_is(visit: Visit) -> None:
-    page = visit()
-    for key in ("4", "ArrowRight", "Space"):
-        page.locator(".stage").press(key)
-    expect(text_of(page)).to_have_value(re.compile(r"^blocked:", re.M))
-    page.reload()
-    picture = page.locator(".stage > img")
-    expect(picture).to_be_visible()
-    expect(page.locator(".notice")).to_contain_text("Starting Python")
-    # It is that of what was drawn.
-    blocked = BUILTIN_THEMES["default"].colors.blocked.removeprefix("#")
-    assert blocked in (picture.get_attribute("src") or "")
-    starts(page)
-    expect(picture).to_have_count(0)
-    expect(page.locator(".notice")).to_be_empty()
-
-
 def pass_time(page: Page) -> None:
     """Let half a minute pass for the page, which has just sent something."""
     page.clock.run_for(1_000)
@@ -333,6 +324,7 @@ def numeric_runtime(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return wheels
 
 
+@pytest.mark.sweep
 def test_python_in_the_browser_answers_as_anywhere(visit: Visit, tmp_path: Path) -> None:
     messages = [*MESSAGES, *NUMERIC]
     answered = visit().evaluate(REPLIES, [TEXT, messages, False])
@@ -403,6 +395,7 @@ def test_a_site_has_numpy_if_the_folder_has_it(tmp_path: Path) -> None:
     assert (site / "python" / scipy.name).read_bytes() == scipy.read_bytes()
 
 
+@pytest.mark.sweep
 def test_numpy_is_loaded_from_the_site_that_has_it(page: Page, tmp_path: Path) -> None:
     given = tmp_path / "given"
     shutil.copytree(runtime(), given)

@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import expect
-from support.combinations import swept
 from support.editors import OpenEditor
 from support.numberless import (
     MESSAGES,
@@ -58,7 +57,6 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "messages": ("replies", [TEXT, MESSAGES]),
         "numeric": ("replies", [TEXT, NUMERIC]),
         **{name: ("state_of_level", [name]) for name in LEVELS},
-        **{f"{name}, drawn": ("texts_after", [name, 7, 25]) for name in LEVELS},
     }
     answers = asked([*questions.values()], tmp_path_factory.mktemp("numberless"))
     return dict(zip(questions, answers, strict=True))
@@ -103,9 +101,11 @@ def test_a_level_is_read_drawn_and_copied_alike(told: dict[str, Any], name: str)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", swept(list(LEVELS)[:3], LEVELS))
-def test_gestures_make_the_same_texts(told: dict[str, Any], name: str) -> None:
-    assert told[f"{name}, drawn"] == texts_after(name, 7, 25)
+@pytest.mark.parametrize("names", [LEVELS[:3], pytest.param(LEVELS[3:], marks=pytest.mark.sweep)])
+def test_gestures_make_the_same_texts(names: list[str], tmp_path: Path) -> None:
+    questions = [("texts_after", [name, 7, 25]) for name in names]
+    for name, drawn in zip(names, asked(questions, tmp_path), strict=True):
+        assert drawn == texts_after(name, 7, 25), name
 
 
 @pytest.mark.slow
