@@ -52,10 +52,10 @@ def killed(call: str) -> list[dict[str, Any]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-CALLS: list[tuple[str, str | None, str | None]] = [
-    ("upgrade", "1.0.0", "2.0.0"),
-    ("install", None, "2.0.0"),
-    ("uninstall", "1.0.0", None),
+CALLS = [
+    pytest.param("upgrade", "1.0.0", "2.0.0"),
+    pytest.param("install", None, "2.0.0", marks=pytest.mark.sweep),
+    pytest.param("uninstall", "1.0.0", None, marks=pytest.mark.sweep),
 ]
 """What is called, and which version is there before it and after it."""
 

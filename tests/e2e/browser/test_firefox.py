@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from support.combinations import swept
 from support.editors import served
 from support.firefox import Firefox, FirefoxPage, firefox
 from support.learned import LEARNED, runs_of
@@ -166,7 +167,7 @@ def titles(page: FirefoxPage) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("width", swept([1280], [390]))
 def test_a_gallery_is_searched_and_a_level_opened(
     width: int, browser: Firefox, gallery: str
 ) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
+from support.combinations import swept
 from support.playground import KEYS, Playground, guide, level
 
 from babyrobot_levels.render.page import to_html
@@ -83,7 +84,7 @@ WET = level(
 )
 
 
-@pytest.mark.parametrize("seed", [0, 2**40 + 7])
+@pytest.mark.parametrize("seed", swept([2**40 + 7], [0]))
 def test_a_seed_and_the_same_actions_give_the_environments_episode(
     seed: int, ground: Playground
 ) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.combinations import swept
 from support.playground import FAST, Playground
 
 import babyrobot_levels as brl
@@ -38,7 +39,7 @@ def downloaded(ground: Playground, folder: Path) -> brl.Play:
     return brl.read_plays(folder / "page.brlplay")[-1]
 
 
-@pytest.mark.parametrize("arrived", ["leave", "stay"])
+@pytest.mark.parametrize("arrived", swept(["stay"], ["leave"]))
 def test_two_players_on_one_keyboard(ground: Playground, tmp_path: Path, arrived: str) -> None:
     level = brl.load({**TEAM, "team": {"arrived": arrived}})
     random, states = np.random.default_rng(3), set()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.combinations import swept
 from support.editors import OpenEditor
 from support.hands import SAYS, Finger, Hand, Keys, Mouse
 from support.packs import babyrobot
@@ -27,7 +28,7 @@ items:
 """
 
 
-@pytest.mark.parametrize("kind", [Mouse, Keys, Finger])
+@pytest.mark.parametrize("kind", swept([Keys, Finger], [Mouse]))
 def test_the_final_maze_is_drawn_from_an_empty_grid(
     kind: type[Hand], editor_page: OpenEditor, tmp_path: Path
 ) -> None:
@@ -49,7 +50,7 @@ def test_the_final_maze_is_drawn_from_an_empty_grid(
         assert result.status == 0, result.out + result.err
 
 
-@pytest.mark.parametrize("kind", [Mouse, Keys, Finger])
+@pytest.mark.parametrize("kind", swept([Keys, Finger], [Mouse]))
 def test_a_region_is_copied_and_stamped_mirrored(kind: type[Hand], editor_page: OpenEditor) -> None:
     hand = kind(editor_page(ROOM, **kind.context))
     hand.copy((0, 0), (0, 1))
@@ -68,7 +69,7 @@ def test_a_region_is_copied_and_stamped_mirrored(kind: type[Hand], editor_page: 
     assert hand.editor.session.text == ROOM
 
 
-@pytest.mark.parametrize("kind", [pytest.param(Mouse, marks=pytest.mark.sweep), Finger])
+@pytest.mark.parametrize("kind", swept([Finger], [Mouse]))
 def test_a_second_robot_is_added_gets_an_exit_is_moved_and_erased(
     kind: type[Hand], editor_page: OpenEditor
 ) -> None:

@@ -46,7 +46,7 @@ def made(env_id: str, seed: int) -> tuple[Any, Level]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", swept(list(SAME)[:3], SAME))
+@pytest.mark.parametrize("name", swept(["Empty-5x5", "Empty-Random-6x6", "LavaGapS5"], SAME))
 def test_grids_without_objects_are_the_same_game(name: str) -> None:
     for seed in SEEDS:
         env_id = f"MiniGrid-{name}-v0"
