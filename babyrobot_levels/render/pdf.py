@@ -69,6 +69,7 @@ def composition(character: str) -> str:
     return ""
 
 
+@lru_cache(maxsize=4096)
 def advance(character: str, *, bold: bool = False) -> int:
     """Return the width of a character in thousandths of the font size.
 
@@ -84,7 +85,12 @@ def advance(character: str, *, bold: bool = False) -> int:
 
 def width_of(text: str, size: float, *, bold: bool = False) -> float:
     """Return the width of a line of text, in the unit of the font size."""
-    return sum(advance(character, bold=bold) for character in text) * size / 1000
+    return _advances(text, bold) * size / 1000
+
+
+def _advances(text: str, bold: bool) -> int:
+    """Return the width of a line of text in thousandths of the font size."""
+    return sum(advance(character, bold=bold) for character in text)
 
 
 def cut(text: str, width: float, size: float, *, bold: bool = False) -> str:
@@ -105,16 +111,21 @@ def wrapped(text: str, width: float, size: float, *, bold: bool = False) -> list
         size: the font size.
         bold: whether it is in bold.
     """
-    lines = [""]
+    lines, taken = [""], 0
     for word in _words(text):
-        if width_of(lines[-1] + word.rstrip(), size, bold=bold) > width and lines[-1]:
+        more = _advances(word.rstrip(), bold)
+        if (taken + more) * size / 1000 > width and lines[-1]:
             lines.append("")
+            taken = 0
         for character in word:
             # A word that is too long for a line is broken anywhere.
-            full = width_of(lines[-1] + character, size, bold=bold) > width
+            more = advance(character, bold=bold)
+            full = (taken + more) * size / 1000 > width
             if full and lines[-1] and not character.isspace():
                 lines.append("")
+                taken = 0
             lines[-1] += character
+            taken += more
     return [line.strip() for line in lines]
 
 
