@@ -184,7 +184,7 @@ values = st.recursive(
 )
 
 
-@settings(deadline=None, max_examples=500)
+@settings(deadline=None, max_examples=200)
 @given(st.dictionaries(keys, values, max_size=3).map(lambda recipe: {**WHOLE, **recipe}))
 def test_whatever_is_no_level_is_told_shortly(recipe: dict[Any, Any]) -> None:
     data = made(recipe)
