@@ -49,6 +49,15 @@ class WebPage:
         found: list[Any] = self.document.query(selector)
         return found
 
+    @cached_property
+    def elements(self) -> list[Any]:
+        """All elements."""
+        return self.all("*")
+
+    def having(self, attribute: str) -> list[Any]:
+        """Return the elements with an attribute; as a selector, each would be asked anew."""
+        return [element for element in self.elements if attribute in element.attrs]
+
     # -- what is wrong ---------------------------------------------------------------------
 
     def faults(self) -> Iterator[str]:
@@ -62,7 +71,7 @@ class WebPage:
         yield from self._names()
         for element, name, link in self._links():
             yield from self._link(element, name, link)
-        styles = [element.attrs["style"] or "" for element in self.all("[style]")]
+        styles = [element.attrs["style"] or "" for element in self.having("style")]
         styles += [element.to_text() for element in self.all("style")]
         for style in styles:
             yield from foreign_in_style(style, self.path)
@@ -85,8 +94,8 @@ class WebPage:
             inside = outer.query(_INTERACTIVE)
             if inside and (outer.name != "label" or len(inside) > 1):
                 yield f"{_told(inside[0])} is inside of {_told(outer)}"
-        for heading in self.all("[role=heading]"):
-            if "aria-level" not in heading.attrs:
+        for heading in self.having("role"):
+            if heading.attrs["role"] == "heading" and "aria-level" not in heading.attrs:
                 yield f"{_told(heading)} has no level"
         for items, names in (("ul, ol", {"li"}), ("dl", {"dt", "dd", "div"})):
             for element in self.all(items):
@@ -96,12 +105,12 @@ class WebPage:
                     yield f"{_told(element)} has the children {', '.join(sorted(set(children)))}"
 
     def _names(self) -> Iterator[str]:
-        ids = Counter(element.attrs["id"] for element in self.all("[id]"))
+        ids = Counter(element.attrs["id"] for element in self.having("id"))
         for name, count in ids.items():
             if count > 1 or not name:
                 yield f"{count} elements have the id {name!r}"
         for attribute in _REFERENCES:
-            for element in self.all(f"[{attribute}]"):
+            for element in self.having(attribute):
                 if element.attrs.get("role") == "application":
                     # A script draws what is in it.
                     continue
@@ -110,10 +119,10 @@ class WebPage:
                         yield f"{_told(element)}: no element has the id {name!r}"
 
     def _links(self) -> Iterator[tuple[Any, str, str]]:
-        for element in self.all("[href]"):
+        for element in self.having("href"):
             yield element, "href", element.attrs["href"] or ""
         for name in _SOURCES:
-            for element in self.all(f"[{name}]"):
+            for element in self.having(name):
                 if name != "data" or element.name == "object":
                     text = element.attrs[name] or ""
                     parts = text.split(",") if name == "srcset" else [text]
