@@ -34,8 +34,8 @@ FILLED = 6
 Movers that walk at random make such systems; on a grid alone, elimination keeps them sparse.
 """
 
-MOST_PARTS = 64
-"""The most parts of a level, each of which cannot be left for the one before, that are apart."""
+MOST_LAYERS = 64
+"""The most layers of a level, none of which can be entered from the one before, that are apart."""
 
 ITERATIONS = 500
 """After so many iterations without a solution, elimination does it."""
@@ -119,77 +119,67 @@ def _solved(chain: Model, rewards: Floats, discount: float, *, transposed: bool 
 
 
 def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transposed: bool) -> Floats:
-    from scipy.sparse import csc_array, eye_array  # type: ignore[import-untyped]
+    from scipy.sparse import csr_array, eye_array  # type: ignore[import-untyped]
     from scipy.sparse.linalg import splu  # type: ignore[import-untyped]
 
     size = next_state.shape[0]
-    source, outcome = np.nonzero((weights > 0) & (next_state < size))
-    target = next_state[source, outcome]
-    chances = weights[source, outcome]
-    steps = csc_array((chances, (source, target)), shape=(size, size))
-    steps = steps.T.tocsc() if transposed else steps
-    matrix = (eye_array(size, format="csc") - steps).tocsc()
+    kept = (weights > 0) & (next_state < size)
+    first = np.append(0, np.cumsum(kept.sum(axis=1)))
+    steps = csr_array((weights[kept], next_state[kept], first), shape=(size, size))
+    steps.sum_duplicates()
+    steps = steps.T.tocsr() if transposed else steps
     if size >= MANY_STATES and steps.nnz > FILLED * size:
-        found = _iterated(matrix.tocsr(), rewards)
+        found = _iterated((eye_array(size, format="csr") - steps).tocsr(), rewards)
         if found is not None:
             return found
-    inner, between, parts = _parted(steps) if size >= MANY_STATES else (steps, steps, 1)
-    if budget.left() < math.inf:
-        budget.spend(_elimination(inner))
-    try:
-        # No entry outweighs its diagonal, so elimination needs no pivots but those: it can keep to
-        # the order that fills in least, which in a maze is nothing at all.
-        factors = splu(
-            (eye_array(size, format="csc") - inner).tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError as error:
-        raise ArithmeticError from error
-
-    def solved(rewards: Floats) -> Floats:
-        budget.spend(3 * parts * factors.nnz)
-        sums: Floats = factors.solve(rewards)
-        for _ in range(parts - 1):
-            sums = factors.solve(rewards + between @ sums)
-        return sums
-
-    sums = solved(rewards)
-    # One step of refinement takes away most of the elimination's rounding.
-    sums += solved(rewards - matrix @ sums)
+    sums = np.zeros_like(rewards)
+    for rows in _layers(steps) if size >= MANY_STATES else [np.arange(size)]:
+        onward = steps[rows]
+        inner = onward[:, rows]
+        if budget.left() < math.inf:
+            budget.spend(_elimination(inner))
+        try:
+            # No entry outweighs its diagonal, so elimination needs no pivots but those: it can keep
+            # to the order that fills in least, which in a maze is nothing at all.
+            factors = splu(
+                (eye_array(rows.size, format="csr") - inner).tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as error:
+            raise ArithmeticError from error
+        # One step of refinement takes away most of the elimination's rounding.
+        for _ in range(2):
+            budget.spend(3 * factors.nnz)
+            sums[rows] += factors.solve(rewards[rows] + onward @ sums - sums[rows])
     return sums
 
 
-def _parted(steps: Any) -> tuple[Any, Any, int]:
-    """Split steps into those that can be taken back, on whatever way, and those that cannot.
+def _layers(steps: Any) -> list[Ints]:
+    """Split states into layers, from each of which steps lead into itself or to those before it.
 
-    Where few steps in a row cannot, as taking an item, elimination without these fills in far less,
-    and is repeated so often.
+    Where few steps in a row cannot be taken back, as taking an item, elimination layer by layer
+    fills in far less, and needs room for one layer at a time.
 
     Returns:
-        The steps to eliminate, those that are added to them, and how often: 1 for no others.
+        The states of each layer; all states as one, where there would be too many layers.
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
 
     count, part = connected_components(steps, connection="strong")
-    every = steps.tocoo()
-    is_inner = part[every.row] == part[every.col]
-    if is_inner.all():
-        return steps, steps, 1
-    ends = part[every.row[~is_inner]], part[every.col[~is_inner]]
+    source = np.repeat(part, np.diff(steps.indptr))
+    leaves = source != part[steps.indices]
+    ends = source[leaves], part[steps.indices[leaves]]
     onward = csr_array((np.ones(ends[0].size), ends), shape=(count, count))
-    reached, parts = np.ones(count), 1
+    layer, reached = np.zeros(count, np.int32), np.ones(count)
     while (reached := np.minimum(onward @ reached, 1.0)).any():
-        parts += 1
-        if parts > MOST_PARTS:
-            return steps, steps, 1
-    inner, between = (
-        csr_array((every.data[kept], (every.row[kept], every.col[kept])), shape=steps.shape)
-        for kept in (is_inner, ~is_inner)
-    )
-    return inner.tocsc(), between, parts
+        layer += reached > 0
+        if layer.max() == MOST_LAYERS:
+            return [np.arange(part.size)]
+    layers = layer[part]
+    return [np.flatnonzero(layers == number) for number in range(layer.max() + 1)]
 
 
 def _elimination(steps: Any) -> float:

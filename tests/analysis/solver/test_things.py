@@ -306,7 +306,7 @@ def test_several_robots_have_all_actions_and_no_others() -> None:
 
 
 @pytest.mark.parametrize("discount", [1.0, 0.9])
-def test_what_cannot_be_taken_back_is_eliminated_part_by_part(
+def test_what_cannot_be_taken_back_is_eliminated_layer_by_layer(
     discount: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     items = [{"name": f"i{n}", "at": [n, 1]} for n in range(5)]
@@ -315,16 +315,16 @@ def test_what_cannot_be_taken_back_is_eliminated_part_by_part(
     visits = brl.occupancy(level, "random")
     monkeypatch.setattr(linear, "DENSE_STATES", 0)
     monkeypatch.setattr(linear, "MANY_STATES", 0)
-    parts, parted = [], linear._parted
+    counts, split = [], linear._layers
 
     def noted(steps: Any) -> Any:
-        found = parted(steps)
-        parts.append(found[2])
-        return found
+        layers = split(steps)
+        counts.append(len(layers))
+        return layers
 
-    monkeypatch.setattr(linear, "_parted", noted)
+    monkeypatch.setattr(linear, "_layers", noted)
     found = brl.evaluate(level, "random")
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-12)
     np.testing.assert_allclose(brl.occupancy(level, "random").states, visits.states, atol=1e-12)
     # As many items are taken, one after the other.
-    assert {*parts} == {6}
+    assert {*counts} == {6}
