@@ -145,6 +145,7 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transpos
                 (eye_array(rows.size, format="csr") - inner).tocsc(),
                 permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.0,
+                panel_size=4,
                 options={"SymmetricMode": True},
             )
         except RuntimeError as error:
@@ -190,7 +191,8 @@ def _elimination(steps: Any) -> float:
     """
     from scipy.sparse.csgraph import connected_components
 
-    pairs = (abs(steps) + abs(steps.T)).tocoo()
+    leads = steps.astype(bool)
+    pairs = (leads + leads.T).tocoo()
     count, part = connected_components(pairs, directed=False)
     sides = np.bincount(part[pairs.row[pairs.row > pairs.col]], minlength=count)
     circles = sides - np.bincount(part) + 1

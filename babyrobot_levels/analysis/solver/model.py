@@ -325,7 +325,13 @@ def going_on(model: Model, rows: Flags) -> Flags:
 
 
 def strong_components(size: int, source: Ints, target: Ints) -> Ints:
-    """Return a label for each of `size` states: equal where each can reach the other."""
+    """Return a label for each of `size` states: equal where each can reach the other.
+
+    Args:
+        size: how many states there are.
+        source: where each edge begins, in rising order.
+        target: where it ends.
+    """
     if size <= DENSE_STATES and "scipy.sparse" not in sys.modules:
         reach = np.eye(size, dtype=np.float32)
         reach[source, target] = 1.0
@@ -336,13 +342,15 @@ def strong_components(size: int, source: Ints, target: Ints) -> Ints:
     from scipy.sparse import csr_array  # type: ignore[import-untyped]
     from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
 
-    # Made of pairs, it has each edge once: of an edge that is there twice, SciPy makes no end.
-    graph = csr_array((np.ones(source.size), (source, target)), shape=(size, size))
-    _, first, number = np.unique(
+    first = np.append(0, np.cumsum(np.bincount(source, minlength=size)))
+    graph = csr_array((np.ones(source.size), target, first), shape=(size, size))
+    # Of an edge that is there twice, SciPy makes no end.
+    graph.sum_duplicates()
+    _, named, number = np.unique(
         connected_components(graph, connection="strong")[1], return_index=True, return_inverse=True
     )
     # Each is named by its first state, as above: results must not depend on what is imported.
-    components: Ints = first[number]
+    components: Ints = named[number]
     return components
 
 

@@ -164,6 +164,17 @@ def solve(
         return solve_within(space, discount, limit)
     model = space.model()
     optimum = optimum_of(model, space, discount)
+    solution = solution_of(model, space, optimum, discount)
+    if not exact:
+        return solution
+    # Fractions are asked for seldom.
+    from babyrobot_levels.analysis.solver.exact import solve_exactly
+
+    return solve_exactly(space, solution, optimum.ending.core)
+
+
+def solution_of(model: Model, space: StateSpace, optimum: Optimum, discount: float) -> Solution:
+    """Return the solution of a level, whose model and its optimum are at hand."""
     found, expected = optimum.found, space.at_start(model, optimum.found.values)
     ahead = action_values(model, found.values, discount)
     best = ahead.max(axis=1, initial=-np.inf)
@@ -175,28 +186,23 @@ def solve(
         action_values=space.spread(model, ahead),
         expected_return=expected,
         discount=discount,
-        actions=actions,
+        actions=space.actions,
         greedy=space.of_states(model, greedy, False),
         method=found.method,
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
         margin=space.spread(model, margins(model, found.values, discount, space.largest_reward)),
-        level=level,
+        level=space.level,
     )
-    if not np.isfinite(expected):
-        chain = model.under(np.asarray(solution.policy).ravel()[model.states])
-        diverging = diverging_states(chain, expected, space)
-        solution = replace(
-            solution,
-            diverging_cells=space.cells(diverging),
-            diverging_condition=space.condition(diverging),
-        )
-    if not exact:
+    if np.isfinite(expected):
         return solution
-    # Fractions are asked for seldom.
-    from babyrobot_levels.analysis.solver.exact import solve_exactly
-
-    return solve_exactly(space, solution, optimum.ending.core)
+    chain = model.under(np.asarray(solution.policy).ravel()[model.states])
+    diverging = diverging_states(chain, expected, space)
+    return replace(
+        solution,
+        diverging_cells=space.cells(diverging),
+        diverging_condition=space.condition(diverging),
+    )
 
 
 def _episodes(

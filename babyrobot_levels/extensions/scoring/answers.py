@@ -7,7 +7,7 @@ are named only where the answer is exactly what the mistake gives. The solution 
 import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values
 from babyrobot_levels.analysis.solver.model import Model, attractor, closed_classes
-from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import Policy
+from babyrobot_levels.analysis.solver.optimum import Optimum, optimum_of, solution_of
+from babyrobot_levels.analysis.solver.policies import GRAPHS, Policy
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     Solution,
@@ -157,7 +157,7 @@ def grade_policy(
         UndefinedReturnError: the optimal return is undefined.
     """
     task = _Policies(read_problem(level, discount, actions, "sweep"))
-    task.optimum_at(task.problem.discount)
+    task.best  # noqa: B018  (its errors are not the student's)
     try:
         weights = task.weights(policy)
         right, is_optimal = task.right(weights)
@@ -260,7 +260,6 @@ class _Task:
     """What is asked for: states are those of the problem's model, `[n]`."""
 
     problem: Problem
-    _solved: dict[float, Solution] = field(default_factory=dict, kw_only=True)
 
     @cached_property
     def counts(self) -> Flags:
@@ -268,16 +267,15 @@ class _Task:
         space = self.problem.space
         return ~space.without_value[self.problem.model.states]
 
-    def optimum_at(self, discount: float) -> Solution:
-        """Return the optimum for a discount."""
-        if discount not in self._solved:
-            space = self.problem.space
-            self._solved[discount] = solve(space.level, discount, actions=space.actions)
-        return self._solved[discount]
+    def optimum_at(self, discount: float) -> Optimum:
+        """Return the optimum for a discount, which counts as much work as with another model."""
+        model = self.problem.model
+        budget.spend(GRAPHS * model.probability.size)
+        return optimum_of(model, self.problem.space, discount)
 
     def best_at(self, discount: float) -> Floats:
         """Return the optimal values for a discount, `[n]`."""
-        return np.ravel(self.optimum_at(discount).values)[self.problem.model.states]
+        return self.optimum_at(discount).found.values
 
     def other_discounts(self) -> list[float]:
         """Return the discounts that a student may have used."""
@@ -494,16 +492,28 @@ class _Policies(_Task):
         return self.problem.weights(policy)
 
     @cached_property
+    def optimum(self) -> Solution:
+        """The optimum."""
+        model, space, discount = self.problem.model, self.problem.space, self.problem.discount
+        return solution_of(model, space, self.optimum_at(discount), discount)
+
+    @cached_property
+    def best(self) -> Floats:
+        """The optimal values, `[n]`."""
+        return np.ravel(self.optimum.values)[self.problem.model.states]
+
+    @cached_property
     def greedy(self) -> Flags:
         """The optimal actions, `[n, actions]`."""
-        table = self.optimum_at(self.problem.discount).greedy
+        table = self.optimum.greedy
         return table.reshape(-1, table.shape[-1])[self.problem.model.states]
 
     def is_optimal(self, weights: Floats, discount: float) -> Flags:
         """Return from which states a policy earns the optimum, `[n]`."""
         chain = self.problem.model.mixed(weights)
         values = chain_values(chain, discount, self.problem.space)
-        close = np.isclose(values, self.best_at(discount), rtol=1e-7, atol=1e-9)
+        best = self.best if discount == self.problem.discount else self.best_at(discount)
+        close = np.isclose(values, best, rtol=1e-7, atol=1e-9)
         return np.asarray(close | ~self.counts)
 
     def right(self, weights: Floats) -> tuple[Flags, bool]:
@@ -532,7 +542,7 @@ class _Policies(_Task):
                 if self.is_optimal(weights, other).all():
                     yield f"it is optimal for the discount {other:g}, not for {discount:g}"
         # Where the optimum goes on for ever, that is no mistake.
-        best = self.weights(self.optimum_at(discount))
+        best = self.weights(self.optimum)
         bad = ~self.is_optimal(weights, discount) & ~self.endless(best)
         endless: Flags = self.endless(weights) & bad
         label = closed_classes(self.problem.model.mixed(weights))
@@ -586,7 +596,7 @@ class _Policies(_Task):
             return "it risks episodes that go on for ever"
         at = int(states.argmax())
         action = int(wrong[at].argmax())
-        table = self.optimum_at(self.problem.discount).action_values
+        table = self.optimum.action_values
         ahead = table.reshape(-1, wrong.shape[1])[self.problem.model.states][at]
         space = self.problem.space
         name = action_names(space.actions, space.mdp)[action + space.first_action]
