@@ -134,8 +134,9 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats, *, transpos
             return found
     sums = np.zeros_like(rewards)
     for rows in _layers(steps) if size >= MANY_STATES else [np.arange(size)]:
-        onward = steps[rows]
-        inner = onward[:, rows]
+        is_whole = rows.size == size
+        onward = steps if is_whole else steps[rows]
+        inner = steps if is_whole else onward[:, rows]
         if budget.left() < math.inf:
             budget.spend(_elimination(inner))
         try:

@@ -106,7 +106,10 @@ class Model:
 
     def with_rewards(self, reward: Floats) -> Model:
         """Return the model with other rewards, and so perhaps with fewer actions."""
-        return replace(self, reward=reward)
+        made = replace(self, reward=reward)
+        # What may happen does not depend on them.
+        vars(made).update({name: vars(self)[name] for name in vars(self).keys() & {"ending"}})
+        return made
 
     def with_stops(self, stops: Flags) -> Model:
         """Return the model with one more, last action: to stop for nothing, in some states.
@@ -343,7 +346,8 @@ def strong_components(size: int, source: Ints, target: Ints) -> Ints:
     from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
 
     first = np.append(0, np.cumsum(np.bincount(source, minlength=size)))
-    graph = csr_array((np.ones(source.size), target, first), shape=(size, size))
+    edges = np.ones(source.size), target.astype(np.int32), first
+    graph = csr_array(edges, shape=(size, size))
     # Of an edge that is there twice, SciPy makes no end.
     graph.sum_duplicates()
     _, named, number = np.unique(

@@ -492,20 +492,25 @@ class _Policies(_Task):
         return self.problem.weights(policy)
 
     @cached_property
-    def optimum(self) -> Solution:
+    def optimum(self) -> Optimum:
         """The optimum."""
-        model, space, discount = self.problem.model, self.problem.space, self.problem.discount
-        return solution_of(model, space, self.optimum_at(discount), discount)
+        return self.optimum_at(self.problem.discount)
+
+    @property
+    def solution(self) -> Solution:
+        """The optimum with all that is known of it: its tables are too large to be kept."""
+        problem = self.problem
+        return solution_of(problem.model, problem.space, self.optimum, problem.discount)
 
     @cached_property
     def best(self) -> Floats:
         """The optimal values, `[n]`."""
-        return np.ravel(self.optimum.values)[self.problem.model.states]
+        return self.optimum.found.values
 
     @cached_property
     def greedy(self) -> Flags:
         """The optimal actions, `[n, actions]`."""
-        table = self.optimum.greedy
+        table = self.solution.greedy
         return table.reshape(-1, table.shape[-1])[self.problem.model.states]
 
     def is_optimal(self, weights: Floats, discount: float) -> Flags:
@@ -542,7 +547,7 @@ class _Policies(_Task):
                 if self.is_optimal(weights, other).all():
                     yield f"it is optimal for the discount {other:g}, not for {discount:g}"
         # Where the optimum goes on for ever, that is no mistake.
-        best = self.weights(self.optimum)
+        best = self.weights(self.solution)
         bad = ~self.is_optimal(weights, discount) & ~self.endless(best)
         endless: Flags = self.endless(weights) & bad
         label = closed_classes(self.problem.model.mixed(weights))
@@ -596,8 +601,7 @@ class _Policies(_Task):
             return "it risks episodes that go on for ever"
         at = int(states.argmax())
         action = int(wrong[at].argmax())
-        table = self.optimum.action_values
-        ahead = table.reshape(-1, wrong.shape[1])[self.problem.model.states][at]
+        ahead = action_values(self.problem.model, self.best, self.problem.discount)[at]
         space = self.problem.space
         name = action_names(space.actions, space.mdp)[action + space.first_action]
         loss = _magnitude(float(ahead.max() - ahead[action]))

@@ -210,7 +210,7 @@ def test_a_large_level_with_chance() -> None:
 def test_components_do_not_depend_on_what_is_imported(size: int, data: st.DataObject) -> None:
     node = st.integers(0, size - 1)
     edges = data.draw(st.lists(st.tuples(node, node), max_size=3 * size))
-    source, target = np.array(sorted(edges), int).reshape(-1, 2).T.copy()
+    source, target = np.array(sorted(edges), int).reshape(-1, 2).T
     with as_if_large(True):
         by_scipy = model.strong_components(size, source, target)
     with pytest.MonkeyPatch.context() as patch:

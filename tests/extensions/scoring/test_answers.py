@@ -9,6 +9,7 @@ import pytest
 from support.places import ROOT
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.solver import policies
 from babyrobot_levels.text.budget import Limits, left, within
 
 LAKE = "frozen-lake"
@@ -297,6 +298,14 @@ def test_the_message_of_an_assertion() -> None:
     grade = brl.grade_values(LAKE, np.zeros((4, 4)))
     with pytest.raises(AssertionError, match="5 of 16 values are right: all of them are 0"):
         assert grade, grade.message
+
+
+def test_a_wrong_policy_is_graded_with_one_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, build = [], policies.build_model
+    monkeypatch.setattr(policies, "build_model", lambda *given: made.append(1) or build(*given))
+    level = brl.load({"version": 1, "size": [9, 1], "discount": 0.9})
+    assert not brl.grade_policy(level, np.zeros((1, 9), int)).passed
+    assert len(made) == 1
 
 
 def test_what_takes_too_long_to_explain_is_only_wrong() -> None:
