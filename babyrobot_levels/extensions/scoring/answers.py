@@ -157,7 +157,7 @@ def grade_policy(
         UndefinedReturnError: the optimal return is undefined.
     """
     task = _Policies(read_problem(level, discount, actions, "sweep"))
-    task.best  # noqa: B018  (its errors are not the student's)
+    task.optimum  # noqa: B018  (its errors are not the student's)
     try:
         weights = task.weights(policy)
         right, is_optimal = task.right(weights)
@@ -273,10 +273,6 @@ class _Task:
         budget.spend(GRAPHS * model.probability.size)
         return optimum_of(model, self.problem.space, discount)
 
-    def best_at(self, discount: float) -> Floats:
-        """Return the optimal values for a discount, `[n]`."""
-        return self.optimum_at(discount).found.values
-
     def other_discounts(self) -> list[float]:
         """Return the discounts that a student may have used."""
         return [each for each in DISCOUNTS if each != self.problem.discount]
@@ -319,7 +315,7 @@ class _Values(_Task):
     def at(self, discount: float) -> Floats:
         """Return the values for a discount, `[n]`."""
         if self.policy is None:
-            return self.best_at(discount)
+            return self.optimum_at(discount).found.values
         return chain_values(self.model, discount, self.problem.space)
 
     def swept(self, most: int) -> Iterator[tuple[int, Floats]]:
@@ -503,11 +499,6 @@ class _Policies(_Task):
         return solution_of(problem.model, problem.space, self.optimum, problem.discount)
 
     @cached_property
-    def best(self) -> Floats:
-        """The optimal values, `[n]`."""
-        return self.optimum.found.values
-
-    @cached_property
     def greedy(self) -> Flags:
         """The optimal actions, `[n, actions]`."""
         table = self.solution.greedy
@@ -517,8 +508,9 @@ class _Policies(_Task):
         """Return from which states a policy earns the optimum, `[n]`."""
         chain = self.problem.model.mixed(weights)
         values = chain_values(chain, discount, self.problem.space)
-        best = self.best if discount == self.problem.discount else self.best_at(discount)
-        close = np.isclose(values, best, rtol=1e-7, atol=1e-9)
+        is_own = discount == self.problem.discount
+        optimum = self.optimum if is_own else self.optimum_at(discount)
+        close = np.isclose(values, optimum.found.values, rtol=1e-7, atol=1e-9)
         return np.asarray(close | ~self.counts)
 
     def right(self, weights: Floats) -> tuple[Flags, bool]:
@@ -601,7 +593,9 @@ class _Policies(_Task):
             return "it risks episodes that go on for ever"
         at = int(states.argmax())
         action = int(wrong[at].argmax())
-        ahead = action_values(self.problem.model, self.best, self.problem.discount)[at]
+        ahead = action_values(self.problem.model, self.optimum.found.values, self.problem.discount)[
+            at
+        ]
         space = self.problem.space
         name = action_names(space.actions, space.mdp)[action + space.first_action]
         loss = _magnitude(float(ahead.max() - ahead[action]))

@@ -301,8 +301,13 @@ def test_the_message_of_an_assertion() -> None:
 
 
 def test_a_wrong_policy_is_graded_with_one_model(monkeypatch: pytest.MonkeyPatch) -> None:
-    made, build = [], policies.build_model
-    monkeypatch.setattr(policies, "build_model", lambda *given: made.append(1) or build(*given))
+    made, build = [], policies.StateSpace.model
+
+    def noted(space: policies.StateSpace) -> Any:
+        made.append(space)
+        return build(space)
+
+    monkeypatch.setattr(policies.StateSpace, "model", noted)
     level = brl.load({"version": 1, "size": [9, 1], "discount": 0.9})
     assert not brl.grade_policy(level, np.zeros((1, 9), int)).passed
     assert len(made) == 1
