@@ -297,7 +297,7 @@ def area_reward_without_effect(context: LintContext) -> Iterator[Finding]:
 
 
 @rule("BR525", needs=Needs.LEVEL)
-def unused_puddle_type(context: LintContext) -> Iterator[Finding]:
+def unused_properties(context: LintContext) -> Iterator[Finding]:
     """Entry of `puddle_types` for a size that no puddle has, or `hit` or `team` for nobody.
 
     ## What it does
