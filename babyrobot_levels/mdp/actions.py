@@ -1,6 +1,7 @@
 """The actions: numbers, moves, and objects with a policy. Separate, because it needs no NumPy."""
 
 from enum import IntEnum
+from operator import index
 from typing import Any, Protocol, Self
 
 from babyrobot_levels.text.words import TellingEnum, meant
@@ -104,3 +105,20 @@ def drawn_policy(policy: Any) -> tuple[Any, int | None]:
     """
     table, first = unwrapped_policy(policy)
     return getattr(policy, "fastest", getattr(table, "policy", table)), first
+
+
+def checked_number(what: str, given: Any, count: int, help_text: str) -> int:
+    """Return the number of a state or an action.
+
+    Raises:
+        TypeError: it is no whole number.
+        IndexError: there is none of this number.
+    """
+    try:
+        number = index(given)
+    except TypeError:
+        message = f"{what} must be 0 to {count - 1}, not {given!r}; {help_text}"
+        raise TypeError(message) from None
+    if not 0 <= number < count:
+        raise IndexError(f"{what} must be 0 to {count - 1}, not {number}; {help_text}")
+    return number

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action
+from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, checked_number
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid, grid_with_doors
 from babyrobot_levels.text import budget
@@ -129,16 +129,20 @@ class Numbering(Telling):
 
     def cell(self, state: int) -> tuple[int, int]:
         """Return the cell `(x, y)` of a state."""
-        y, x = divmod(state % self.cells, self.width)
+        y, x = divmod(self._state(state) % self.cells, self.width)
         return x, y
 
     def configuration(self, state: int) -> int:
         """Return the number of a state's configuration, 0 without things."""
-        return state // (self.cells * self.headings)
+        return self._state(state) // (self.cells * self.headings)
 
     def heading(self, state: int) -> int:
         """Return the heading of a state, 0 N, 1 E, 2 S, 3 W; only with turning."""
-        return state // self.cells % self.headings
+        return self._state(state) // self.cells % self.headings
+
+    def _state(self, state: Any) -> int:
+        cell = f"that of the cell [x, y] is y * {self.width} + x"
+        return checked_number("state", state, self.num_states, cell)
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,6 +266,8 @@ class Mdp(Numbering, public=True):
 
     def outcomes(self, state: int, action: int) -> list[Outcome]:
         """Return what an action can lead to, as Gymnasium's toy_text tables list it."""
+        state = self._state(state)
+        action = checked_number("action", action, self.num_actions, "`brl.Action` has their names")
         chances = self.probability[state, action]
         count = int(np.count_nonzero(chances))
         return list(
@@ -280,6 +286,9 @@ class Mdp(Numbering, public=True):
         Args:
             first_action: the action that becomes number 0: 1 leaves `stay` out.
         """
+        first_action = checked_number(
+            "first_action", first_action, self.num_actions, "1 leaves stay out"
+        )
         return {
             state: {
                 action - first_action: self.outcomes(state, action)

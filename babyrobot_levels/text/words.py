@@ -8,7 +8,7 @@ from enum import EnumType
 from functools import cache, wraps
 from itertools import chain
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -145,10 +145,14 @@ def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
         return Words("unexpected `=`", "a level is YAML, not TOML: write `size: [5, 3]`")
     if "document start" in problem:
         return Words("content after the end of the document", "a file contains one document")
+    if "expected node content" in problem and re.search(r"[:,\[{] *- +\d", line):
+        return Words("unexpected space after `-`", "write a negative number without it: `-1`")
     if "expected key" in problem or "'-' indicator" in problem:
         if before and before != "-":
             if here == ",":
                 return Words("unexpected `,` after the value", "remove it: each field has a line")
+            if here == "[":
+                return Words("unexpected `[` after the list", "a cell is one list: `[x, y]`")
             return Words("unexpected text after the value", "put quotes around the whole text")
         return Words(
             "the indentation does not match the lines above",
@@ -243,7 +247,10 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
 
 
 class Public:
-    """A class that, where it says `public`, is known by its name in the package."""
+    """A class that, where it says `public`, is known by its name in the package.
+
+    Its methods that take arguments by name tell their names where they are called without.
+    """
 
     __slots__ = ()
 
@@ -251,6 +258,30 @@ class Public:
         super().__init_subclass__()
         if public:
             cls.__module__ = __name__.partition(".")[0]
+        for name, each in [*vars(cls).items()]:
+            if isinstance(each, FunctionType) and (name == "__init__" or not name.startswith("_")):
+                code = each.__code__
+                by_name = code.co_kwonlyargcount or code.co_flags & inspect.CO_VARKEYWORDS
+                if by_name and not code.co_flags & inspect.CO_VARARGS:
+                    setattr(cls, name, _by_name(each))
+
+
+def _by_name(function: Callable[P, T]) -> Callable[P, T]:
+    """Let a method that takes arguments by name tell their names."""
+    code = function.__code__
+    most, is_open = code.co_argcount, bool(code.co_flags & inspect.CO_VARKEYWORDS)
+    known = frozenset(code.co_varnames[: most + code.co_kwonlyargcount])
+
+    @wraps(function)
+    def checked(*args: P.args, **given: P.kwargs) -> T:
+        if len(args) > most:
+            check_places(function, len(args), inspect.signature(function))
+        if not is_open and not known.issuperset(given):
+            name = next(each for each in given if each not in known)
+            raise TypeError(unexpected(called(function), name, known))
+        return function(*args, **given)
+
+    return checked
 
 
 class Telling(Public):
@@ -312,9 +343,11 @@ def check_places(function: Callable[..., Any], given: int, known: inspect.Signat
     if given <= len(placed) or any(one.kind is one.VAR_POSITIONAL for one in each):
         return
     named = [one for one in each if one.kind is one.KEYWORD_ONLY]
-    rest = ": " * bool(named) + ", ".join(f"{one.name}=…" for one in named[:10])
     first = listed([f"`{name}`" for name in placed if name != "self"])
-    raise TypeError(f"{called(function)}() takes {first} without a name, all else by name{rest}")
+    told = f"takes {first} without a name, all else by name: " if first else "takes all by name: "
+    told += ", ".join(f"{one.name}=…" for one in named[:10]) or "name=…"
+    is_closed = not (named or any(one.kind is one.VAR_KEYWORD for one in each))
+    raise TypeError(f"{called(function)}() {f'takes only {first}' if is_closed else told}")
 
 
 def called(function: Callable[..., Any]) -> str:

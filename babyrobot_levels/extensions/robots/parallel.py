@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Unpack
+from typing import Any, ClassVar, NoReturn, Unpack
 
 from gymnasium import error, spaces
 from pettingzoo import ParallelEnv
@@ -22,9 +22,17 @@ from babyrobot_levels.extensions.robots.seeing import Sights
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.text.words import listed
 
 REWARDS = ("own", "team")
 """What the reward of an agent is: what its robot gets, or the sum of what all get."""
+
+
+class _ByAgent(dict[str, spaces.Space[Any]]):
+    """A mapping by agents that tells which there are."""
+
+    def __missing__(self, name: object) -> NoReturn:
+        raise KeyError(f"there is no agent {name!r}, but {listed([*self])}")
 
 
 class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
@@ -89,11 +97,10 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         self.agents: list[str] = []
         # Robots share the size of the grid, so that the space is the same for all.
         extent = Extent.of([given])
-        self.observation_spaces = {
-            name: space_of(extent, self._chosen) for name in self.possible_agents
-        }
+        names = self.possible_agents
+        self.observation_spaces = _ByAgent({each: space_of(extent, self._chosen) for each in names})
         self._sights = Sights(self._env, self._chosen)
-        self.action_spaces = {name: spaces.Discrete(NUM_ACTIONS) for name in self.possible_agents}
+        self.action_spaces = _ByAgent({each: spaces.Discrete(NUM_ACTIONS) for each in names})
 
     @property
     def level(self) -> Level:

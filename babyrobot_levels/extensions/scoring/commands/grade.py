@@ -128,8 +128,6 @@ def grade(
                 progress=report,
                 kept=None if output is None else output / KEPT,
             )
-        except FileNotFoundError as error:
-            fail(f"there is no file or folder {error.filename}")
         except ValueError as error:
             fail(str(error))
     if output is not None:
