@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.text.files import open_zip, read_bytes
-from babyrobot_levels.text.words import AGENTS, NAMED, did_you_mean, listed
+from babyrobot_levels.text.words import AGENTS, NAMED, did_you_mean, listed, shortened
 
 
 class Chooser(Protocol):
@@ -65,7 +65,8 @@ class Table:
         for key in (digest, name):
             if key in self.policy:
                 return self.policy[key]
-        raise ValueError(f"the agent has no policy for the level {name or digest!r}")
+        names = listed([shortened(each) for each in [*self.policy][:5]])
+        raise ValueError(f"the agent has no policy for {name or digest!r}, but for {names}")
 
 
 Agent = Table | Chooser | Player

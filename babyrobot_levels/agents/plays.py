@@ -221,12 +221,12 @@ class RecordPlay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
             PlayError: the last line of the file is cut off.
         """
         RecordConstructorArgs.__init__(self, path=str(path))
+        base = getattr(env, "unwrapped", env)
+        if not isinstance(base, LevelEnv):
+            what = type(base).__name__
+            raise TypeError(f"RecordPlay records environments, as of `level.make()`, not {what}")
         super().__init__(env)
-        if not isinstance(env.unwrapped, LevelEnv):
-            raise TypeError(
-                f"RecordPlay records environments of levels, not {type(env.unwrapped).__name__}"
-            )
-        self._base: LevelEnv = env.unwrapped
+        self._base: LevelEnv = base
         self._limit: int | None = None
         while isinstance(env, gymnasium.Wrapper):
             if isinstance(env, gymnasium.ActionWrapper | gymnasium.RewardWrapper):

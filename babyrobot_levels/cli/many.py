@@ -27,6 +27,7 @@ from babyrobot_levels.cli.console import (
     write_table,
 )
 from babyrobot_levels.cli.inputs import is_one_level, levels_named
+from babyrobot_levels.cli.meant import NO_LEVEL
 from babyrobot_levels.cli.parallel import Workers, track
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
@@ -112,6 +113,8 @@ def write_rows(
     """
     from babyrobot_levels.agents.many import reason
 
+    if options.output is not None and NO_LEVEL.fullmatch(options.output.name):
+        fail("rows are written as lines of JSON", "give a file such as rows.jsonl")
     target = _target(columns, options, len(levels))
     first, errors = target.first, 0
     part = levels[first:]

@@ -49,6 +49,8 @@ def option(name: str, known: Iterable[str]) -> str | None:
 def extra(word: str, known: Iterable[str]) -> str:
     """Return the question what a word means for which a command has no place."""
     known = {*known}
+    if word.isdecimal() and "--size" in known:
+        return ". Did you mean `--size WIDTHxHEIGHT`?"
     likely = ("--tag", "--output") if "." in word else ("--tag", "--to", "--output")
     options = [each for each in likely if each in known]
     return f". Did you mean `{options[0]} {word}`?" if options else ""
@@ -74,8 +76,12 @@ def argument(word: str, what: str, is_near: bool) -> str | None:
         return None
     if what == "suite":
         return f"to write into a folder, give it as `-o {word}`"
+    if "://" in word:
+        return "a link of a level ends in its share code: `…#brl1.…`"
+    if Path(word).is_dir():
+        return f"{word} is a folder: give one of its files"
     if _WRITTEN.fullmatch(word):
-        return f"to write a file, give it as `-o {word}`"
+        return f"it holds no level; to write a file, give it as `-o {word}`"
     pack, _, name = word.partition("/")
     if not name or Path(pack).is_dir():
         return None

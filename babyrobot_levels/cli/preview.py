@@ -100,7 +100,7 @@ class PreviewCommand(TyperCommand):
             if len(levels) > 1 and not names_levels(word):
                 fail(
                     f"invalid --policy {word!r}",
-                    f"expected one of {', '.join(get_args(PolicyName))}",
+                    f"expected one of {', '.join(get_args(PolicyName))}; an agent: --agent {word}",
                 )
         return extra
 

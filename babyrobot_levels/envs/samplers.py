@@ -9,12 +9,14 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import check_choice
 from babyrobot_levels.envs.engine import draws as engine_draws
 from babyrobot_levels.envs.engine.tables import Ints
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.suite import Suite
+from babyrobot_levels.text.words import Telling
 
 Draws = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -54,7 +56,7 @@ class UniformSampler:
     __module__ = "babyrobot_levels"
 
     def __init__(self, count: int) -> None:
-        self._count = count
+        self._count = check_count("count", count)
 
     def sample(self, draws: Draws) -> Numbers:
         """Return the number of a level for each draw; see `Sampler`."""
@@ -100,7 +102,7 @@ class WeightedSampler:
         return numbers + (within * self._counts.take(group)).astype(np.int64)
 
 
-class PrioritizedSampler:
+class PrioritizedSampler(Telling, public=True):
     """Prioritised level replay: draws the levels more often from which more is to be learnt.
 
     The training loop says how much that is, by `update`. An episode is in a level without a score
@@ -125,8 +127,6 @@ class PrioritizedSampler:
         ValueError: an argument is not in its range.
     """
 
-    __module__ = "babyrobot_levels"
-
     def __init__(
         self,
         count: int,
@@ -137,8 +137,7 @@ class PrioritizedSampler:
         unseen: float | None = None,
     ) -> None:
         check_choice("by", by, ("rank", "score"))
-        if count < 1:
-            raise ValueError(f"count must be at least 1, not {count}")
+        check_count("count", count)
         if not temperature > 0:
             raise ValueError(f"temperature must be above 0, not {temperature}")
         for name, share in (("staleness", staleness), ("unseen", unseen)):

@@ -69,11 +69,12 @@ class TextObservation(gymnasium.Wrapper[str, Any, Any, Any], RecordConstructorAr
                 drawing.
         """
         RecordConstructorArgs.__init__(self, sight=sight)
-        super().__init__(env)
         check_choice("sight", sight, SIGHTS)
-        base = env.unwrapped
+        base = getattr(env, "unwrapped", env)
         if not isinstance(base, LevelEnv):
-            raise TypeError(f"TextObservation tells levels, not {type(base).__name__}")
+            what = type(base).__name__
+            raise TypeError(f"TextObservation tells environments, as of `level.make()`, not {what}")
+        super().__init__(env)
         if base.action_set == "turns":
             raise ValueError("TextObservation tells of robots that do not turn")
         self._base, self._sight = base, sight

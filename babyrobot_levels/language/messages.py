@@ -87,6 +87,8 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
     if kind == "color":
         message = f"{_named(value)} is not a CSS colour{did_you_mean(str(value), NAMES)}"
         help_text = 'use a CSS name in lower case, `"#rrggbb"`, `rgb(…)`, `rgba(…)` or `hsl(…)`'
+        if "(" in str(value) and ")" not in str(value):
+            help_text = "put quotes around the colour: a comma separates entries"
         return "BR403", message, help_text
     if kind == "string_pattern_mismatch":
         return _pattern(context["pattern"], names[0] if names else "", value)

@@ -68,6 +68,8 @@ def _readings(value: Any) -> Iterator[Any]:
 def _of_text(text: str) -> Iterator[Any]:
     if found := _PERCENT.fullmatch(text):
         yield float(found[1]) / 100
+    if found := re.fullmatch(r"(\d+) */ *([1-9]\d*)", text):
+        yield int(found[1]) / int(found[2])
     if found := _PAIR.fullmatch(text):
         yield [int(found[1]), int(found[2])]
     if _DECIMAL_COMMA.fullmatch(text):

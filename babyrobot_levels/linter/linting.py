@@ -240,7 +240,9 @@ def lint(
         UnknownRuleError: there is no such rule.
         ValueError: there are no level files in a folder.
     """
-    options = Options(None if select is None else tuple(select), tuple(ignore), fix, unsafe_fixes)
+    chosen, left_out = ([each] if isinstance(each, str) else each for each in (select, ignore))
+    some = None if chosen is None else tuple(chosen)
+    options = Options(some, tuple(left_out or ()), fix, unsafe_fixes)
     found, outcomes = Findings(), dict[Path, Outcome]()
     for each in texts_of(levels):
         if isinstance(each, SourceFile):

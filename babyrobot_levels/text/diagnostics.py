@@ -10,6 +10,7 @@ from enum import StrEnum
 from typing import Any
 
 from babyrobot_levels.text.source import Position, SourceFile, Span, printable
+from babyrobot_levels.text.words import Telling
 
 
 class Severity(StrEnum):
@@ -183,10 +184,8 @@ class Diagnostic:
         return "\n".join(lines)
 
 
-class Findings(list[Diagnostic]):
+class Findings(Telling, list[Diagnostic], public=True):
     """What was found in levels, in the order of the levels; empty if all is well."""
-
-    __module__ = "babyrobot_levels"
 
     def __repr__(self) -> str:
         return "\n\n".join(map(str, self)) or "no findings"

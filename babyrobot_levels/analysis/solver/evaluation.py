@@ -23,6 +23,7 @@ from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     Evaluation,
     Simulation,
+    check_count,
     check_discount,
     check_seed,
     check_within,
@@ -281,8 +282,7 @@ def simulate(
     level = world_of(level)
     discount = check_discount(discount, level.discount)
     limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
-    if episodes < 1:
-        raise ValueError(f"episodes must be at least 1, not {episodes}")
+    episodes = check_count("episodes", episodes)
     return simulated_episodes(
         space_of(level, actions, discount), policy, episodes, seed, discount=discount, limit=limit
     )
@@ -357,8 +357,9 @@ def success_within(
     level = world_of(level)
     if steps is None:
         steps = getattr(policy, "within", None) or level.max_steps
-    if steps is None or steps < 0:
-        raise ValueError("steps must be 0 or more; the level has no max_steps of its own")
+    if steps is None:
+        raise ValueError("give the number of steps; the level has no max_steps of its own")
+    steps = check_count("steps", steps, 0)
     space = space_of(level, actions)
     weights = weights_by_step(policy, space, steps, "steps")
     return evaluate_within(space, weights, 1.0, steps).exit_probability if steps else 0.0

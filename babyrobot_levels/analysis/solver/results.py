@@ -564,6 +564,18 @@ def check_within(within: int | str | None, max_steps: int | None) -> int | None:
     raise ValueError(f"within must be a number of steps from 1 on, or 'max_steps', not {within!r}")
 
 
+def check_count(name: str, value: Any, least: int = 1) -> int:
+    """Return an argument that is a number of things.
+
+    Raises:
+        ValueError: it is not a whole number, or below the least.
+    """
+    with suppress(TypeError):
+        if (number := operator.index(value)) >= least:
+            return number
+    raise ValueError(f"{name} must be at least {least}, not {value!r}")
+
+
 def check_seed(seed: int | None) -> int | None:
     """Return a seed as an int, None for None.
 

@@ -37,7 +37,7 @@ from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import write_new
 from babyrobot_levels.text.source import SourceFile
-from babyrobot_levels.text.words import no_format
+from babyrobot_levels.text.words import no_format, unexpected
 
 MAX_WORLDS = 10_000
 """The most worlds of one text: collections have hundreds, and each takes some milliseconds."""
@@ -322,7 +322,8 @@ def converted(level: Level, name: str, **seen: Any) -> Conversion:
     if name in PARTIAL:
         return PARTIAL[name](level, **seen)
     for each in seen:
-        raise TypeError(f"unexpected option {each!r}: {name} holds no sight")
+        known = ("format", "path", "maze_seed", "force")
+        raise TypeError(f"{unexpected('export', each, known)}; {name} holds no sight")
     if name in MODELS:
         return MODELS[name](level)
     check_one_robot(level, f"files of {name}")

@@ -16,6 +16,7 @@ from babyrobot_levels.analysis.solver.results import (
     StateResult,
     UndefinedReturnError,
     check_actions,
+    check_count,
     check_discount,
 )
 from babyrobot_levels.mdp.gridworld import GridWorld, check_one_robot, world_of
@@ -278,8 +279,7 @@ def check_counts(**counts: int) -> None:
         ValueError: one is not at least 1.
     """
     for name, count in counts.items():
-        if not isinstance(count, int | np.integer) or count < 1:
-            raise ValueError(f"{name} must be at least 1, not {count!r}")
+        check_count(name, count)
 
 
 def largest_change(after: Floats, before: Floats) -> float:

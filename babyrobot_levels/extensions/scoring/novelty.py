@@ -5,15 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from babyrobot_levels.analysis.metrics import metrics
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import check_choice
 from babyrobot_levels.language.metric_names import METRICS, NEEDS, PATHS, SHAPE
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.suites.suite import Levels, named_levels
+from babyrobot_levels.text.words import Telling
 
 
-class NoveltyArchive:
+class NoveltyArchive(Telling, public=True):
     """Known levels, with which others are compared: `level in archive`, and `archive.novelty`.
 
     After J. Lehman and K. O. Stanley: Abandoning Objectives: Evolution Through the Search for
@@ -29,15 +31,12 @@ class NoveltyArchive:
         ValueError: there is no such metric, or it is no number, or `nearest` is below 1.
     """
 
-    __module__ = "babyrobot_levels"
-
     def __init__(
         self, levels: Levels = (), *, features: Sequence[str] = (*SHAPE, *PATHS), nearest: int = 5
     ) -> None:
         for name in features:
             check_choice("a feature", name, [name for name in METRICS if name not in NEEDS])
-        if nearest < 1:
-            raise ValueError(f"nearest must be at least 1, not {nearest}")
+        nearest = check_count("nearest", nearest)
         self._features, self._nearest = tuple(features), nearest
         self._known: dict[str, Floats] = {}
         self.add(levels)

@@ -17,7 +17,7 @@ from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
-from babyrobot_levels.analysis.solver.results import check_discount, check_within
+from babyrobot_levels.analysis.solver.results import check_count, check_discount, check_within
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import make_observer
@@ -165,8 +165,7 @@ def score(
     else:
         _check_limits(problems)
         episodes = 10 if episodes is None else episodes
-    if episodes < 1:
-        raise ValueError(f"episodes must be at least 1, not {episodes}")
+    episodes = check_count("episodes", episodes)
     if (positive_advantage or cvar is not None) and (
         sight is not None or isinstance(taken, Player)
     ):

@@ -264,10 +264,9 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> brl.Scores:
         except brl.BabyRobotError:
             raise
         except (TypeError, ValueError) as error:
-            fail(
-                str(error).partition("\n")[0],
-                None if word in NAMED or options["sight"] else FITTING,
-            )
+            is_table = word in NAMED or Path(word).suffix in (".json", ".npy", ".npz")
+            fits = not (is_table or options["sight"])
+            fail(str(error).partition("\n")[0], FITTING if fits else None)
 
 
 def _put(scores: brl.Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:
