@@ -286,9 +286,7 @@ class Mdp(Numbering, public=True):
         Args:
             first_action: the action that becomes number 0: 1 leaves `stay` out.
         """
-        first_action = checked_number(
-            "first_action", first_action, self.num_actions, "1 leaves stay out"
-        )
+        first_action = checked_number("action", first_action, self.num_actions, "1 is without stay")
         return {
             state: {
                 action - first_action: self.outcomes(state, action)

@@ -593,10 +593,8 @@ class _Policies(_Task):
             return "it risks episodes that go on for ever"
         at = int(states.argmax())
         action = int(wrong[at].argmax())
-        ahead = action_values(self.problem.model, self.optimum.found.values, self.problem.discount)[
-            at
-        ]
-        space = self.problem.space
+        problem, space = self.problem, self.problem.space
+        ahead = action_values(problem.model, self.optimum.found.values, problem.discount)[at]
         name = action_names(space.actions, space.mdp)[action + space.first_action]
         loss = _magnitude(float(ahead.max() - ahead[action]))
         return f"at {self.place(states)}, {name} is not optimal; it loses {loss}"
