@@ -65,8 +65,9 @@ class Table:
         for key in (digest, name):
             if key in self.policy:
                 return self.policy[key]
-        names = listed([shortened(each) for each in [*self.policy][:5]])
-        raise ValueError(f"the agent has no policy for {name or digest!r}, but for {names}")
+        names = listed([shortened(key) for key in [*self.policy][:5] if ":" not in str(key)])
+        others = f", but for {names}" if names else ""
+        raise ValueError(f"the agent has no policy for the level {name or digest!r}{others}")
 
 
 Agent = Table | Chooser | Player

@@ -78,7 +78,7 @@ def argument(word: str, what: str, is_near: bool) -> str | None:
         return f"to write into a folder, give it as `-o {word}`"
     if "://" in word:
         return "a link of a level ends in its share code: `…#brl1.…`"
-    if Path(word).is_dir():
+    if len(word) < 256 and Path(word).is_dir():
         return f"{word} is a folder: give one of its files"
     if _WRITTEN.fullmatch(word):
         return f"it holds no level; to write a file, give it as `-o {word}`"

@@ -263,7 +263,7 @@ def test_the_wrapper_belongs_to_the_spec(path: Path) -> None:
 
 
 def test_what_cannot_be_recorded_is_refused(path: Path) -> None:
-    with pytest.raises(TypeError, match="RecordPlay records environments of levels, not CartPole"):
+    with pytest.raises(TypeError, match=r"records environments, as of `level.make.*, not CartPole"):
         brl.RecordPlay(gymnasium.make("CartPole-v1"), path)
     scaled: Any = gymnasium.wrappers.TransformReward(brl.load("maze").make(), lambda reward: reward)
     with pytest.raises(TypeError, match="TransformReward changes actions or rewards"):
