@@ -186,7 +186,7 @@ ON_THE_COMMAND_LINE = (
     ("babyrobot solve first-key --gamma 0.9", "`--discount`"),
     ("babyrobot solve first-key --algorithm value-iteration", "`brl.value_iteration(level)`"),
     ("babyrobot solve first-key --json", "`--format`"),
-    ("babyrobot solve first-key -o policy.npy", WORKS),
+    ("babyrobot solve first-key -o policy.npy", "give a file such as rows.jsonl"),
     ("babyrobot policy first-key", "'solve'"),
     ("babyrobot train first-key", "`brl.q_learning(level)`"),
     # Agents.

@@ -187,8 +187,10 @@ def test_an_autograder_installs_by_no_module_of_the_student(built: Path, tmp_pat
     (student / "pip.py").write_text("open('mark', 'w')\n", "utf-8")
     python = str(Path(sys.base_prefix, "bin", "python3"))
     for told in ("another wheel than that of the course", "is invalid"):
+        # That of a system is not to be changed but on purpose.
+        allowed = {**os.environ, "PIP_BREAK_SYSTEM_PACKAGES": "1"}
         done = subprocess.run(
-            [python, script], cwd=student, capture_output=True, text=True, check=False
+            [python, script], cwd=student, env=allowed, capture_output=True, text=True, check=False
         )
         assert told in done.stderr
         script.write_text(script.read_text("utf-8").replace(right, none), "utf-8")
