@@ -138,10 +138,19 @@ def together() -> Iterator[None]:
         _budget.reset(token)
 
 
-def limited(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that works within the limits at hand, also in another process."""
-    budget = _budget.get()
-    return function if budget is None else partial(_called_within, budget.limits, function)
+def limited(function: Callable[..., Any], *, entries: float = math.inf) -> Callable[..., Any]:
+    """Return a function that works within the limits at hand, also in another process.
+
+    Args:
+        function: what it calls.
+        entries: how large tables may be at most, where there are limits.
+    """
+    if (budget := _budget.get()) is None:
+        return function
+    limits = budget.limits
+    if limits != UNLIMITED:
+        limits = replace(limits, entries=min(entries, limits.entries))
+    return partial(_called_within, limits, function)
 
 
 def _called_within(limits: Limits, function: Callable[..., Any], *arguments: Any) -> Any:

@@ -88,6 +88,20 @@ def test_a_function_keeps_the_limits_under_which_it_was_sent() -> None:
         function(1001)
 
 
+def test_a_function_may_have_less_room_than_what_sends_it() -> None:
+    def compiled(width: int) -> int:
+        return brl.load({"version": 1, "size": [width, 1]}).compile().num_states
+
+    with within(Limits(10**6, 8)):
+        function = limited(compiled, entries=6)
+        assert compiled(8) == 8
+    assert function(6) == 6
+    with pytest.raises(OverBudgetError, match="at most 6 are allowed here"):
+        function(7)
+    with within(UNLIMITED):
+        assert limited(compiled, entries=6)(7) == 7
+
+
 def test_tables_are_named() -> None:
     level = brl.load({"version": 1, "size": [5, 4], "skid": 0.5})
     with within(Limits(10**6, 80)):

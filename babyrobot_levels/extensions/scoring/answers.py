@@ -230,8 +230,8 @@ def _whole(policy: NDArray[Any], states: int) -> NDArray[Any]:
 
 
 def _explained(mistakes: Iterator[str]) -> str | None:
-    """Return the first mistake that explains an answer, if it is found with half the work left."""
-    limits = replace(budget.UNLIMITED, steps=budget.left() / 2)
+    """Return the first mistake that explains an answer, if an eighth of the work finds it."""
+    limits = replace(budget.UNLIMITED, steps=budget.left() / 8)
     with suppress(budget.OverBudgetError), budget.within(limits):
         return next(mistakes, None)
     return None

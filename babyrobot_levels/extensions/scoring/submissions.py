@@ -41,6 +41,9 @@ from babyrobot_levels.text import budget
 from babyrobot_levels.text.files import make_folder, write_text
 from babyrobot_levels.text.words import listed
 
+MOST_ENTRIES = 900_000
+"""How large tables of levels may be: the processes of students need memory as well."""
+
 GRADERS: Mapping[str, Callable[..., GradedAnswer]] = {
     "values": grade_values,
     "policy": grade_policy,
@@ -353,7 +356,7 @@ class Grader:
         found: dict[str, Submission] = {}
         with ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
             try:
-                work = budget.limited(one)
+                work = budget.limited(one, entries=MOST_ENTRIES)
                 waiting = [pool.submit(work, each) for each in handed]
                 for number, done in enumerate(as_completed(waiting), 1):
                     player, submission = done.result()
