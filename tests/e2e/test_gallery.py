@@ -151,6 +151,7 @@ def test_editors_find_its_schema(name: str) -> None:
     assert schema == (ROOT / "schemas" / "level.schema.json").resolve()
 
 
+@pytest.mark.slow
 @each_level
 def test_it_can_be_won_from_every_start(name: str) -> None:
     for level in games(name):

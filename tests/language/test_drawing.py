@@ -46,6 +46,7 @@ def drawn(text: str, **fields: Any) -> Level:
 # -- both ways -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(drawings(marks=" |:/"))
 def test_what_is_composed_parses_to_the_same(drawing: d.Drawing) -> None:
     text = d.compose(drawing)

@@ -63,6 +63,7 @@ def digest(**fields: Any) -> str:
 # -- what does not change it -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(decorated_worlds())
 def test_texts_looks_and_limits_do_not_change_it(world: World) -> None:
     game = {

@@ -70,6 +70,7 @@ def sides(walls: list[dict[str, Any]]) -> int:
     return sum(wall.get("length", 1) for wall in walls)
 
 
+@pytest.mark.slow
 @given(mazes())
 def test_the_game_and_the_picture_stay_the_same(world: World) -> None:
     level = level_of(world)

@@ -33,6 +33,7 @@ def small_worlds(draw: DrawFn) -> World:
     return {**world, "discount": 0.7}
 
 
+@pytest.mark.slow
 @given(small_worlds())
 def test_paths_and_needs_are_what_they_are_defined_to_be(world: World) -> None:
     found, slow = brl.metrics(world), SlowMetrics(world)

@@ -97,6 +97,7 @@ class Copyist(Scribe):
         return []
 
 
+@pytest.mark.slow
 @given(worlds(4) | thing_worlds(), st.randoms(use_true_random=False))
 def test_lists_and_mappings_come_to_one_form(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Copyist(rng, chatty=0.0), world)

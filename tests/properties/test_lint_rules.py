@@ -228,6 +228,7 @@ def reach(world: World) -> Reach:
     return reach_of(level, level.compile())
 
 
+@pytest.mark.slow
 @untimed
 @given(worlds(5))
 def test_reachable_states_are_those_of_the_reference(world: World) -> None:
@@ -296,6 +297,7 @@ def test_findings_about_reachability_are_exact(world: World, limit: int) -> None
 # -- the optimal policy ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @untimed
 @given(worlds(4), st.sampled_from([0.5, 0.9, 1.0]))
 def test_rewards_alone_show_that_the_policy_terminates(world: World, discount: float) -> None:

@@ -230,6 +230,7 @@ def test_what_cannot_occur_has_a_mark_of_its_own() -> None:
     assert "never" not in page_data(maze, guide=guide_of(maze))["picture"]
 
 
+@pytest.mark.slow
 def test_equal_marks_are_there_once() -> None:
     picture = told()["picture"]
     marks = [*zip(picture["marks"], picture["tiles"], strict=True)]

@@ -74,6 +74,7 @@ def test_gains_are_those_of_a_linear_program(seed: int) -> None:
     assert found.residual < 1e-8
 
 
+@pytest.mark.slow
 @for_each("seed", range(40))
 def test_gain_and_bias_of_a_policy_are_those_of_powers_of_its_matrix(seed: int) -> None:
     level = continuing(seed)

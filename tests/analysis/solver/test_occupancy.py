@@ -37,6 +37,7 @@ def test_visits_times_rewards_are_the_return(seed: int, discount: float, actions
     assert np.nansum(found.states) == pytest.approx(found.visits.sum())
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6))
 def test_without_a_discount_they_add_up_to_the_steps(seed: int) -> None:
     level = brl.load(random_level(Random(seed)))

@@ -26,6 +26,10 @@ ENDLESS = {**OPEN, "exit": "none"}
 PAID = {**OPEN, "size": [9, 9], "areas": [{"at": [3, 3], "ends": True, "reward": 20}]}
 
 
+# What is tested is compiled first, which takes half a minute.
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture
 def everywhere() -> Iterator[None]:
     """Have levels of all sizes solved by machine code."""
@@ -53,7 +57,6 @@ def assert_same(found: brl.Solution, expected: brl.Solution) -> None:
     assert found.residual <= 1e-9 * size
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("discount", [1.0, 0.99])
 @pytest.mark.parametrize("level", [OPEN, THINGS, MAZE], ids=["open", "things", "maze"])
 def test_large_levels_are_solved_alike(level: dict[str, Any], discount: float) -> None:
@@ -71,7 +74,6 @@ def test_the_policy_found_has_the_values_found() -> None:
     assert found.exit_probability == 1.0
 
 
-@pytest.mark.slow
 @settings(max_examples=25)
 @given(seed=st.integers(0, 100_000), discount=st.sampled_from([1.0, 0.95, 0.5]))
 def test_random_levels_are_solved_alike(seed: int, discount: float) -> None:

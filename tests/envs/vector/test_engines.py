@@ -24,6 +24,7 @@ from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
 
 
+@pytest.mark.slow
 @given(
     played=st.lists(levels(), min_size=1, max_size=4),
     mode=st.sampled_from(MODES),
