@@ -165,6 +165,7 @@ def test_a_levels_time_limit_ends_the_film() -> None:
     assert 1 <= len(frames) <= 11
 
 
+@pytest.mark.slow
 def test_too_large_a_film_is_refused() -> None:
     name = written("version: 1\nsize: [99, 99]\nmaze: {seed: 1}\n")
     result = preview(name, "--scale", "1", "-o", "walk.gif")

@@ -26,7 +26,7 @@ COMPARED = [
 ]
 
 
-SLOW = {"docs/images/scores.svg", "docs/mazes.md"}
+SLOW = {"docs/images/scores.svg", "docs/images/things*.svg", "docs/mazes.md"}
 
 
 @pytest.mark.parametrize(

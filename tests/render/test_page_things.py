@@ -264,6 +264,7 @@ def test_a_robot_that_turns_has_a_policy_and_values_of_its_own() -> None:
 # -- limits ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_level_of_too_many_states_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     states = VAULT.compile().num_states
     monkeypatch.setattr(pages, "MAX_STATES", states)
