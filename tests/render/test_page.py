@@ -333,7 +333,13 @@ def test_a_link_is_read_as_its_level(world: World) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [*LONG, "two-doors", *(pytest.param(name, marks=pytest.mark.sweep) for name in OTHERS)]
+    "name",
+    [
+        pytest.param(LONG[0], marks=pytest.mark.slow),
+        *LONG[1:],
+        "two-doors",
+        *(pytest.param(name, marks=pytest.mark.sweep) for name in OTHERS),
+    ],
 )
 def test_links_are_short(name: str) -> None:
     level = load(name)

@@ -274,6 +274,7 @@ def test_a_level_of_too_many_states_is_refused(monkeypatch: pytest.MonkeyPatch) 
         page_data(VAULT)
 
 
+@pytest.mark.slow
 def test_tables_that_are_too_large_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     numbers = sum(map(len, told()["rows"]))
     monkeypatch.setattr(page_tables, "MAX_NUMBERS", numbers - 1)
