@@ -113,8 +113,6 @@ def write_rows(
     """
     from babyrobot_levels.agents.many import reason
 
-    if options.output is not None and NO_LEVEL.fullmatch(options.output.name):
-        fail("rows are written as lines of JSON", "give a file such as rows.jsonl")
     target = _target(columns, options, len(levels))
     first, errors = target.first, 0
     part = levels[first:]
@@ -166,8 +164,11 @@ class _Target(Protocol):
 
 def _target(columns: Columns, options: RowOptions, count: int) -> _Target:
     if options.output is not None:
-        if options.kind is TableFormat.CSV:
-            fail("--output writes lines of JSON", "leave out --format csv, or redirect the output")
+        if options.kind is TableFormat.CSV or NO_LEVEL.fullmatch(options.output.name):
+            fail(
+                "--output writes lines of JSON",
+                "give a file such as rows.jsonl, or redirect the output: --format csv > rows.csv",
+            )
         return _File.opened(options.output, count, resume=options.resume, force=options.force)
     if options.resume:
         fail("--resume continues a file", "name it with --output")

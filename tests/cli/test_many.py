@@ -190,7 +190,7 @@ def test_a_suite_is_shown_as_a_whole_unless_its_levels_are_asked_for() -> None:
         ("solve final-maze nowhere", "there is no level called 'nowhere'"),
         ("solve final-maze no.yaml", "there is no file 'no.yaml'"),
         ("solve final-maze maze --resume", "--resume continues a file"),
-        ("solve maze -o rows.csv --format csv", "rows are written as lines of JSON"),
+        ("solve maze -o rows.csv --format csv", "--output writes lines of JSON"),
         ("solve maze -o -", "--output is the path of a file"),
         ("solve empty", "no level files (.yaml) in empty"),
         ("show final-maze maze --cite", "--cite is for one level"),
