@@ -30,10 +30,10 @@ _OWN: Mapping[str, Command | str] = {
     "edit": "editor",
     "import": "formats",
     "validate": _core("Check", "check:validate", "Check level files for errors."),
-    "lint": _core("Check", "check:lint", "Check level files for errors and likely mistakes."),
+    "lint": _core("Check", "lint:lint", "Check level files for errors and likely mistakes."),
     "format": _core("Check", "check:format_levels", "Format level files."),
     "expect": "expect",
-    "rule": _core("Check", "check:rule", "Explain an error code or a lint rule."),
+    "rule": _core("Check", "lint:rule", "Explain an error code or a lint rule."),
     "preview": _core(
         "Look and play", "preview:preview", "Draw a level, or save a picture or page.", limited=True
     ),

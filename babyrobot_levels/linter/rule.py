@@ -4,13 +4,15 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from inspect import cleandoc
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from babyrobot_levels.linter.context import LintContext
 from babyrobot_levels.linter.finding import Finding, Needs
 from babyrobot_levels.text.diagnostics import Severity
 
-Check = Callable[[LintContext], Iterable[Finding]]
+if TYPE_CHECKING:
+    from babyrobot_levels.linter.context import LintContext
+
+Check = Callable[["LintContext"], Iterable[Finding]]
 Function = TypeVar("Function", bound=Callable[[Any], Iterable[Finding]])
 
 
