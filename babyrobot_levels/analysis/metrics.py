@@ -18,7 +18,6 @@ from babyrobot_levels.analysis.paths import (
     steps_through,
     straightest_path,
 )
-from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 from babyrobot_levels.analysis.solver.model import largest_reward, too_large_to_add_up
 from babyrobot_levels.analysis.solver.optimum import solve
@@ -39,11 +38,12 @@ from babyrobot_levels.language.metric_names import (
     SHAPE,
     SOLVED,
     THINGS,
-    UNLIMITED,
 )
 from babyrobot_levels.mdp.graph import MANY
 from babyrobot_levels.mdp.gridworld import GridWorld, changed, world_of
 from babyrobot_levels.mdp.tables import Flags
+from babyrobot_levels.registry.later import Shown, later
+from babyrobot_levels.render.words.phrases import number
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.words import no_item
 
@@ -95,20 +95,7 @@ class Metrics(Shown, public=True):
     if not TYPE_CHECKING:
         __getitem__ = no_item
 
-    def _html(self) -> str:
-        from babyrobot_levels.render.notebook.html import beside, facts
-        from babyrobot_levels.render.words.phrases import with_limit
-
-        level = self.level
-        numbers = self.to_dict(solve=self.states <= MAX_SOLVED)
-        texts = {
-            name: (", ".join(value) or "nothing") if isinstance(value, tuple) else number(value)
-            for name, value in numbers.items()
-        }
-        for name in texts.keys() & UNLIMITED:
-            texts[name] = with_limit(texts[name], None, level.max_steps)
-        told = [(name.replace("_", " "), text) for name, text in texts.items()]
-        return beside(image(level_picture(level, WIDTH)), facts(told))
+    _html = later("babyrobot_levels.analysis.notebooks:metrics_html")
 
     def to_dict(self, *, solve: bool = True) -> dict[str, Any]:
         """Return all numbers by their names, those about things for levels that have some.

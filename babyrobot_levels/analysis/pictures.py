@@ -1,4 +1,4 @@
-"""Pictures, films and pages of a level, and their formats.
+"""Pictures, films and pages of a level.
 
 The methods of `Level` and the command line make them here, and therefore make the same ones.
 """
@@ -8,19 +8,13 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, Unpack
 
 from babyrobot_levels.analysis.guides import guide_of, lost_of, overlay_of
-from babyrobot_levels.analysis.picture_options import (
-    FilmOptions,
-    PageOptions,
-    StillOptions,
-    TextOptions,
-    takes,
-)
-from babyrobot_levels.registry.entries import Entries
+from babyrobot_levels.analysis.picture_formats import maker_of
+from babyrobot_levels.analysis.picture_options import FilmOptions, PageOptions, StillOptions, takes
 from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.errors import warn
 from babyrobot_levels.text.words import BEST, RANDOM
@@ -422,85 +416,8 @@ def page_address(name: str, given: str | None) -> str | None:
     return given
 
 
-# -- the formats -----------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class PictureFormat:
-    """A format of pictures.
-
-    Attributes:
-        name: its name on the command line.
-        title: what messages call it.
-        kind: what is in it: `"text"`, `"still picture"`, `"film"` or `"page"`.
-        media_type: the media type of its files.
-        suffixes: the suffixes of its files, the usual one first.
-        shows: the typed dictionary of its options.
-        make: returns a picture of a level; None for texts, which the command line makes for the
-            terminal that it writes to.
-        hears: what the function takes to be told things by: `progress`, `tell`.
-    """
-
-    name: str
-    title: str
-    kind: str
-    media_type: str
-    suffixes: tuple[str, ...]
-    shows: Any
-    make: Callable[..., str | bytes] | None = None
-    hears: tuple[str, ...] = ()
-
-    @property
-    def options(self) -> frozenset[str]:
-        """The names of its options."""
-        return frozenset(self.shows.__annotations__)
-
-
-TEXT, STILL, FILM, PAGE = "text", "still picture", "film", "page"
-_PROGRESS, _BOTH = ("progress",), ("progress", "tell")
-_HTML = (".html", ".htm")
-
-_OWN = {
-    each.name: each
-    for each in (
-        PictureFormat("text", "text", TEXT, "text/plain", (".txt",), TextOptions),
-        PictureFormat("ascii", "text", TEXT, "text/plain", (".txt",), TextOptions),
-        PictureFormat("svg", "SVG", STILL, "image/svg+xml", (".svg",), StillOptions, to_svg),
-        PictureFormat("pdf", "PDF", STILL, "application/pdf", (".pdf",), StillOptions, to_pdf),
-        PictureFormat("png", "PNG", STILL, "image/png", (".png",), StillOptions, to_png, _PROGRESS),
-        PictureFormat("gif", "GIF", FILM, "image/gif", (".gif",), FilmOptions, to_gif, _BOTH),
-        PictureFormat("html", "HTML", PAGE, "text/html", _HTML, PageOptions, to_html, ("tell",)),
-    )
-}
-
-FORMATS = Entries("pictures", _OWN, lambda each: isinstance(each, PictureFormat))
-"""The formats by name; of several with the same suffix, the last one is meant by it."""
-
-SUFFIXES = {suffix: each.name for each in _OWN.values() for suffix in each.suffixes}
-"""The format of a file, by its suffix; see `format_for` for those of extensions."""
-
-
-def format_for(suffix: str) -> str | None:
-    """Return the name of the format of a file, by its suffix; None if there is none."""
-    if suffix in SUFFIXES or not suffix:
-        return SUFFIXES.get(suffix)
-    others = (name for name, each in FORMATS.added() if suffix in each.suffixes)
-    return next(others, None)
-
-
-def titles_of(option: str) -> list[str]:
-    """Return the titles of the formats that have an option."""
-    return [*dict.fromkeys(each.title for each in _OWN.values() if option in each.options)]
-
-
-def maker_of(path: str | os.PathLike[str]) -> str | None:
-    """Return the method of levels that makes files of such a name; None if none does."""
-    name = f"to_{SUFFIXES.get(Path(path).suffix.lower())}"
-    return name if hasattr(Pictured, name) else None
-
-
 class Pictured:
-    """The pictures of a level, as its methods."""
+    """The pictures of a level as its methods, for type checkers; see `library.level.Offered`."""
 
     to_svg = to_svg
     to_pdf = to_pdf

@@ -1,24 +1,19 @@
 """What shows itself in a notebook: a level's facts, pictures, films and pages."""
 
-import base64
 import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.analysis.metrics import metrics
-from babyrobot_levels.analysis.pictures import FORMATS, format_for
-from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture
-from babyrobot_levels.language.metric_names import NEEDS, PUSHES, SOLVED
+from babyrobot_levels.analysis.picture_formats import FORMATS, format_for
+from babyrobot_levels.language.metric_names import MAX_SOLVED, NEEDS, PUSHES, SOLVED
 from babyrobot_levels.mdp.gridworld import GridWorld, LevelLike, world_of
+from babyrobot_levels.registry.later import Shown, later
 from babyrobot_levels.text.budget import READ, OverBudgetError, within
 from babyrobot_levels.text.words import no_format
-
-_HEIGHT = 720
-"""The height of a page in a notebook, in pixels."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,16 +35,7 @@ class Preview(Shown, public=True):
     def __repr__(self) -> str:
         return self.level.draw()
 
-    def _html(self) -> str:
-        if isinstance(self.data, str) and self.format == "html":
-            style = f'style="width: 100%; height: {_HEIGHT}px; border: 0"'
-            return f'<iframe srcdoc="{escape(self.data)}" {style}></iframe>'
-        media_type = FORMATS[self.format].media_type
-        if not media_type.startswith("image/"):
-            return f"<pre>{escape(repr(self))}</pre>"
-        data = self.data.encode() if isinstance(self.data, str) else self.data
-        address = f"data:{media_type};base64,{base64.b64encode(data).decode()}"
-        return f'<img src="{address}" style="max-width: 100%; height: auto">'
+    _html = later("babyrobot_levels.analysis.notebooks:preview_html")
 
 
 def preview(
@@ -146,13 +132,9 @@ class Facts(Shown, dict[str, Any], public=True):
         lines = [f"{name + ':':{width}} {text}" for name, text in rows.items()]
         return "\n".join([*lines, *(["", self["drawing"].rstrip()] if self["drawing"] else [])])
 
-    def _html(self) -> str:
-        from babyrobot_levels.render.notebook.html import beside, facts
+    _html = later("babyrobot_levels.analysis.notebooks:facts_html")
 
-        rows = [(name, text) for name, text in self.lines().items() if text]
-        return beside(image(level_picture(self._level, WIDTH)), facts(rows))
-
-    _level: GridWorld
+    level: GridWorld
     _reasons: Mapping[str, str]
     """Why the level does not have some of the metrics."""
 
@@ -197,7 +179,7 @@ def show(level: LevelLike) -> Facts:
             "drawing": None,
         }
     )
-    found._level = world
+    found.level = world
     if world.has_random_maze:
         return found
     try:

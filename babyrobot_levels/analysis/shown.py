@@ -1,40 +1,18 @@
-"""How results show themselves in notebooks: a picture of the level, and numbers in a table.
-
-Each result makes its own HTML, with what is here.
-"""
+"""What results show beside their numbers: a picture of the level, with arrays over its states."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
-
-from babyrobot_levels.text.words import Telling
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.html import Picture
     from babyrobot_levels.render.scene.layout import Overlay, Rows
 
-MAX_SOLVED = 5_000
-"""The most states of a level that is solved only to be shown."""
-
 WIDTH = 480.0
 """The most width of a picture beside a table."""
-
-
-class Shown(Telling):
-    """Shows itself as the last line of a notebook's cell; elsewhere its `repr` has to do."""
-
-    __slots__ = ()
-
-    def _html(self) -> str:
-        """Return what a notebook shows."""
-        raise NotImplementedError
-
-    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        return {"text/html": self._html(), "text/plain": repr(self)}
 
 
 def overlay_given(level: GridWorld, given: Mapping[str, Any]) -> Overlay:
@@ -138,15 +116,3 @@ def level_picture(level: GridWorld, width: float, *, small: bool = False) -> Pic
 def image(picture: Picture | None) -> str:
     """Return a picture as HTML; an empty text without one."""
     return "" if picture is None else picture.html()
-
-
-def share(probability: float) -> str:
-    """Return a probability in percent."""
-    return "–" if math.isnan(probability) else f"{100 * probability:.4g} %"
-
-
-def number(value: float | None) -> str:
-    """Return a number with at most six digits; a dash where there is none."""
-    if value is None or math.isnan(value):
-        return "–"
-    return f"{value:,}" if isinstance(value, int) else f"{value:.6g}".replace("-", "\N{MINUS SIGN}")

@@ -150,7 +150,7 @@ def save(path: Path, data: str | bytes, *, force: bool | None = None) -> None:
         force: whether to overwrite a file; None for a picture or page, which overwrites what has
             the suffix of one.
     """
-    from babyrobot_levels.analysis.pictures import SUFFIXES
+    from babyrobot_levels.analysis.picture_formats import SUFFIXES
     from babyrobot_levels.text.files import write_bytes
 
     if path == STANDARD_OUTPUT:

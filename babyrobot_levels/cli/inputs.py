@@ -162,11 +162,11 @@ SplitOption = Annotated[str | None, value_option("NAME", "Only this split of a s
 
 def is_one_level(words: Sequence[str]) -> bool:
     """Return whether arguments name one level, and no folder, pack or suite."""
-    from babyrobot_levels.suites.suite import folder_named, suite_named
+    from babyrobot_levels.library.catalogue import folder_named, suite_path
 
     if len(words) != 1 or _is_input(words[0]) or NO_LEVEL.fullmatch(words[0]):
         return len(words) == 1
-    return suite_named(words[0]) is None and folder_named(words[0]) is None
+    return suite_path(words[0]) is None and folder_named(words[0]) is None
 
 
 def names_levels(word: str) -> bool:

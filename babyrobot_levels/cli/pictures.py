@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypeVar
 import typer
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.pictures import FORMATS, PictureFormat, titles_of
+from babyrobot_levels.analysis.picture_formats import FORMATS, PictureFormat, titles_of
 from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode
 from babyrobot_levels.cli.inputs import configuration_of
 from babyrobot_levels.cli.parallel import Report

@@ -12,16 +12,15 @@ from typer.core import TyperCommand
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.guides import lost_of
-from babyrobot_levels.analysis.pictures import (
+from babyrobot_levels.analysis.picture_formats import (
     FORMATS,
-    MAX_SCALE,
     SUFFIXES,
     TEXT,
     PictureFormat,
-    dressed,
     format_for,
     titles_of,
 )
+from babyrobot_levels.analysis.pictures import MAX_SCALE, dressed
 from babyrobot_levels.cli.agents import PLAYS, blamed, named_agent, table_of
 from babyrobot_levels.cli.console import (
     OutputOption,

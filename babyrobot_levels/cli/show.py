@@ -147,8 +147,7 @@ def show(
 def _show_many(levels: Suite | list[Any], options: RowOptions, seen: dict[str, Any] | None) -> None:
     """Write the metrics of each level, and what a sight costs there."""
     from babyrobot_levels.agents.many import metrics_many
-    from babyrobot_levels.language.metric_names import METRICS
-    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
+    from babyrobot_levels.language.metric_names import MAX_SOLVED, METRICS
 
     names = ("path_length", "dead_ends", "loops", "best_return", "random_return", "difficulty")
     cost = () if seen is None else ("sight_cost",)
@@ -375,7 +374,7 @@ def _note_all(problems: Iterable[str]) -> None:
 def _difficulties(infos: Sequence[LevelInfo], wanted: str | None) -> dict[str, float]:
     """Return the difficulty of the levels that have one, in a range, by their names."""
     from babyrobot_levels.analysis.metrics import metrics
-    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
+    from babyrobot_levels.language.metric_names import MAX_SOLVED
 
     bounds = ends(wanted or "")
     if wanted and not bounds:

@@ -22,6 +22,9 @@ MISTAKES = ("irreversible", "decisions", "fragility")
 SOLVED = (*RETURNS, "wet_share", "difficulty", *MISTAKES)
 """Those for which each level is solved."""
 
+MAX_SOLVED = 5_000
+"""The most states of a level that is solved without being asked for, as larger ones take longer."""
+
 NEEDS = ("needs", "dependencies", "distractors")
 """Those for which it is compiled without the effect of some things; only levels with things."""
 

@@ -7,22 +7,29 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from html import escape
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex, cast, overload
 
-from babyrobot_levels.analysis.shown import Shown
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.level import Level, load_code, load_file, load_source
-from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files
+from babyrobot_levels.library.search_path import (
+    GALLERY,
+    Place,
+    gallery_place,
+    pack_places,
+    places,
+    yaml_files,
+)
+from babyrobot_levels.registry.later import Shown, later
 from babyrobot_levels.registry.own import own
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.text.files import (
     SUFFIXES,
     is_file,
+    is_folder,
     nearest_files,
     read_source,
     schema_for,
@@ -39,15 +46,6 @@ if TYPE_CHECKING:
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 """A level, as `load` takes it."""
-
-MAX_THUMBNAILS = 50
-"""How many levels of a list a notebook shows with a picture."""
-
-MAX_ROWS = 500
-"""How many levels of a list a notebook shows at all."""
-
-_THUMBNAIL, _SMALL = 200.0, 72.0
-"""The most width of a level's picture beside its facts, and in a list."""
 
 MAX_NEAREST = 3
 MAX_LISTED = 20
@@ -95,18 +93,7 @@ class LevelInfo(Shown, public=True):
         title = "" if self.title is None else f" {self.title!r}"
         return f"<LevelInfo {self.name!r}: {self.size[0]}x{self.size[1]}{title}>"
 
-    def _html(self) -> str:
-        from babyrobot_levels.render.notebook.html import beside, facts
-
-        rows = [
-            ("Name", self.name),
-            ("Title", self.title or ""),
-            ("Size", _size(self)),
-            ("Tags", ", ".join(self.tags)),
-            ("Source", self.source or ""),
-            ("From", self.origin),
-        ]
-        return beside(_thumbnail(self, _THUMBNAIL), facts(rows))
+    _html = later("babyrobot_levels.library.notebooks:info_html")
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""
@@ -124,22 +111,7 @@ class LevelInfo(Shown, public=True):
 class LevelList(Shown, list[LevelInfo]):
     """A list of levels, which shows itself as a table. Its slices are such lists, too."""
 
-    def _html(self) -> str:
-        from babyrobot_levels.render.notebook.html import table
-
-        rows = [
-            (
-                _thumbnail(info, _SMALL) if number < MAX_THUMBNAILS else "",
-                f"<code>{escape(info.name)}</code>",
-                escape(info.title or ""),
-                escape(_size(info)),
-                escape(", ".join(info.tags)),
-                escape(info.origin),
-            )
-            for number, info in enumerate(self[:MAX_ROWS])
-        ]
-        more = f"<p>… and {len(self) - MAX_ROWS:,} more</p>" if len(self) > MAX_ROWS else ""
-        return table(("", "Name", "Title", "Size", "Tags", "From"), rows) + more
+    _html = later("babyrobot_levels.library.notebooks:list_html")
 
     @overload
     def __getitem__(self, index: SupportsIndex) -> LevelInfo: ...
@@ -156,23 +128,6 @@ class LevelList(Shown, list[LevelInfo]):
         ]
         more = [f"  … and {len(self) - MAX_LISTED} more"] if len(self) > MAX_LISTED else []
         return "\n".join([f"{len(self)} level{'s' * (len(self) != 1)}", *lines, *more])
-
-
-def _thumbnail(info: LevelInfo, width: float) -> str:
-    """Return a small picture; nothing of a level that is too large, or that is not there now."""
-    from babyrobot_levels.analysis.shown import MAX_SOLVED, image, level_picture
-
-    if info.size[0] * info.size[1] > MAX_SOLVED:
-        return ""
-    try:
-        level = load_file(info.path)
-    except LevelError:
-        return ""
-    return image(level_picture(level, width, small=True))
-
-
-def _size(info: LevelInfo) -> str:
-    return f"{info.size[0]} × {info.size[1]}"
 
 
 def load(level: LevelLike) -> Level:
@@ -246,6 +201,23 @@ def level_path(level: str | os.PathLike[str]) -> Path:
         names = [path.stem for _ in islice(_named(path.stem), 1)]
         raise LevelNotFoundError(str(path), [*names, *nearest_files(path)], is_file=True)
     return path
+
+
+def folder_named(name: str | os.PathLike[str]) -> Path | None:
+    """Return the folder of levels that a name or a path stands for, None if there is none.
+
+    A level of that name comes before a folder, and a folder before a pack.
+    """
+    if isinstance(name, str) and (is_code(name) or "\n" in name):
+        return None
+    try:
+        path = level_path(name)
+    except LevelNotFoundError:
+        if is_folder(Path(name)):
+            return Path(name)
+        packs = (gallery_place(), *pack_places()) if isinstance(name, str) else ()
+        return next((each.folder for each in packs if name == (each.pack or GALLERY)), None)
+    return path if is_folder(path) else None
 
 
 def find(name: str, first: Sequence[Place] = ()) -> Path:
@@ -347,12 +319,13 @@ def find_suite(suite: str | os.PathLike[str], first: Sequence[Place] = ()) -> Pa
     raise SuiteNotFoundError(suite, _nearest_names(suite, [*suite_files()]))
 
 
-def suite_path(text: str) -> Path | None:
-    """Return the file of the suite that a text names where a level is expected, else None."""
-    if is_code(text) or "\n" in text:
+def suite_path(name: str | os.PathLike[str]) -> Path | None:
+    """Return the file of the suite that a name or a path stands for, None if there is none."""
+    if isinstance(name, str) and (is_code(name) or "\n" in name):
         return None
     try:
-        path = Path(text) if looks_like_path(text) else find(text)
+        is_path = not isinstance(name, str) or looks_like_path(name)
+        path = Path(name) if is_path else find(str(name))
     except LevelNotFoundError:
         return None
     return path if is_file(path) and is_suite_file(path) else None

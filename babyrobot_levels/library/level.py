@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -10,23 +9,48 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from babyrobot_levels import mdp
-from babyrobot_levels.analysis.pictures import Pictured
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.language.share_code import decode
 from babyrobot_levels.mdp.gridworld import GridWorld, playable
 from babyrobot_levels.registry.entries import Entries
+from babyrobot_levels.registry.later import later
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
-    import gymnasium
+    from babyrobot_levels.analysis import environments, previews
+    from babyrobot_levels.analysis.pictures import Pictured
+    from babyrobot_levels.analysis.solver import optimum
 
-    from babyrobot_levels.analysis.previews import Facts, Preview
+    class Offered(Pictured):
+        """As below, for type checkers."""
+
+        solve = optimum.solve
+        show = previews.show
+        preview = previews.preview
+        play = previews.play
+        make = environments.make
+
+else:
+
+    class Offered:
+        """What a level can do that stands in later modules: each is imported when it is used."""
+
+        to_svg = later("babyrobot_levels.analysis.pictures:to_svg")
+        to_pdf = later("babyrobot_levels.analysis.pictures:to_pdf")
+        to_png = later("babyrobot_levels.analysis.pictures:to_png")
+        to_gif = later("babyrobot_levels.analysis.pictures:to_gif")
+        to_html = later("babyrobot_levels.analysis.pictures:to_html")
+        solve = later("babyrobot_levels:solve")
+        show = later("babyrobot_levels:show")
+        preview = later("babyrobot_levels:preview")
+        play = later("babyrobot_levels:play")
+        make = later("babyrobot_levels.analysis.environments:make")
+        _repr_mimebundle_ = later("babyrobot_levels.render.notebook.html:level_mimebundle")
 
 
-class Level(Pictured, GridWorld):
+class Level(Offered, GridWorld):
     """A level: the contents of a level file, validated and frozen.
 
     Its attributes are the fields of the language, with what a drawing gives filled in. Levels are
@@ -73,20 +97,6 @@ class Level(Pictured, GridWorld):
         """The number of rows."""
         return self.size[1]
 
-    # -- what it comes to ------------------------------------------------------------------
-
-    def solve(self, discount: float | None = None, **options: Any) -> Any:
-        """Return a `Solution`, or what else `brl.solve` returns for these arguments."""
-        return mdp.public("solve")(self, discount, **options)
-
-    def show(self) -> Facts:
-        """Return the facts about the level: texts, numbers, digest, metrics; see `brl.show`."""
-        from babyrobot_levels.analysis.previews import show
-
-        return show(self)
-
-    # -- as text ---------------------------------------------------------------------------
-
     def share_code(self) -> str:
         """Return the level as a share code: one line, `brl1.…`, that `brl.load` takes.
 
@@ -110,46 +120,12 @@ class Level(Pictured, GridWorld):
         Raises:
             ValueError: the name of the file is that of a picture.
         """
-        from babyrobot_levels.analysis.pictures import maker_of
+        from babyrobot_levels.analysis.picture_formats import maker_of
         from babyrobot_levels.text.files import write_text
 
         if maker_of(path):
             raise ValueError(f"this saves the level as YAML, not {path}: use {maker_of(path)}")
         write_text(Path(path), self.to_yaml(comments=True))
-
-    # -- as a picture ----------------------------------------------------------------------
-
-    def preview(self, path: str | os.PathLike[str] | None = None, **shown: Any) -> Preview:
-        """Return a picture, a film or a page; see `brl.preview` for arguments and errors."""
-        from babyrobot_levels.analysis.previews import preview
-
-        return preview(self, path, **shown)
-
-    def play(self, path: str | os.PathLike[str] | None = None, **shown: Any) -> Preview:
-        """Return a page on which the level can be played; see `brl.play`."""
-        from babyrobot_levels.analysis.previews import play
-
-        return play(self, path, **shown)
-
-    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        from babyrobot_levels.render.notebook.html import level_mimebundle
-
-        return level_mimebundle(self)
-
-    # -- as an environment -----------------------------------------------------------------
-
-    def make(self, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-        """Return the level as a Gymnasium environment; `max_steps` becomes its time limit.
-
-        Args:
-            kwargs: what `gymnasium.make("babyrobot/Level-v0", …)` takes beside `level`:
-                `observation`, `actions`, `render_mode`, `image_size`, `grayscale`, `view_radius`,
-                `see_through`, `channels_last`, `planes_dtype`. A `max_episode_steps` takes the
-                place of the level's `max_steps`, -1 of any limit.
-        """
-        from babyrobot_levels.analysis.environments import make
-
-        return make(self, **kwargs)
 
 
 def load_document(document: Document, path: Path | None = None) -> Level:

@@ -255,7 +255,7 @@ class LintContext:
     def metrics(self) -> Metrics:
         """The metrics, which have the solution that other rules read."""
         from babyrobot_levels.analysis.metrics import Metrics
-        from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
+        from babyrobot_levels.language.metric_names import MAX_SOLVED
 
         found = Metrics(self.level)
         if self.mdp.num_states <= MAX_SOLVED:

@@ -15,6 +15,7 @@ from babyrobot_levels.analysis.solver.results import (
     Solution,
     UndefinedReturnError,
 )
+from babyrobot_levels.language.metric_names import MAX_SOLVED
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph
@@ -22,9 +23,6 @@ from babyrobot_levels.mdp.gridworld import changed
 from babyrobot_levels.mdp.states import Reach, ends_by_hit, exit_states, occurring
 from babyrobot_levels.mdp.tables import Flags, Mdp
 from babyrobot_levels.text.errors import LevelError
-
-MAX_SOLVED = 5_000
-"""Larger levels (in states) are not solved, because that could take seconds."""
 
 MAX_WORK = 200_000_000
 """States times steps: the limit up to which the exit probability is computed step by step."""

@@ -35,7 +35,7 @@ class Extension:
         needs: the extensions of the package whose modules it imports.
         commands: the commands of `babyrobot`.
         formats: the formats of other programs, each a `Format` of `convert.formats`.
-        pictures: the formats of pictures, each a `PictureFormat` of `analysis.pictures`.
+        pictures: the formats of pictures, each a `PictureFormat` of `analysis.picture_formats`.
         rules: the rules of the linter by code, each a function with the decorator `rule` of
             `linter.rule`. They run where they are selected.
         observations: the observations of environments, each a class derived from `Observer` of

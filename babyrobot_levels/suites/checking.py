@@ -126,9 +126,8 @@ def _text_of(level: Level) -> str:
 
 
 def _files_of(name: str | os.PathLike[str]) -> Iterator[Path]:
-    from babyrobot_levels.library.catalogue import find, looks_like_path
+    from babyrobot_levels.library.catalogue import find, folder_named, looks_like_path
     from babyrobot_levels.library.search_path import yaml_files
-    from babyrobot_levels.suites.suite import folder_named
 
     path = Path(name)
     with suppress(RuntimeError):

@@ -18,17 +18,17 @@ from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields
 from babyrobot_levels.library.catalogue import (
     LevelLike,
     find_suite,
+    folder_named,
     is_suite_file,
     level_path,
     suite_path,
 )
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.search_path import GALLERY, gallery_place, pack_places, yaml_files
+from babyrobot_levels.library.search_path import yaml_files
 from babyrobot_levels.suites.members import Member, OpenedSuite, open_suite, suite_of_mapping
 from babyrobot_levels.suites.sources import Bounds, Groups, GrownLevels, Numbers, groups_of
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import LevelNotFoundError
-from babyrobot_levels.text.files import is_file, is_folder
+from babyrobot_levels.text.files import is_folder
 from babyrobot_levels.text.words import Telling, did_you_mean
 
 _HEX_DIGITS = 13
@@ -411,7 +411,7 @@ def named_levels(levels: Levels) -> Suite | Iterable[LevelLike]:
         return levels
     if isinstance(levels, str) and is_code(levels):
         return [levels]
-    if (suite := suite_named(levels)) is not None:
+    if (suite := suite_path(levels)) is not None:
         return load_suite(suite)
     folder = folder_named(levels)
     if folder is None:
@@ -423,28 +423,3 @@ def named_levels(levels: Levels) -> Suite | Iterable[LevelLike]:
     if not files:
         raise ValueError(f"no level files (.yaml) in {levels}")
     return files
-
-
-def suite_named(name: str | os.PathLike[str]) -> Path | None:
-    """Return the file of the suite that a name or a path stands for, None if there is none."""
-    if isinstance(name, str):
-        return suite_path(name)
-    path = Path(name)
-    return path if is_file(path) and is_suite_file(path) else None
-
-
-def folder_named(name: str | os.PathLike[str]) -> Path | None:
-    """Return the folder of levels that a name or a path stands for, None if there is none.
-
-    A level of that name comes before a folder, and a folder before a pack.
-    """
-    if isinstance(name, str) and (is_code(name) or "\n" in name):
-        return None
-    try:
-        path = level_path(name)
-    except LevelNotFoundError:
-        if is_folder(Path(name)):
-            return Path(name)
-        packs = (gallery_place(), *pack_places()) if isinstance(name, str) else ()
-        return next((each.folder for each in packs if name == (each.pack or GALLERY)), None)
-    return path if is_folder(path) else None

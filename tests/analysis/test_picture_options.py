@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.pictures import FORMATS, PictureFormat, titles_of
+from babyrobot_levels.analysis.picture_formats import FORMATS, PictureFormat, titles_of
 
 MADE = [each for each in FORMATS.values() if each.make is not None]
 each_format = pytest.mark.parametrize("chosen", MADE, ids=lambda each: each.name)
@@ -20,7 +20,8 @@ def method_of(level: brl.Level, chosen: PictureFormat) -> Any:
 
 @each_format
 def test_a_level_has_a_method_for_each_format(chosen: PictureFormat) -> None:
-    assert method_of(brl.load("default"), chosen).__func__ is chosen.make
+    made: Any = chosen.make
+    assert method_of(brl.load("default"), chosen).__func__ is made.__get__(None)
     assert inspect.getdoc(method_of(brl.load("default"), chosen))
 
 

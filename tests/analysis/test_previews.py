@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.pictures import FORMATS
+from babyrobot_levels.analysis.picture_formats import FORMATS
 
 pytestmark = pytest.mark.usefixtures("here")
 

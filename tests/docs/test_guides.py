@@ -20,7 +20,7 @@ from support.places import DOCS, EXAMPLES, GALLERY_FOLDER, ROOT
 from support.sessions import babyrobot
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis import pictures as formats_of_pictures
+from babyrobot_levels.analysis.picture_formats import FORMATS as FORMATS_OF_PICTURES
 from babyrobot_levels.extensions.formats.commands import PICTURES
 from babyrobot_levels.extensions.formats.formats import FORMATS, MODELS, written
 from babyrobot_levels.extensions.formats.setups import _PLAYING, KEYWORDS
@@ -162,7 +162,7 @@ def test_the_table_has_all_formats_with_their_files_methods_and_options() -> Non
         [re.findall(r"`(.*?)`", cell) for cell in row]
         for row in rows("pictures", "| format | files | in Python | options |")
     ]
-    known = formats_of_pictures.FORMATS
+    known = FORMATS_OF_PICTURES
     assert [name for row in table for name in row[0]] == [*known]
     for names, files, methods, options in table:
         formats = [known[name] for name in names]

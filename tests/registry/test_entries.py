@@ -41,7 +41,7 @@ DRAWN = """\
 from pathlib import Path
 
 from babyrobot_levels.analysis.picture_options import StillOptions
-from babyrobot_levels.analysis.pictures import STILL, PictureFormat
+from babyrobot_levels.analysis.picture_formats import STILL, PictureFormat
 from babyrobot_levels.envs.observations.base import Observer
 from babyrobot_levels.registry.manifest import Extension
 from gymnasium import spaces

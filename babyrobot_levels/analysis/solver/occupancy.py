@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.shown import Shown, image, number, state_picture
 from babyrobot_levels.analysis.solver.linear import expected_visits
 from babyrobot_levels.analysis.solver.model import Model, closed_classes
 from babyrobot_levels.analysis.solver.policies import Policy, StateSpace, read_policy, space_of
@@ -13,6 +12,7 @@ from babyrobot_levels.analysis.solver.results import Result, check_discount
 from babyrobot_levels.mdp.graph import Graph
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.tables import Flags, Floats
+from babyrobot_levels.registry.later import Shown, later
 
 MAX_STATES = 4_000
 """The most states of a successor representation: 128 MB."""
@@ -39,13 +39,7 @@ class Occupancy(Shown, Result, public=True):
     discount: float
     level: GridWorld
 
-    def _html(self) -> str:
-        from babyrobot_levels.render.notebook.html import beside, facts
-
-        rows = [("Expected steps", number(self.steps)), ("Discount", number(self.discount))]
-        if np.isinf(self.visits).any():
-            return facts(rows)
-        return beside(image(state_picture(self)), facts(rows))
+    _html = later("babyrobot_levels.analysis.notebooks:occupancy_html")
 
     def __repr__(self) -> str:
         return f"<Occupancy steps={self.steps:.6g} discount={self.discount:g}>"

@@ -8,18 +8,17 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
-from html import escape
 from itertools import product
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from babyrobot_levels.analysis.shown import Shown, image, number, share, state_picture
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.actions import MOVES, Action, Turn
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints, Mdp
+from babyrobot_levels.registry.later import Shown, later
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.words import Telling, no_item
 
@@ -274,27 +273,7 @@ class Evaluation(StateResult, public=True):
             "finite"
         )
 
-    def _html(self) -> str:
-        from babyrobot_levels.render.notebook.html import beside, facts
-        from babyrobot_levels.render.words.phrases import reaching, with_limit
-
-        limit = None if self.level is None else self.level.max_steps
-        rows = [
-            ("Expected return", with_limit(number(self.expected_return), self.within, limit)),
-            ("Expected steps", number(self.expected_steps)),
-            (reaching(self.level).capitalize(), share(self.exit_probability)),
-            ("Discount", number(self.discount)),
-            ("Actions", self.actions),
-            *self._how_found(),
-        ]
-        if self.level is not None and not self.level.has_goal:
-            del rows[2]
-        text = f"<p>{escape(self.explanation)}</p>" if self.explanation else ""
-        return beside(image(state_picture(self)), facts(rows) + text)
-
-    def _how_found(self) -> list[tuple[str, str]]:
-        """Return the row that tells how it was found."""
-        return []
+    _html = later("babyrobot_levels.analysis.notebooks:evaluation_html")
 
     def __repr__(self) -> str:
         limit = "" if self.within is None else f" within={self.within}"
@@ -380,9 +359,6 @@ class Solution(Evaluation, public=True):
         """Lower and upper bounds of the optimal values, `[height, width]` each."""
         return self.values - self.margin, self.values + self.margin
 
-    def _how_found(self) -> list[tuple[str, str]]:
-        return [("Method", f"{self.method}, residual {self.residual:.1g}")]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ExactSolution(StateResult, public=True):
@@ -421,20 +397,7 @@ class ExactSolution(StateResult, public=True):
     iterations: int
     level: GridWorld | None
 
-    def _html(self) -> str:
-        from babyrobot_levels.render.notebook.html import facts
-        from babyrobot_levels.render.words.phrases import reaching
-
-        return facts(
-            [
-                ("Expected return", str(self.expected_return)),
-                ("Expected steps", str(self.expected_steps)),
-                (reaching(self.level).capitalize(), str(self.exit_probability)),
-                ("Discount", str(self.discount)),
-                ("Actions", self.actions),
-                ("Method", "policy iteration over the rationals: no action is better"),
-            ]
-        )
+    _html = later("babyrobot_levels.analysis.notebooks:exact_html")
 
     def __repr__(self) -> str:
         return (

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.compare import LevelLike
 from babyrobot_levels.analysis.metrics import metrics
-from babyrobot_levels.analysis.shown import WIDTH, Shown, number
+from babyrobot_levels.analysis.shown import WIDTH
 from babyrobot_levels.extensions.compare.changes import (
     NO_CHANGES,
     Change,
@@ -26,7 +26,8 @@ from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.ground import RULES, build_ground
 from babyrobot_levels.mdp.tables import Ints
-from babyrobot_levels.render.words.phrases import with_limit
+from babyrobot_levels.registry.later import Shown
+from babyrobot_levels.render.words.phrases import number, with_limit
 
 LIMIT = 10
 """How many changes of each kind are listed by default."""

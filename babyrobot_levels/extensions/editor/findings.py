@@ -250,7 +250,7 @@ def _share(answers: Answers, context: LintContext) -> None:
     solution = None if answers.optimum is None else answers.optimum.solution
     if solution is None:
         return
-    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
+    from babyrobot_levels.language.metric_names import MAX_SOLVED
 
     if context.mdp.num_states <= MAX_SOLVED:
         context.solution = solution

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from babyrobot_levels.analysis.shown import MAX_SOLVED, image, number, state_picture
+from babyrobot_levels.analysis.shown import image, state_picture
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS
 from babyrobot_levels.analysis.solver.model import Model
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE, solve
@@ -19,8 +19,10 @@ from babyrobot_levels.analysis.solver.results import (
     check_count,
     check_discount,
 )
+from babyrobot_levels.language.metric_names import MAX_SOLVED
 from babyrobot_levels.mdp.gridworld import GridWorld, check_one_robot, world_of
 from babyrobot_levels.mdp.tables import Floats, Ints
+from babyrobot_levels.render.words.phrases import number
 from babyrobot_levels.text.words import no_attribute
 
 

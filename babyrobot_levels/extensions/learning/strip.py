@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.shown import Shown, extent_of, state_picture
+from babyrobot_levels.analysis.shown import extent_of, state_picture
 from babyrobot_levels.analysis.solver.results import StateResult
 from babyrobot_levels.extensions.learning.results import Run, Sweep
 from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.registry.later import Shown
 from babyrobot_levels.render.notebook.html import Picture, picture_of
 from babyrobot_levels.render.notebook.html import strip as strip_html
 from babyrobot_levels.render.raster import pixels_to_png

@@ -14,9 +14,8 @@ from typing import Any
 from babyrobot_levels.agents.sent import Item, received, sent
 from babyrobot_levels.analysis.metrics import Metrics, metrics
 from babyrobot_levels.analysis.pictures import to_png
-from babyrobot_levels.analysis.shown import MAX_SOLVED
 from babyrobot_levels.extensions.publish.gallery import MAZE_SEED, TILE_SIDE, Progress, title_of
-from babyrobot_levels.language.metric_names import METRICS
+from babyrobot_levels.language.metric_names import MAX_SOLVED, METRICS
 from babyrobot_levels.language.play import program
 from babyrobot_levels.parallel import executor_for
 from babyrobot_levels.parallel.executor import Failure

@@ -9,10 +9,9 @@ from babyrobot_levels.analysis.metrics import Metrics
 from babyrobot_levels.analysis.metrics import metrics as metrics_of
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.language.kinds import KINDS, THINGS
-from babyrobot_levels.language.metric_names import MISTAKES, NEEDS
+from babyrobot_levels.language.metric_names import MAX_SOLVED, MISTAKES, NEEDS
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 
 HARDNESS = ("success", *MISTAKES, *NEEDS)
 """The metrics that tell why a level is hard."""

@@ -23,7 +23,7 @@ from babyrobot_levels.extensions.publish.wall import ASSETS, wall_html
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.library.catalogue import LevelLike, load
+from babyrobot_levels.library.catalogue import LevelLike, folder_named, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import gallery_folder, gallery_order
 from babyrobot_levels.parallel import executor_for
@@ -32,7 +32,7 @@ from babyrobot_levels.render.raster import reduced, to_png
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import to_svg
-from babyrobot_levels.suites.suite import Levels, Suite, folder_named, named_levels
+from babyrobot_levels.suites.suite import Levels, Suite, named_levels
 from babyrobot_levels.text.errors import BabyRobotError, FolderError
 from babyrobot_levels.text.files import (
     GALLERY_FILES,

@@ -14,7 +14,6 @@ from typing import Any
 from babyrobot_levels.analysis.endings import ending_of
 from babyrobot_levels.analysis.guides import best_average
 from babyrobot_levels.analysis.pictures import dressed, still
-from babyrobot_levels.analysis.shown import Shown as ShownInNotebook
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
 from babyrobot_levels.extensions.learning.algorithms import value_iteration
@@ -22,6 +21,7 @@ from babyrobot_levels.extensions.publish.sheet_pages import INK, Entry, PageStyl
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import initial_configuration, shown_configurations
+from babyrobot_levels.registry.later import Shown as ShownInNotebook
 from babyrobot_levels.render.notebook.html import picture_of, strip
 from babyrobot_levels.render.page import bare
 from babyrobot_levels.render.pdf import to_pdf, width_of

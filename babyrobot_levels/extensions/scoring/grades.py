@@ -24,8 +24,8 @@ from babyrobot_levels.extensions.scoring.submissions import (
     Submission,
 )
 from babyrobot_levels.language.plain_data import json_mapping
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.suites.suite import Levels, folder_named, named_levels
+from babyrobot_levels.library.catalogue import folder_named, load
+from babyrobot_levels.suites.suite import Levels, named_levels
 from babyrobot_levels.text import budget
 from babyrobot_levels.text.words import did_you_mean
 

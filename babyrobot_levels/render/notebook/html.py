@@ -61,7 +61,7 @@ def picture_mimebundle(scene: Scene, text: str) -> Bundle:
     }
 
 
-def level_mimebundle(level: GridWorld) -> Bundle:
+def level_mimebundle(level: GridWorld, include: Any = None, exclude: Any = None) -> Bundle:
     """Return the bundle of a level as the last line of a cell: its picture and its drawing.
 
     A random maze is shown with seed 0.

@@ -1,6 +1,7 @@
 """Phrases that several texts about levels share: rewards, chances, numbers, colours."""
 
 import colorsys
+import math
 from collections.abc import Iterable, Sequence
 
 from babyrobot_levels.language.cells import RandomReward, Skid
@@ -97,6 +98,13 @@ def percent(probability: float) -> str:
     if text == "100 %" and probability < 1:
         return "over 99.9 %"
     return "under 0.01 %" if 0 < probability < 1e-4 else text
+
+
+def number(value: float | None) -> str:
+    """Return a number with at most six digits; a dash where there is none."""
+    if value is None or math.isnan(value):
+        return "–"
+    return f"{value:,}" if isinstance(value, int) else f"{value:.6g}".replace("-", "\N{MINUS SIGN}")
 
 
 def skidding(skid: Skid) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.console import fail, speaks_unicode, styled
+from babyrobot_levels.language.metric_names import MAX_SOLVED
 from babyrobot_levels.mdp.actions import NUM_MOVES, Action, Turn
 from babyrobot_levels.render.terminal import colors_of
 from babyrobot_levels.render.words.happenings import bump, changes, hitter
@@ -46,8 +47,6 @@ _BOLD: Style = {"bold": True}
 DIM: Style = {"dim": True}
 WARNING: Style = {"fg": "yellow"}
 GOOD: Style = {"fg": "green", "bold": True}
-MAX_SOLVED = 5_000
-"""The most states of a level that is solved without being asked for."""
 
 
 class Game:
