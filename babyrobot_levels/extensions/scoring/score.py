@@ -10,7 +10,6 @@ import numpy as np
 
 from babyrobot_levels.agents.agents import Chooser, Table, read_agent
 from babyrobot_levels.agents.policy_tables import policy_of
-from babyrobot_levels.analysis.solver.advantage import mean_positive_advantage
 from babyrobot_levels.analysis.solver.average import is_average
 from babyrobot_levels.analysis.solver.distribution import distribution_of
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
@@ -27,6 +26,7 @@ from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.envs.team import TeamEnv
+from babyrobot_levels.extensions.scoring.advantage import mean_positive_advantage
 from babyrobot_levels.extensions.scoring.averages import average_scores
 from babyrobot_levels.extensions.scoring.conversations import converse
 from babyrobot_levels.extensions.scoring.results import LevelScore, Played, Scores, extremes, share

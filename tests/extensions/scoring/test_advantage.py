@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.advantage import mean_positive_advantage
 from babyrobot_levels.analysis.solver.policies import read_policy, space_of
+from babyrobot_levels.extensions.scoring.advantage import mean_positive_advantage
 
 
 def defined(level: brl.Level, policies: list[np.ndarray], discount: float) -> float:
