@@ -28,6 +28,9 @@ from xml.sax.saxutils import escape
 PACKAGE = "babyrobot_levels"
 LEVEL = "final-maze"
 
+DOORS = {"load": "library.catalogue", "solve": "analysis.solver.optimum", "validate": "cli.check"}
+"""Modules whose functions much of the rest begins with."""
+
 Graph = Mapping[str, Iterable[str]]
 
 
@@ -56,14 +59,30 @@ class Structure:
     @cached_property
     def imports(self) -> dict[str, set[str]]:
         """The modules of the package that each one imports, wherever in its file."""
-        found: dict[str, set[str]] = {}
-        for name, path in self.modules.items():
-            found[name] = set()
-            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-                modules = map(self._module, _imported(node))
-                found[name] |= {module for module in modules if module}
-            found[name].discard(name)
+        return {name: self._imports(tree) - {name} for name, tree in self._trees().items()}
+
+    @cached_property
+    def needs(self) -> dict[str, set[str]]:
+        """The same without what only type checkers import."""
+        trees = {name: _Running().visit(tree) for name, tree in self._trees().items()}
+        return {name: self._imports(tree) - {name} for name, tree in trees.items()}
+
+    def reach(self, door: str) -> set[str]:
+        """Return the modules that whoever changes a module has to know: all that it needs."""
+        found, waiting = set(), [door]
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                waiting += self.needs[name]
         return found
+
+    def _trees(self) -> dict[str, ast.Module]:
+        return {name: ast.parse(path.read_text("utf-8")) for name, path in self.modules.items()}
+
+    def _imports(self, tree: ast.AST) -> set[str]:
+        named = (name for node in ast.walk(tree) for name in _imported(node))
+        return {module for module in map(self._module, named) if module}
 
     def _module(self, name: str) -> str | None:
         """Return the module that `name` lies in, or None if it is not one of the package's."""
@@ -180,6 +199,15 @@ print(json.dumps(list(stops)))
 def room_of(module: str) -> str:
     """Return the room that a module lies in."""
     return module.partition(".")[0]
+
+
+class _Running(ast.NodeTransformer):
+    """Leaves out what is for type checkers alone."""
+
+    def visit_If(self, node: ast.If) -> ast.AST:
+        if "TYPE_CHECKING" in ast.unparse(node.test):
+            node.body = [ast.Pass()]
+        return self.generic_visit(node)
 
 
 def _imported(node: ast.AST) -> list[str]:
@@ -362,6 +390,10 @@ def main() -> None:
     }
     for text, number in rows.items():
         print(f"{text:26}{number:>8,}")
+    for what, door in DOORS.items():
+        known = structure.reach(door)
+        lines = sum(structure.lines[each] for each in known)
+        print(f"{what + ' reaches':26}{len(known):>8,} modules, {lines:,} lines")
     for circle in structure.circles:
         print("circle:", ", ".join(circle))
     for caller, called in stops:

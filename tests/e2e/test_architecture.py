@@ -59,6 +59,8 @@ def test_the_reader_of_imports_sees_them_all(tmp_path: Path) -> None:
         "roof": {"doors"},
     }
     assert made.circles == [["doors", "roof"]]
+    assert made.reach("doors") == {"doors", "roof"}
+    assert made.reach("walls.thin") == {"walls.thin", "walls.thick", "walls"}
     assert made.arrows == {"walls": set(), "doors": {"walls", "roof"}, "roof": {"doors"}}
     assert made.order == [["walls"], ["doors", "roof"]]
 
