@@ -68,13 +68,16 @@ class Structure:
         return {name: self._imports(tree) - {name} for name, tree in trees.items()}
 
     def reach(self, door: str) -> set[str]:
-        """Return the modules that whoever changes a module has to know: all that it needs."""
+        """Return the modules that whoever changes a module has to know: all that it needs.
+
+        The root is none of them: it imports a name when that is used.
+        """
         found, waiting = set(), [door]
         while waiting:
             name = waiting.pop()
             if name not in found:
                 found.add(name)
-                waiting += self.needs[name]
+                waiting += self.needs[name] - {"__init__"}
         return found
 
     def _trees(self) -> dict[str, ast.Module]:
