@@ -5,10 +5,12 @@ from __future__ import annotations
 import random
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from support.mazes import Board, empty, grow
+from support.subprocesses import run
 
 from babyrobot_levels.mdp.mazes import carve_many, compiled, kernel
 
@@ -65,6 +67,38 @@ def test_many_at_a_time_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
         wanted = [plain(board, seed, 0.0, monkeypatch) for seed in seeds]
         assert compiled.depth_first_many(*board, seeds) == wanted
         assert carve_many(*board, seeds, "depth-first", 0.0) == wanted
+
+
+INTERPRETED = """
+import random
+
+import numpy as np
+
+from babyrobot_levels.mdp.mazes import carve_many, kernel
+
+rng = random.Random(5)
+for bits in (8, 32, 64, 90) * 4:
+    width, height = rng.randint(1, 6), rng.randint(1, 6)
+    start, size, seed = rng.randrange(width * height), width * height, rng.getrandbits(bits)
+    blocked = bytearray(cell != start and rng.random() < 0.2 for cell in range(size))
+    board = width, height, bytes(blocked), start
+    (wanted,) = carve_many(*board, [seed], "depth-first", 0.0)
+    one, many = bytearray(size), bytearray(2 * size)
+    key = seed.to_bytes(4 * max(1, (seed.bit_length() + 31) // 32), "little")
+    with np.errstate(over="ignore"):
+        kernel.depth_first(*board, key, one)
+        kernel.depth_first_many(*board, np.array([seed % 2**64] * 2, np.uint64), many)
+    assert bytes(one) == wanted, (board, seed)
+    assert bytes(many) == wanted * 2 or bits > 64, (board, seed)
+print("the same")
+"""
+
+
+def test_the_bits_are_the_same_where_python_runs_the_kernel(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    assert run(INTERPRETED, tmp_path) == "the same\n"
 
 
 @pytest.mark.sweep
