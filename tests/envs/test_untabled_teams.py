@@ -97,13 +97,18 @@ def test_episodes_of_random_teams_are_those_of_tables(first: int) -> None:
         assert_same_episodes(level, 1, 12)
 
 
-@pytest.mark.slow
-def test_what_is_surely_too_large_is_so() -> None:
-    for given in ("passing-place", "two-pads", SLIPPERY):
-        level = brl.load(given)
-        size, robots = level.compile().probability.size, stepper(level, level.grid())
-        assert not exceed(robots, size)
-        assert exceed(robots, size // 20)
+@pytest.mark.parametrize(
+    "given",
+    [
+        "passing-place",
+        *(pytest.param(each, marks=pytest.mark.slow) for each in ("two-pads", SLIPPERY)),
+    ],
+)
+def test_what_is_surely_too_large_is_so(given: Any) -> None:
+    level = brl.load(given)
+    size, robots = level.compile().probability.size, stepper(level, level.grid())
+    assert not exceed(robots, size)
+    assert exceed(robots, size // 20)
 
 
 @pytest.mark.slow

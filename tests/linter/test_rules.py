@@ -154,6 +154,21 @@ def test_the_help_beside_a_drawing_can_be_followed() -> None:
 # -- other rules -------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("cells", "merged"),
+    [
+        ("{at: [1, 2], size: [2, 1]}, {at: [1, 3], size: [2, 2]}", "2x3"),
+        ("{at: [1, 2]}, {at: [1, 3]}, {at: [1, 4]}, {at: [4, 5]}", "1x3"),
+        ("{at: [1, 2], size: [2, 1]}, {at: [1, 3]}", None),
+    ],
+)
+def test_cells_that_fill_a_rectangle_can_be_one_entry(cells: str, merged: str | None) -> None:
+    told = [
+        each.message for each in found(f"version: 1\nsize: [6, 6]\nblocked: [{cells}]\n", "BR606")
+    ]
+    assert [f" {merged} " in each for each in told] == ([] if merged is None else [True])
+
+
 def test_an_infinite_return_is_reported_as_such() -> None:
     text = "version: 1\nareas:\n  - {{at: [1, 1], reward: 5}}\ndiscount: {}\n"
     (infinite,) = found(text.format(1.0), "BR504")

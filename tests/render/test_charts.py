@@ -40,6 +40,12 @@ def test_a_curve_rises_towards_the_dashed_line_that_it_should_reach() -> None:
     assert {"estimate", "optimum", "sweep", "return", "-10", "0", "10"} <= {*texts(root)}
 
 
+def test_curves_of_large_values_fill_the_height() -> None:
+    (line,) = lines(drawn(Curve("a", [(0, 100.0), (1, 103.0), (2, 101.0)])))
+    heights = [y for _, y in line]
+    assert max(heights) - min(heights) > 0.5 * charts.HEIGHT
+
+
 def test_what_is_infinite_is_left_out() -> None:
     points = [(0, -math.inf), (1, math.nan), (2, 3.0), (3, 4.0)]
     assert len(lines(drawn(Curve("a", points), goal=("b", math.inf)))[0]) == 2

@@ -196,6 +196,15 @@ def test_black_or_white_is_readable_on_any_ground(shade: int) -> None:
         assert contrast("gold", mixed(plate_for("gold", ground), below)) >= TEXT
 
 
+@pytest.mark.parametrize(
+    ("ink", "ground", "ratio"),
+    # By the definition of WCAG 2.2, "contrast ratio" and "relative luminance".
+    [("black", "white", 21), ("#767676", "white", 4.542), ("#0a0a0a", "black", 1.0607)],
+)
+def test_a_contrast_is_that_of_the_guidelines(ink: str, ground: str, ratio: float) -> None:
+    assert contrast(ink, ground) == pytest.approx(ratio, abs=1e-3)
+
+
 # -- greys -----------------------------------------------------------------------------------------
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.icons import INK, KINDS, default_color
 from babyrobot_levels.render.scene.layout import CELL, Overlay, layout_of
 from babyrobot_levels.render.scene.shapes import Text
-from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
+from babyrobot_levels.render.scene.things import SMALL, Piece, mover_spots, moving_pieces, pieces
 from babyrobot_levels.render.situation import situation_of
 
 CELLS = 35
@@ -124,6 +125,17 @@ def test_movers_in_one_cell_are_all_seen() -> None:
     situation = situation_of(world, 0)
     spots = {piece.name[3] for _, piece in moving_pieces(world, layout_of(world), situation, None)}
     assert len({(spot.x, spot.y) for spot in spots}) == 3
+
+
+def test_a_robot_that_has_arrived_is_smaller_and_beside_its_exit() -> None:
+    first = {"name": "first", "start": [0, 0], "exit": [2, 1]}
+    second = {"name": "second", "start": [2, 0], "exit": [1, 0]}
+    world = level(size=[3, 2], robots=[first, second])
+    spots = [
+        mover_spots(world, layout_of(world), replace(situation_of(world, 0), arrived=arrived), None)
+        for arrived in ((False, False), (False, True))
+    ]
+    assert [[spot.scale for spot in each] for each in spots] == [[1], [SMALL]]
 
 
 # -- what is held ----------------------------------------------------------------------------

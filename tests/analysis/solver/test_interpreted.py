@@ -23,11 +23,11 @@ from babyrobot_levels.analysis.solver import compiled
 from babyrobot_levels.analysis.solver.compiled import iteration, values
 
 compiled._has_numba = lambda: True
-calls = dict.fromkeys(("advance", "choose", "follow", "sweep", "climb"), 0)
+calls = dict.fromkeys(("advance", "choose", "follow", "sweep", "climb", "solved"), 0)
 
 
-def counted(name):
-    function = getattr(values, name)
+def counted(module, name):
+    function = getattr(module, name)
 
     def call(*args):
         calls[name] += 1
@@ -37,7 +37,8 @@ def counted(name):
 
 
 for name in calls:
-    setattr(values, name, counted(name))
+    module = iteration if name == "solved" else values
+    setattr(module, name, counted(module, name))
 SKID = {"version": 1, "size": [7, 6], "skid": 0.4}
 LEVELS = [
     SKID,
@@ -70,6 +71,8 @@ for number, fields in enumerate(LEVELS):
         if isinstance(expected, type):
             assert found is expected, (number, options)
             continue
+        # Where machine code does not find the values, what is used without it does.
+        assert number > 8 or "within" in options or found.method.startswith("sweeps"), number
         size = np.abs(expected.values[np.isfinite(expected.values)]).max(initial=1.0)
         where = f"level {number}, {options}"
         for each in ("values", "action_values", "margin"):
