@@ -25,9 +25,9 @@ from typing import Any
 import numpy as np
 
 import babyrobot_levels as brl
+from babyrobot_levels.extensions.learning.charts import Curve, curves_svg
 from babyrobot_levels.extensions.scoring.summaries import improvement_of, statistics_of
 from babyrobot_levels.language.plain_data import json_mapping
-from babyrobot_levels.render.charts import Curve, curves_svg
 from babyrobot_levels.text.files import write_text
 
 RESULTS = Path(__file__).with_name("generalisation")

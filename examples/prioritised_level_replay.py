@@ -25,7 +25,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.sb3 import LevelVecEnv
-from babyrobot_levels.render.charts import FAINT, STRONG, Curve, curves_svg
+from babyrobot_levels.extensions.learning.charts import FAINT, STRONG, Curve, curves_svg
 
 Floats = NDArray[np.float64]
 

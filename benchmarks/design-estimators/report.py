@@ -14,7 +14,7 @@ from typing import Any
 
 from scipy.stats import t
 
-from babyrobot_levels.render.charts import Bar, Curve, bars_scene, curves_svg
+from babyrobot_levels.extensions.learning.charts import Bar, Curve, bars_scene, curves_svg
 from babyrobot_levels.render.svg import to_svg
 
 FAMILIES = {"walls": "walls", "stochastic": "puddles and wind", "keys": "keys and doors"}

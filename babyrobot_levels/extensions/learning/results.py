@@ -107,7 +107,7 @@ class Sweep(StateResult, public=True):
 
     def _curve(self, goal: tuple[str, float] | None) -> tuple[str, str]:
         """Return how the run has gone so far, a title and an SVG, which is empty without a run."""
-        from babyrobot_levels.render.charts import Curve, curves_svg
+        from babyrobot_levels.extensions.learning.charts import Curve, curves_svg
 
         title, run = "Return from the start", self.run
         if run is None:
@@ -142,7 +142,7 @@ class Trials(Sweep, public=True):
     returns: Floats
 
     def _curve(self, goal: tuple[str, float] | None) -> tuple[str, str]:
-        from babyrobot_levels.render.charts import FAINT, Curve, curves_svg
+        from babyrobot_levels.extensions.learning.charts import FAINT, Curve, curves_svg
 
         returns = self.returns
         window = max(1, returns.size // 20)

@@ -312,7 +312,7 @@ class Scores(Table[LevelScore], public=True):
         return picture
 
     def _scene(self) -> Scene:
-        from babyrobot_levels.render.charts import Bar, bars_scene
+        from babyrobot_levels.extensions.learning.charts import Bar, bars_scene
 
         shown: Sequence[LevelScore] = self
         title = f"Share of the optimum, mean {self.summary.mean:.3g}"

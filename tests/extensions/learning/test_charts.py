@@ -7,8 +7,8 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from babyrobot_levels.render import charts
-from babyrobot_levels.render.charts import Curve, curves_svg
+from babyrobot_levels.extensions.learning import charts
+from babyrobot_levels.extensions.learning.charts import Curve, curves_svg
 from babyrobot_levels.render.colors import contrast
 
 SVG = "{http://www.w3.org/2000/svg}"
