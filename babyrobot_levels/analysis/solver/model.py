@@ -62,8 +62,8 @@ class Model:
         return np.asarray(self.allowed & (self.ending == 0), bool)
 
     @cached_property
-    def order(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """How far the end is, `[n + 1]`, -1 for never, and the nodes from there on, compiled."""
+    def order(self) -> tuple[NDArray[np.int32], NDArray[np.int32], int]:
+        """What the compiled `distances` to the end by all actions returns."""
         from babyrobot_levels.analysis.solver.compiled.rows import distances
 
         return distances(*kernel_arrays(self), self.allowed, self.end)
@@ -215,7 +215,9 @@ def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
 
         given = mdp.probability, mdp.next_state, mdp.reward, mdp.terminal
         made = tables.of_model(states, number, exits, *given, first_action)
-        return Model(states, np.ascontiguousarray(probability), *made)
+        model = Model(states, np.ascontiguousarray(probability), *made[:3])
+        vars(model)["ending"] = made[3]
+        return model
     following = mdp.next_state[rows, first_action:]
     ends = mdp.terminal[rows, first_action:]
     return Model(

@@ -80,7 +80,10 @@ def _search(model: Model, discount: float) -> Any:
     """Return a search in a model, the order of its states there, and the borders of distances."""
     from babyrobot_levels.analysis.solver.compiled import iteration, rows
 
-    order, borders = rows.ordered(*model.order)
+    distance, nodes, neighbours = model.order
+    order, borders = rows.ordered(distance, nodes)
     reward = np.ascontiguousarray(model.reward)
-    made = rows.rows_of(order, *kernel_arrays(model), reward, discount)
+    _, actions, outcomes = model.probability.shape
+    shape = rows.shape_of(actions, outcomes, neighbours)
+    made = rows.rows_of(order, *kernel_arrays(model), reward, discount, *shape)
     return iteration.Search(made), order, borders

@@ -21,6 +21,8 @@ THINGS = {**OPEN, "size": [14, 14], "skid": 0.2, "movers": [WALKER]}
 
 
 MAZE: dict[str, Any] = {"version": 1, "size": [58, 58], "skid": 0.2, "maze": {"seed": 1}}
+DRY = {**MAZE, "skid": 0}
+WINDY = {**OPEN, "wind": {"north": [0, 1] * 29}}
 FREE = {"version": 1, "size": [8, 8], "skid": 0.4, "rewards": {"step": 0, "exit": 1}}
 ENDLESS = {**OPEN, "exit": "none"}
 PAID = {**OPEN, "size": [9, 9], "areas": [{"at": [3, 3], "ends": True, "reward": 20}]}
@@ -58,7 +60,9 @@ def assert_same(found: brl.Solution, expected: brl.Solution) -> None:
 
 
 @pytest.mark.parametrize("discount", [1.0, 0.99])
-@pytest.mark.parametrize("level", [OPEN, THINGS, MAZE], ids=["open", "things", "maze"])
+@pytest.mark.parametrize(
+    "level", [OPEN, THINGS, MAZE, DRY, WINDY], ids=["open", "things", "maze", "dry", "windy"]
+)
 def test_large_levels_are_solved_alike(level: dict[str, Any], discount: float) -> None:
     found = brl.solve(level, discount)
     assert found.method.startswith("sweeps")

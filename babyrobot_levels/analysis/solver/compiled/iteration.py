@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from babyrobot_levels.analysis.solver.compiled import values as kernel
-from babyrobot_levels.analysis.solver.compiled.chains import Chain, followed, residual, solved
+from babyrobot_levels.analysis.solver.compiled.chains import Chain, followed, improved
 from babyrobot_levels.analysis.solver.compiled.rows import Rows
 from babyrobot_levels.mdp.tables import Floats, Ints
 from babyrobot_levels.text import budget
@@ -38,14 +38,14 @@ FAST = 0.74
 HOPELESS = 0.9
 """Where they shrink by less at first, sweeps are given up at once."""
 
-NEARLY = 1e-3
-"""To which share of what is left linear systems are solved: policies change meanwhile."""
+NEARLY = 1e-2
+"""To which share of what is left linear systems are solved at first: policies change meanwhile."""
+
+WHOLLY = 1e-9
+"""The share at the end: what is left then is solved anew."""
 
 SURELY = 100.0
 """An error that is expected to be so many times smaller than it has to be is not looked at."""
-
-SWEEPS = -1, 1
-"""The directions of sweeps between linear systems."""
 
 CLIMBS = 30
 """Sweeps between two policies that are evaluated exactly. They only save time."""
@@ -63,6 +63,7 @@ class Search:
         # The last one is the end.
         self.values = np.zeros(self.size + 1)
         self.rounds = 0
+        self._moving = np.empty(self.size + 1, np.uint32)
         self._chain: Chain | None = None
 
     @cached_property
@@ -72,14 +73,14 @@ class Search:
     @property
     def scale(self) -> float:
         """The largest size of a value."""
-        return float(max(self.values.max(), -self.values.min()))
+        return float(kernel.largest(self.values))
 
     def begin(self, borders: Ints) -> bool:
         """Begin with a first guess, improved distance by distance."""
-        budget.spend((WIDTH + 1) * self.rows.target.size)
+        budget.spend((WIDTH + 1) * self.rows.weight.size)
         kernel.guess(self.rows, self.values, borders)
         kernel.advance(self.rows, self.values, borders, WIDTH, SETTLED * self.scale)
-        return bool(np.isfinite(self.values).all())
+        return self.scale < np.inf
 
     def run(self) -> bool:
         """Find the values; return whether they have been found."""
@@ -87,21 +88,19 @@ class Search:
             return True
         last = np.inf
         for _ in range(MOST_ROUNDS):
-            sweeps = [self._sweep(step) for step in SWEEPS]
-            change, changed = sweeps[-1][0], any(count for _, count in sweeps)
-            if change <= ROUNDING * self.scale:
+            change, changed = self._sweep()
+            if change <= ROUNDING:
                 return True
             # Once the policy has been found, the rest is solved at one go.
-            goal = SETTLED * self.scale
-            tolerance = NEARLY if changed else min(NEARLY, max(goal / last, NEARLY**3))
+            tolerance = NEARLY if changed else min(NEARLY, max(SETTLED / last, WHOLLY))
             error = self._step(tolerance)
             if not np.isfinite(error):
                 return False
-            if change <= goal or not changed:
-                if error <= max(goal, goal / SURELY / tolerance):
+            if change <= SETTLED or not changed:
+                if error <= SETTLED * max(1, 1 / SURELY / tolerance):
                     return True
                 if error > last / 2:
-                    return bool(error <= 1e3 * goal)
+                    return bool(error <= 1e3 * SETTLED)
             last = error
         return False
 
@@ -136,57 +135,48 @@ class Search:
         """Set values to those of what is chosen; return whether they have been found."""
         last = np.inf
         while True:
-            error = self._step(NEARLY**3)
-            if error <= SETTLED * self.scale or not error < last / 2:
-                return bool(error <= 1e3 * SETTLED * self.scale)
+            error = self._step(WHOLLY)
+            if error <= SETTLED or not error < last / 2:
+                return bool(error <= 1e3 * SETTLED)
             last = error
 
     def _settles(self) -> bool:
         """Sweep as long as that is fast; return whether values have settled."""
         before, last, number = self.values.copy(), np.inf, 0
         while True:
-            change, scale = self._choose(), self.scale
+            change = self._choose()
             rate = (change / last) ** (1 / AT_A_TIME) if number else 0.0
-            if change <= 2 * ROUNDING * scale:
+            if change <= 2 * ROUNDING:
                 return True
-            if number and change * rate <= SETTLED * scale * (1 - rate):
+            if number and change * rate <= SETTLED * (1 - rate):
                 return True
             if number and not rate < (FAST if number > 1 else HOPELESS):
-                # What over-relaxation has made worse is no good beginning.
-                self.values = self.values if rate < 1 else before
+                # What over-relaxation has raised too far is no good beginning.
+                self.values = before
                 return False
             last, number = change, number + 1
 
     def _choose(self) -> float:
         """Sweep with the best rows, then some times with the same; return the largest change."""
         self._spend(AT_A_TIME)
-        moving = np.empty(self.size + 1, np.uint32)
-        given = self.rows, self.values, self.chosen
-        change, count = kernel.choose(*given, moving, SETTLED / SURELY * self.scale)
-        kernel.follow(*given, moving[:count], AT_A_TIME - 1)
-        return float(change)
+        given = self.rows, self.values, self.chosen, self._moving
+        return float(kernel.settle(*given, SETTLED / SURELY, AT_A_TIME - 1))
 
-    def _sweep(self, step: int) -> tuple[float, int]:
+    def _sweep(self) -> tuple[float, int]:
         """Sweep, and choose rows; return the largest change, and how many are chosen anew."""
-        self._spend()
-        slack = 4 * ROUNDING * self.scale
-        change, count = kernel.sweep(self.rows, self.values, self.chosen, slack, step)
+        self._spend(2)
+        change, count = kernel.sweep(self.rows, self.values, self.chosen, 4 * ROUNDING)
         if count:
             self._chain = None
         return change, count
 
     def _spend(self, sweeps: int = 1) -> None:
         self.rounds += sweeps
-        budget.spend(2 * self.rows.target.size)
+        budget.spend(2 * self.rows.weight.size)
 
     def _step(self, tolerance: float) -> float:
         """Change values nearly to those of the rows that are chosen; return the largest change."""
+        given = self.rows, self.chosen
         if self._chain is None:
-            self._chain = followed(self.rows, self.chosen)
-        reward = self.rows.reward[np.arange(self.size), self.chosen]
-        left = residual(self._chain, reward, self.values)
-        step, share = solved(self._chain, left, self._shadow, tolerance)
-        if not share < 0.5 and left.any():
-            return np.inf
-        self.values[:-1] += step
-        return float(np.abs(step).max(initial=0.0))
+            self._chain = followed(*given)
+        return improved(*given, self._chain, self._shadow, self.values, tolerance)

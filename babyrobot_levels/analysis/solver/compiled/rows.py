@@ -5,7 +5,7 @@ Imports Numba, as all that works on rows does.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -35,20 +35,30 @@ MOST_RELAXED = 1.6
 """The largest factor by which changes of values are stretched."""
 
 
+WIDTHS = 4, 5, 8
+"""How many targets the actions of a state may share. Loops over so many are compiled for each."""
+
+MOST_GROWN = 2
+"""Where sharing targets would take more than so many times the room, actions have their own."""
+
+
 class Rows(NamedTuple):
     """What may be done in each of `n` states, the nearest to the end first; number `n` is the end.
 
     A row is an action as if it were taken again wherever it leads back to its own state, so that
     walls slow nothing down: `value = reward + sum of weight * value of target`. Its weights and
     `killing` add up to 1. All rows are equally long: loops that the processor can foresee take
-    half the time.
+    half the time. They take half of that where the compiler knows how long they are, and where the
+    actions of a state, which mostly lead to the same neighbours, share its targets.
 
     Attributes:
         reward: the expected reward, `[n, actions]`; -inf where an action leads nowhere.
         killing: how likely a row ends the episode, or the discount does, `[n, actions]`.
-        target: another state, `[n, actions, outcomes]`; the end where there is none.
-        weight: how likely it is, discounted, `[n, actions, outcomes]`; 0 for the end.
+        target: other states, `[n, 1 or actions, slots]`; the end where there is none.
+        weight: how likely they are, discounted, `[n, actions, slots]`; 0 for the end.
         factor: by how much changes of a state's value are best stretched, `[n]`.
+        slots: something as long as rows are: a tuple, where the compiler is to know how long.
+        own: a tuple of one element where actions have targets of their own, else of none.
     """
 
     reward: Floats
@@ -56,11 +66,33 @@ class Rows(NamedTuple):
     target: Nodes
     weight: Floats
     factor: Floats
+    slots: Any
+    own: Any
+
+
+def shape_of(actions: int, outcomes: int, neighbours: int) -> tuple[Any, tuple[int, ...]]:
+    """Return `slots` and `own` of rows.
+
+    Args:
+        actions: how many actions there are.
+        outcomes: how many outcomes each has at most.
+        neighbours: how many other states are one step away at most.
+    """
+    width = next((each for each in WIDTHS if neighbours <= each), 0)
+    if width and (8 * actions + 4) * width <= MOST_GROWN * 12 * actions * outcomes:
+        return (0,) * width, ()
+    return (0,) if outcomes == 1 else np.zeros(outcomes, np.uint8), (0,)
 
 
 @jit
 def rows_of(
-    order: Targets, next_state: Targets, probability: Floats, reward: Floats, discount: float
+    order: Targets,
+    next_state: Targets,
+    probability: Floats,
+    reward: Floats,
+    discount: float,
+    slots: Any,
+    own: Any,
 ) -> Rows:
     """Return the rows of a process.
 
@@ -70,6 +102,8 @@ def rows_of(
         probability: `[n, actions, outcomes]`.
         reward: `[n, actions]`, -inf for actions that may not be taken.
         discount: the discount.
+        slots: as rows have it.
+        own: as rows have it.
     """
     size, actions, outcomes = next_state.shape
     number = np.empty(size + 1, np.uint32)
@@ -79,32 +113,44 @@ def rows_of(
     rows = Rows(
         np.empty((size, actions)),
         np.empty((size, actions)),
-        np.empty((size, actions, outcomes), np.uint32),
-        np.empty((size, actions, outcomes)),
+        np.full((size, max(1, actions * len(own)), len(slots)), size, np.uint32),
+        np.empty((size, actions, len(slots))),
         np.empty(size),
+        slots,
+        own,
     )
+    # The slot of each node in the row at hand, and how likely each is.
+    slot_of, row_of = np.empty(size + 1, np.int32), np.full(size + 1, -1, np.int64)
+    itself, end = len(slots), len(slots) + 1
+    chance = np.zeros(len(slots) + 2)
     for index in range(size):
-        state, nearest, square = order[index], 0.0, 0.0
+        state, nearest, square, known = order[index], 0.0, 0.0, 0
         for action in range(actions):
-            back = 0.0
-            for outcome in range(outcomes):
-                is_back = next_state[state, action, outcome] == state
-                back += probability[state, action, outcome] if is_back else 0.0
-            leaving, near, far, ends = 1.0 - discount * back, 0.0, 0.0, 0.0
-            is_row = leaving > LEAST_LEAVING and reward[state, action] > -np.inf
+            row = index * actions + action * len(own)
+            target = rows.target[index, action * len(own)]
+            if len(own) or action == 0:
+                known = 0
+                slot_of[state], slot_of[size], row_of[state], row_of[size] = itself, end, row, row
+            for slot in range(len(slots) + 2):
+                chance[slot] = 0.0
+            is_row = reward[state, action] > -np.inf
+            for outcome in range(outcomes if is_row else 0):
+                node = next_state[state, action, outcome]
+                if row_of[node] != row:
+                    row_of[node], slot_of[node], target[known] = row, known, number[node]
+                    known += 1
+                chance[slot_of[node]] += probability[state, action, outcome]
+            leaving, far = 1.0 - discount * chance[itself], 0.0
+            is_row = is_row and leaving > LEAST_LEAVING
             share = 1.0 / leaving if is_row else 0.0
-            for outcome in range(outcomes):
-                target = next_state[state, action, outcome]
-                chance = discount * probability[state, action, outcome] * share
-                ends += chance if target == size else 0.0
-                is_other = is_row and target != state and target != size
-                other, weight = number[target] if is_other else size, chance if is_other else 0.0
-                rows.target[index, action, outcome] = other
-                rows.weight[index, action, outcome] = weight
-                near += weight if other < index else 0.0
-                far += weight if other > index else 0.0
+            near = discount * share * chance[end]
+            for slot in range(len(slots)):
+                weight = discount * share * chance[slot]
+                rows.weight[index, action, slot] = weight
+                near += weight if target[slot] < index else 0.0
+                far += weight if target[slot] > index else 0.0
             rows.reward[index, action] = reward[state, action] * share if is_row else -np.inf
-            rows.killing[index, action] = (1.0 - discount) * share + ends
+            rows.killing[index, action] = share * (1.0 - discount + discount * chance[end])
             if near > nearest:
                 nearest, square = near, min(4.0 * near * far, 1.0)
         # D. M. Young's formula for successive over-relaxation of neighbours in a line.
@@ -118,8 +164,10 @@ def rows_of(
 @jit
 def distances(
     next_state: Targets, probability: Floats, allowed: Flags, goals: Flags
-) -> tuple[Targets, Targets]:
+) -> tuple[Targets, Targets, int]:
     """Return how many steps a goal is away at least, -1 for never, and the nodes in that order.
+
+    At last, it is how many other states may be one step away from a state at most.
 
     Args:
         next_state: `[n, actions, outcomes]`; `n` is the end.
@@ -131,8 +179,10 @@ def distances(
     # Edges, each once, grouped by where they begin, and then by where they end.
     target, behind = np.empty(next_state.size, np.int32), np.empty(size, np.int64)
     last, begin = np.full(size + 1, -1, np.int32), np.zeros(size + 2, np.int64)
-    count = 0
+    count = most = 0
     for state in range(size):
+        # Neither itself nor the end is one of them.
+        begun, last[state] = count, state
         for action in range(actions):
             for outcome in range(outcomes if allowed[state, action] else 0):
                 node = next_state[state, action, outcome]
@@ -142,6 +192,7 @@ def distances(
                     begin[node] += 1
                     count += 1
         behind[state] = count
+        most = max(most, count - begun - (last[size] == state))
     for node in range(size + 1):
         begin[node + 1] += begin[node]
     before, at = np.empty(count, np.int32), 0
@@ -164,7 +215,7 @@ def distances(
             if distance[state] < 0:
                 distance[state], order[known] = distance[node] + 1, state
                 known += 1
-    return distance, order[:known]
+    return distance, order[:known], most
 
 
 @jit

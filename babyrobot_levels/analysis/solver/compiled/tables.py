@@ -207,7 +207,7 @@ def surely(
         waiting[counts[1] : counts[1] + lost.size], left[lost] = lost, -1
         counts[1] += lost.size
         lose(begin, before, rows, left, waiting, counts)
-        distance, _ = distances(next_state, probability, rows, goals)
+        distance = distances(next_state, probability, rows, goals)[0]
 
 
 @jit
@@ -220,8 +220,8 @@ def of_model(
     rewards: Floats,
     ends: Flags,
     first_action: int,
-) -> tuple[Targets, Floats, Floats]:
-    """Return next states, rewards and chances to reach an exit, as a model has them.
+) -> tuple[Targets, Floats, Floats, Floats]:
+    """Return next states, rewards, and chances to reach an exit and the end, as a model has them.
 
     Args:
         states: the level's numbers of the states, `[n]`.
@@ -236,16 +236,19 @@ def of_model(
     size, actions, outcomes = states.size, probability.shape[1] - first_action, probability.shape[2]
     next_state = np.empty((size, actions, outcomes), np.int32)
     reward, success = np.empty((size, actions)), np.empty((size, actions))
+    ending = np.empty((size, actions))
     for state in range(size):
         of = states[state]
         for action in range(actions):
-            paid, reached, row = 0.0, 0.0, first_action + action
+            paid, reached, ended, row = 0.0, 0.0, 0.0, first_action + action
             for outcome in range(outcomes):
                 chance, target = probability[of, row, outcome], following[of, row, outcome]
                 is_over = ends[of, row, outcome]
                 paid += chance * rewards[of, row, outcome]
+                ended += chance if is_over else 0.0
                 reached += chance if is_over and exits[target] else 0.0
                 goes_on = chance > 0.0 and not is_over
                 next_state[state, action, outcome] = number[target] if goes_on else size
             reward[state, action], success[state, action] = paid, reached
-    return next_state, reward, success
+            ending[state, action] = ended
+    return next_state, reward, success, ending

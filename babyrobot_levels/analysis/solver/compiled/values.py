@@ -22,8 +22,9 @@ NARROW = 8
 def row_value(rows: Rows, state: Any, action: Any, values: Floats) -> float:
     """Return what a row is worth."""
     total = rows.reward[state, action]
-    for outcome in range(rows.target.shape[2]):
-        total += rows.weight[state, action, outcome] * values[rows.target[state, action, outcome]]
+    owner = action * np.uint32(len(rows.own))
+    for slot in range(len(rows.slots)):
+        total += rows.weight[state, action, slot] * values[rows.target[state, owner, slot]]
     return float(total)
 
 
@@ -38,22 +39,40 @@ def best_value(rows: Rows, state: Any, values: Floats) -> float:
 
 
 @jit
-def sweep(rows: Rows, values: Floats, chosen: Ints, slack: float, step: int) -> tuple[float, int]:
-    """Update the values of all states, onward (`step` 1) or back (-1), and choose their best rows.
+def largest(values: Floats) -> float:
+    """Return the largest size of a value; nan where one is none."""
+    most = 0.0
+    for value in values:
+        most = abs(value) if not abs(value) <= most else most
+        if np.isnan(most):
+            break
+    return most
+
+
+@inner
+def share_of(change: float, values: Floats) -> float:
+    """Return a change as a share of the largest size of a value."""
+    return 0.0 if change == 0.0 else change / largest(values)
+
+
+@jit
+def sweep(rows: Rows, values: Floats, chosen: Ints, slack: float) -> tuple[float, int]:
+    """Update the values of all states, back and then onward, and choose their best rows.
 
     Args:
         rows: the process.
         values: the values, and that of the end, `[n + 1]`; changed.
         chosen: the chosen row of each state; changed where another is better by more than `slack`.
-        slack: how much better it has to be.
-        step: 1 or -1.
+        slack: how much better it has to be, as a share of the largest value.
 
     Returns:
-        The largest change of a value, and how many rows have been chosen anew.
+        The largest change of a value onward, as such a share, and how many rows have been chosen
+        anew.
     """
-    size, most, changed = rows.factor.size, 0.0, 0
-    for count in range(size):
-        state = np.uint32(count if step > 0 else size - 1 - count)
+    size, most, changed, slack = rows.factor.size, 0.0, 0, slack * largest(values)
+    for count in range(2 * size):
+        most = most if count != size else 0.0
+        state = np.uint32(count - size if count >= size else size - 1 - count)
         best, own, found, now = -np.inf, -np.inf, 0, chosen[state]
         for action in range(rows.reward.shape[1]):
             value = row_value(rows, state, np.uint32(action), values)
@@ -65,26 +84,27 @@ def sweep(rows: Rows, values: Floats, chosen: Ints, slack: float, step: int) -> 
             changed += 1
         most = max(most, abs(best - values[state]))
         values[state] = best
-    return most, changed
+    return share_of(most, values), changed
 
 
 @jit
-def choose(
-    rows: Rows, values: Floats, chosen: Ints, moving: Nodes, calm: float
-) -> tuple[float, int]:
-    """Update the values of all states, and choose their best rows.
+def settle(
+    rows: Rows, values: Floats, chosen: Ints, moving: Nodes, calm: float, times: int
+) -> float:
+    """Update the values of all states, and some times more those that move, by what is best then.
 
     Args:
         rows: the process.
         values: the values; changed, by more than they should at once, so that they settle sooner.
         chosen: the best row of each state; changed.
-        moving: the states whose values change by more than `calm`, `[n + 1]`; changed.
-        calm: a change that does not matter to others.
+        moving: room for the states whose values change by more than `calm`, `[n + 1]`; changed.
+        calm: a change that does not matter to others, as a share of the largest value.
+        times: how often the others are updated by the same rows.
 
     Returns:
-        The largest change, and how many states move.
+        The largest change at first, as such a share.
     """
-    most, count = 0.0, 0
+    most, count, calm = 0.0, 0, calm * largest(values)
     for index in range(rows.factor.size):
         state = np.uint32(index)
         best, found = -np.inf, 0
@@ -97,16 +117,11 @@ def choose(
         moving[count] = state
         count += abs(change) > calm
         most = max(most, abs(change))
-    return most, count
-
-
-@jit
-def follow(rows: Rows, values: Floats, chosen: Ints, moving: Nodes, times: int) -> None:
-    """Update the values of the states that move some times, by the rows that are chosen."""
     for _ in range(times):
-        for state in moving:
+        for state in moving[:count]:
             change = row_value(rows, state, np.uint32(chosen[state]), values) - values[state]
             values[state] += change * rows.factor[state]
+    return share_of(most, values)
 
 
 @jit
@@ -128,8 +143,9 @@ def guess(rows: Rows, values: Floats, borders: Ints) -> None:
 def row_guess(rows: Rows, state: Any, action: Any, values: Floats, known: int) -> float:
     """Return what a row may be worth, -inf if it leads to none of the states that are known."""
     near, away, total = rows.killing[state, action], 0.0, 0.0
-    for outcome in range(rows.target.shape[2]):
-        target, weight = rows.target[state, action, outcome], rows.weight[state, action, outcome]
+    owner = action * np.uint32(len(rows.own))
+    for slot in range(len(rows.slots)):
+        target, weight = rows.target[state, owner, slot], rows.weight[state, action, slot]
         if target < known:
             near += weight
             total += weight * values[target]
