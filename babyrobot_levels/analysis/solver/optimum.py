@@ -177,7 +177,7 @@ def solution_of(model: Model, space: StateSpace, optimum: Optimum, discount: flo
     """Return the solution of a level, whose model and its optimum are at hand."""
     found, expected = optimum.found, space.at_start(model, optimum.found.values)
     ahead = action_values(model, found.values, discount)
-    best = ahead.max(axis=1, initial=-np.inf)
+    best = np.ascontiguousarray(ahead.T).max(axis=0, initial=-np.inf)  # Faster than of each row.
     greedy = _greedy(model, ahead, best)
     finite = np.isfinite(found.values)
     solution = Solution.with_episodes(

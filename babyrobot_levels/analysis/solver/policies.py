@@ -328,8 +328,10 @@ class StateSpace:
     def of_states(self, model: Model, values: NDArray[Any], others: Any) -> NDArray[Any]:
         """Return the same with other values, `[states]` or one for all, for all other states."""
         table = np.empty((self.mdp.num_states, *values.shape[1:]), values.dtype)
-        table[:] = others
+        rest = np.ones(len(table), bool)
+        rest[places(model.states)] = False
         table[places(model.states)] = values
+        table[rest] = others if np.ndim(others) == 0 else others[rest]
         return table.reshape(*self.mdp.shape, *values.shape[1:])
 
     def at_start(self, model: Model, values: Floats) -> float:
