@@ -26,6 +26,12 @@ SAMPLES = {bool: "true", float: "1", int: "1", str: "name"}
 NOT_OF_NUMBERS = ("size", "at", "rewards")
 """Fields that mean more than one number, unless it is negative: a cost is a reward."""
 
+MANY = 1_000_000
+"""Numbers of things are not as high."""
+
+NUMERIC = ("float_type", "int_type")
+"""The errors of numbers."""
+
 PLACES = ("at", "path")
 """Fields that entries need, though another may take their place."""
 
@@ -57,7 +63,7 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
             # `{step: -0,1}` is what YAML takes for `{step: -0, 1: }`.
             help_text = "write decimals with a point, such as `0.1`: a comma separates entries"
             return "BR201", f"unknown field `{shortened(field)}`", help_text
-        return _unknown(field, value, _around(error["loc"], model))
+        return _unknown(field, value, _around(error["loc"], model), model)
     if kind == "missing":
         help_text = beginning(model) if field == "version" else _words("missing").get(field)
         if len(names) > 1 and field in fields:
@@ -71,6 +77,8 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
             words = next(part.words for part in _parts(info) if isinstance(part, Forms))
         if kind == "literal_error":
             code, guess = "BR204", _guess(value, _choices(context["expected"]))
+        elif not is_form and kind in NUMERIC:
+            words += _between(info)
         return code, f"must be {words}, not {show(value)}{guess}", _form_help(error, model)
     if kind in ("literal_error", "enum"):
         return _choice(field, context["expected"], value)
@@ -91,7 +99,9 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
             help_text = "put quotes around the colour: a comma separates entries"
         return "BR403", message, help_text
     if kind == "string_pattern_mismatch":
-        return _pattern(context["pattern"], names[0] if names else "", value)
+        code, message, help_text = _pattern(context["pattern"], names[0] if names else "", value)
+        is_list = bool(re.search(r"[,;] *\w", str(value)))
+        return code, message, (is_list and _form_help(error, model)) or help_text
     if kind == "string_too_long":
         return "BR205", f"must have at most {context['max_length']} characters", None
     return "BR203", str(error["msg"]), None
@@ -194,8 +204,10 @@ def _named(value: Any) -> str:
     return f"`{shortened(value)}`" if value != "" else "an empty text"
 
 
-def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint:
-    """Return what a field that does not exist may be meant to be."""
+def _unknown(
+    field: str, value: Any, model: type[BaseModel] | None, whole: type[BaseModel]
+) -> Complaint:
+    """Return what a field that does not exist may be meant to be, in a mapping of the whole."""
     message, fields = f"unknown field `{shortened(field)}`", _fields(model) if model else {}
     word = field.lower().replace("-", "_")
     if (text := _elsewhere(word, fields) or _of_puddles(word, value, model)) is not None:
@@ -210,16 +222,44 @@ def _unknown(field: str, value: Any, model: type[BaseModel] | None) -> Complaint
         is_fitting = text.startswith("write ")
         if not (other and model) or (is_fitting and not takes(model, other, value)):
             return "BR201", message, text
+    if isinstance(value, dict) and model and value and fields.keys() >= value.keys():
+        return (
+            "BR201",
+            message,
+            "its fields stand at the top: remove this line, and their indentation",
+        )
+    if other is None and model is not None:
+        if chosen := next((each for each in fields if word in _chosen(fields[each])), None):
+            return "BR201", message, f"write `{chosen}: {word}`"
+        if model is not whole and (text := _outside(word, value, _fields(whole))):
+            return "BR201", message, text
     other = other or next(iter(nearest(field, fields, 1)), None)
     if other is None or model is None:
         metrics = "`expect` takes the metrics that `babyrobot show` shows"
         if "states" in fields:
             return "BR201", message, metrics + ", and `lint`" * ("lint" in fields)
-        return "BR201", message, known
+        return "BR201", message, known or "leave it out; `babyrobot skill` explains all fields"
     written = _each_side(value) if other == "side" else _written(other, value, model)
-    form = f"write `{other}: {_form(other, fields)}`"
-    help_text = written or (form if other in ("at", "size") else known or form)
-    return "BR201", f"{message}; did you mean `{other}`?", help_text
+    form = f"write `{other}: {_form(other, fields)}`{_words('after').get(other, '')}"
+    is_shown = other in ("at", "size") or isinstance(value, bool)
+    return (
+        "BR201",
+        f"{message}; did you mean `{other}`?",
+        written or (not is_shown and known) or form,
+    )
+
+
+def _chosen(info: FieldInfo) -> Collection[str]:
+    """Return the words of which a field is one."""
+    return [each for part in _parts(info) if get_origin(part) is Literal for each in get_args(part)]
+
+
+def _outside(word: str, value: Any, fields: Mapping[str, FieldInfo]) -> str | None:
+    """Return where a field of this name stands in the whole, outside of a mapping in it."""
+    if word in fields:
+        is_short = len(text := flow(value)) <= SHORT
+        return f"it stands at the top: `{word}: {text if is_short else '…'}`"
+    return _further_in(word, value, fields)
 
 
 def _of_puddles(word: str, value: Any, model: type[BaseModel] | None) -> str | None:
@@ -276,12 +316,15 @@ def _elsewhere(word: str, fields: Collection[str]) -> str | None:
 
 def _written(field: str, value: Any, model: type[BaseModel]) -> str | None:
     """Return how the value of a field is written that was given by another name, if it fits."""
-    if isinstance(value, str | bool) or value in ([], {}):
+    if value in ([], {}, "", None):
         return None
     if isinstance(value, int | float) and value >= 0 and field in NOT_OF_NUMBERS:
         return None
-    fits = takes(model, field, value) and len(f"{value}") <= LONGEST
-    meant = value if fits else rewritten(value, field, model)
+    meant = value if takes(model, field, value) and len(f"{value}") <= LONGEST else None
+    if meant is None:
+        if told := _special_help(field, [field], value, _fields(model)):
+            return told
+        meant = None if isinstance(value, bool) else rewritten(value, field, model)
     return None if meant is None else f"write `{field}: {flow(meant)}`"
 
 
@@ -326,7 +369,8 @@ def _form_help(error: Any, model: type[BaseModel]) -> str | None:
     if meant is not None:
         shown = flow(meant) if is_entry else f"{field}: {flow(meant)}"
         return f"write `{shown}`{_words('after').get(field, '')}"
-    if _words("types").get(error["type"]) not in ("a list", "a mapping", "a list of mappings"):
+    words = _words("types").get(error["type"]) or error["ctx"].get("what", "")
+    if not words.startswith(("a list", "a mapping")):
         return None
     sample = _sample_of(info[field])
     if not is_entry:
@@ -352,8 +396,8 @@ def _special_help(
     for key in (f"{each} {kind}" for kind in kinds for each in (field, " ".join(names), "*")):
         if key in told:
             return told[key]
-    if value is None:
-        if COLOR_CHECK in _parts(fields.get(field)):
+    if str(value).lower() in ("null", "nil", "none") and field in fields:
+        if COLOR_CHECK in _parts(fields[field]) and value is None:
             return "put quotes around a colour that begins with `#`, or remove the field"
         return "give it a value, or remove the field"
     if isinstance(value, list) and RandomReward in _parts(fields.get(field)):
@@ -408,6 +452,20 @@ def _guess(value: Any, names: Sequence[str]) -> str:
 def _choices(expected: str) -> list[str]:
     # pydantic lists them as `'a', 'b' or 'c'`.
     return [part.strip().strip("'") for part in expected.replace(" or ", ", ").split(", ")]
+
+
+def _between(info: Any) -> str:
+    """Return the bounds of a number that a field holds, but for those that nobody meets."""
+    low, above, high = (
+        next(
+            (each for part in _parts(info) if (each := getattr(part, key, None)) is not None), None
+        )
+        for key in ("ge", "gt", "le")
+    )
+    is_known = high is not None and high < MANY
+    if above is not None:
+        return f" above {above:g}" + f" and at most {high:g}" * is_known
+    return "" if low is None else f" from {low:g} " + (f"to {high:g}" if is_known else "on")
 
 
 def _bound(kind: str, context: dict[str, Any]) -> str:

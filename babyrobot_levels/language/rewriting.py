@@ -13,7 +13,7 @@ LONGEST = 100
 
 _PERCENT = re.compile(r"([0-9]{1,3}(?:\.[0-9]{1,9})?) ?%")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]{1,20},[0-9]{1,20}")
-_PAIR = re.compile(r"[(\[]? ?([0-9]{1,4}) ?(?:[x×,;*]| ) ?([0-9]{1,4}) ?[)\]]?", re.I)
+_PAIR = re.compile(r"[(\[]? ?([0-9]{1,4}) ?(?:[x×,;*.]| ) ?([0-9]{1,4}) ?[)\]]?", re.I)
 _LEAST = re.compile(r"(?:>=|=>|>|min|at least|from) ?(-?[0-9.]{1,20})|(-?[0-9.]{1,20}) ?\+", re.I)
 _MOST = re.compile(r"(?:<=|=<|<|max|at most|up to) ?(-?[0-9.]{1,20})", re.I)
 _BETWEEN = re.compile(r"(-?[0-9.]{1,20}) ?(?:-|–|to|\.\.\.|:|,) ?(-?[0-9.]{1,20})", re.I)
@@ -76,6 +76,11 @@ def _of_text(text: str) -> Iterator[Any]:
         yield resolve(text.replace(",", "."))
     yield resolve(text)
     yield resolve(text.lstrip("= "))
+    if found := re.fullmatch(r"([-+]?[0-9.]{1,20}) ?[^\W\d][^\d]{0,20}", text):
+        yield resolve(found[1])
+    if found := re.fullmatch(r"([0-9]+)x([0-9]+) ?(?:\.\.+|-|to) ?([0-9]+)x([0-9]+)", text):
+        low, high, *others = [*map(int, found.groups())]
+        yield {"min": [low, high], "max": others}
     if found := _BETWEEN.fullmatch(text):
         yield f"{found[1]}..{found[2]}"
     if found := _LEAST.fullmatch(text):
@@ -89,6 +94,7 @@ def _of_text(text: str) -> Iterator[Any]:
 
 
 def _of_list(items: list[Any]) -> Iterator[Any]:
+    yield [resolve(each) if isinstance(each, str) else each for each in items]
     if len(items) == 1:
         yield items[0]
         yield from _readings(items[0])
@@ -98,6 +104,9 @@ def _of_list(items: list[Any]) -> Iterator[Any]:
         yield {"min": items[0], "max": items[1]}
     entries: list[Mapping[str, Any]] = [{"at": items}, {"path": items}]
     if len(items) == 2:
+        if all(isinstance(each, list) and [*map(type, each)] == [int, int] for each in items):
+            (left, top), (right, bottom) = items
+            yield {"at": items[0], "size": [right - left + 1, bottom - top + 1]}
         entries.append({"at": items[0], "to": items[1]})
     if len(items) > 2:
         at, rest = items[:2], items[2:]
@@ -107,14 +116,18 @@ def _of_list(items: list[Any]) -> Iterator[Any]:
     yield from ([each] for each in entries)
     yield [{"at": each} for each in items]
     yield {"north": items}
+    yield ", ".join(map(str, items)) or None
 
 
 def _of_mapping(mapping: dict[str, Any]) -> Iterator[Any]:
+    if not mapping:
+        return
     for names in _CORNERS:
         if mapping.keys() == {*names}:
             yield [mapping[name] for name in names]
     if "at" in mapping or len(mapping) == 1:
         yield mapping.get("at", next(iter(mapping.values())))
+    yield [*mapping.values()]
     yield [mapping]
     yield [{"name": name, "at": at} for name, at in mapping.items()]
     yield [{"name": name, "start": at} for name, at in mapping.items()]

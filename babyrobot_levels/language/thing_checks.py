@@ -235,7 +235,7 @@ def _check_robots(level: LevelFields) -> Iterator[Issue]:
     waiting = [robot for robot in level.robots if robot.start is None]
     is_given = level.map is not None or "start" in level.model_fields_set
     given = level.common_starts if is_given else ()
-    if len(waiting) != len(given):
+    if len(waiting) != len(given) and level.robots[1:]:
         what = "each robot has a `start`"
         if waiting:
             what = f"{len(waiting)} of the robots have no `start`"

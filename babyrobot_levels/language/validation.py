@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -23,6 +24,15 @@ Check = Callable[[ModelT], Iterable[Issue]]
 """Looks at a model that is valid by itself and may find more."""
 
 _COLOUR_IN_COMMENT = re.compile(r"\b(color|text_color):[ \t]+(#[0-9A-Fa-f]{3,8})[ \t]*$", re.M)
+
+_OF_ENTRIES = {
+    "model_type": "a list of mappings",
+    "model_attributes_type": "a list of mappings",
+    "pair": "a list of cells",
+    "int_type": "a list of integers",
+    "float_type": "a list of numbers",
+}
+"""What a list must be whose entries all have an error, by the type of these."""
 
 _NEEDED = {"size", "map", "legend", "start", "exit", "exit_one_of", "functions"}
 """Where one of these is invalid, checks of the whole would only report its consequences."""
@@ -139,7 +149,12 @@ def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
 
     issues: list[Issue] = []
     misnamed = _misnamed(details, model)
+    # `color: rgb(255,0,0)` without quotes: behind the first comma, YAML reads further fields.
+    opened = {d["loc"][:-1] for d in details if d["type"] == "color" and "(" in str(d["input"])}
     for detail in details:
+        is_empty = detail["type"] == "extra_forbidden" and detail["input"] is None
+        if is_empty and detail["loc"][:-1] in opened:
+            continue
         if detail["type"] == "missing" and _is_misnamed(detail["loc"], misnamed):
             # It is there, by a name that is reported.
             continue
@@ -165,17 +180,21 @@ def _joined(details: Sequence[Any], data: Any) -> Iterator[Any]:
     `blocked: [1, 1]` is one cell, and not two entries that are wrong.
     """
     plain: dict[Route, bool] = {}
+    faulty = Counter(_route(detail["loc"][:-1]) for detail in details)
     for detail in details:
         around, is_first = _route(detail["loc"][:-1]), False
-        if detail["type"].startswith("model_") and isinstance(detail["loc"][-1], int):
+        is_text = isinstance(detail["input"], str) or not detail["type"].endswith("t_type")
+        if is_text and detail["type"] in _OF_ENTRIES and isinstance(detail["loc"][-1], int):
             whole = data
             for segment in around:
                 whole = whole[segment]
             is_first = around not in plain
             if is_first:
-                plain[around] = not any(isinstance(each, list | dict) for each in whole)
+                is_plain = not any(isinstance(each, list | dict) for each in whole)
+                plain[around] = is_plain and faulty[around] == len(whole)
             if is_first and plain[around]:
-                yield {**detail, "type": "entries", "loc": around, "input": whole}
+                told = {"type": "pair", "ctx": {"what": _OF_ENTRIES[detail["type"]]}}
+                yield {**detail, **told, "loc": around, "input": whole}
         if not plain.get(around):
             yield detail
 

@@ -171,9 +171,8 @@ class _Builder:
     def _add_pair(self, mapping: Node, key: Node, value: Node) -> None:
         name = key.data
         if isinstance(name, dict | list):
-            self.issues.append(
-                Issue("BR203", key.span, "a field name must be text, not a list or a mapping")
-            )
+            message = "a field name must be text, not a list or a mapping"
+            self.issues.append(Issue("BR203", key.span, message, "give a cell as `at: [x, y]`"))
             return
         if not isinstance(name, str):
             # `1: …` in a legend and `no: …` mean the characters that stand there.

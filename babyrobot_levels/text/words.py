@@ -134,6 +134,12 @@ def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
         return Words("`{` is not closed, or a `,` is missing", "close the mapping with `}`", True)
     if "unexpected end of stream" in problem and "quoted" in context:
         return Words("the quote is not closed", "end the text with the same quote", True)
+    if re.search("scanning an (alias|anchor)", context):
+        return Words(
+            f"text cannot begin with `{'*' if 'alias' in context else '&'}`",
+            "put quotes around it",
+            True,
+        )
     if "unknown escape" in problem:
         return Words(
             f"`\\{line[column : column + 1]}` is not a valid escape in double quotes",
