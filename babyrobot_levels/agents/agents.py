@@ -128,8 +128,15 @@ def _function(
         signature = inspect.signature(function)
         try:
             signature.bind(None)
-        except TypeError as error:
-            told = f"an agent is called with one argument, the observation: {error}"
+        except TypeError:
+            if isinstance(function, type):
+                told = (
+                    f"{function.__name__} is a class: give an object, as of {function.__name__}()"
+                )
+            else:
+                told = (
+                    f"an agent is called with the observation alone, and this one takes {signature}"
+                )
             raise TypeError(told) from None
 
     def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:

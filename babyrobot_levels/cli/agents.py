@@ -75,5 +75,4 @@ def table_of(agent: Any, level: brl.Level, *, observation: str, actions: str) ->
     except brl.UndefinedReturnError as error:
         fail(f"the level has no optimal policy: {error}")
     except (ValueError, TypeError) as error:
-        is_fixed = isinstance(agent, str | list)
-        fail(str(error).partition("\n")[0], None if is_fixed else FITTING)
+        fail(str(error).partition("\n")[0], FITTING if hasattr(agent, "predict") else None)

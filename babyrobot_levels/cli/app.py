@@ -66,7 +66,8 @@ def _run() -> None:
         is_folder = isinstance(error, LevelNotFoundError) and error.name == "levels"
         note("error: no folder levels/ here" if is_folder else f"error: {error}")
         help_text = getattr(error, "help", None)
-        if isinstance(error, LevelNotFoundError) and not (error.is_file or is_folder):
+        is_told = getattr(error, "help_text", "") or is_folder
+        if isinstance(error, LevelNotFoundError) and not (error.is_file or is_told):
             help_text = argument(error.name, error.what, is_near=bool(error.nearest))
         if help_text:
             note(f"  help: {help_text}")

@@ -2,6 +2,7 @@
 
 import inspect
 import re
+from ast import literal_eval
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial, wraps
@@ -146,6 +147,7 @@ class _Registry(Mapping[str, Any]):
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
 _EXTRA = re.compile(r"unexpected extra argument\S* \(([^ )]+)")
+_CHOICE = re.compile(r"('.*') is not one of (.*)\.")
 
 
 _NUMBERS = {
@@ -185,6 +187,16 @@ class _Commands(TyperGroup):
             ctx.fail(f"No such command {name!r}.{meant.commands(name, known, *args[1:2])}")
         return super().resolve_command(ctx, args)
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Find the options of the program itself, and tell where those of commands stand."""
+        command = next((each for each in args if each in _ALL), None)
+        try:
+            return super().parse_args(ctx, [*args])
+        except _UsageError as error:
+            if command and hasattr(error, "option_name"):
+                error.message += f". Options stand behind the command: `babyrobot {command} …`"
+            raise
+
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands, group by group, without importing them."""
         width = max(map(len, _ALL))
@@ -199,20 +211,24 @@ class _Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command, or report what is wrong with the call."""
+        words = [*ctx._protected_args, *ctx.args]
         try:
             return super().invoke(ctx)
         except typer.BadParameter as error:
             # What a user typed was a word, not a value that raised an error.
             error.message = _plain(error.__cause__) or error.message.removeprefix("Value error, ")
+            if found := _CHOICE.fullmatch(error.message):
+                error.message += meant.choice(*map(literal_eval, found.groups()))
             raise
         except _UsageError as error:
             command: Any = error.ctx.command if error.ctx else self
-            known = [name for each in command.params for name in each.opts]
-            if option := meant.option(getattr(error, "option_name", ""), known):
-                error.possibilities = None
-                error.message += f". Did you mean {option}?"
+            known = {name: each for each in command.params for name in each.opts}
+            if (name := getattr(error, "option_name", None)) and "No such" in error.message:
+                if told := meant.option(name, known, words):
+                    error.possibilities = None
+                    error.message += told
             elif found := _EXTRA.search(error.message):
-                error.message += meant.extra(found[1], known)
+                error.message += meant.extra(found[1], known, words)
             raise
 
 

@@ -76,7 +76,7 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         if is_form:
             words = next(part.words for part in _parts(info) if isinstance(part, Forms))
         if kind == "literal_error":
-            code, guess = "BR204", _guess(value, _choices(context["expected"]))
+            code, guess = "BR204", guessed(value, _choices(context["expected"]))
         elif not is_form and kind in NUMERIC:
             words += _between(info)
         return code, f"must be {words}, not {show(value)}{guess}", _form_help(error, model)
@@ -316,7 +316,7 @@ def _elsewhere(word: str, fields: Collection[str]) -> str | None:
 
 def _written(field: str, value: Any, model: type[BaseModel]) -> str | None:
     """Return how the value of a field is written that was given by another name, if it fits."""
-    if value in ([], {}, "", None):
+    if value in ([], {}, "", None) or (field == "theme" and isinstance(value, str)):
         return None
     if isinstance(value, int | float) and value >= 0 and field in NOT_OF_NUMBERS:
         return None
@@ -432,7 +432,7 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
         return ("BR204", f"unsupported version {show(value)}", f"write `version: 1`{also}")
     if names == list(SIDES):
         names += SIDE_NAMES
-    guess = _guess(value, names)
+    guess = guessed(value, names)
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     help_text = _each_side(value) if field == "side" else None
     if isinstance(value, list) and len(value) == 1:
@@ -440,7 +440,7 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
     return "BR204", f"must be {shown}, not {show(value)}{'' if help_text else guess}", help_text
 
 
-def _guess(value: Any, names: Sequence[str]) -> str:
+def guessed(value: Any, names: Sequence[str]) -> str:
     """Return the question whether one of several values is meant."""
     if not isinstance(value, str):
         return ""

@@ -315,7 +315,9 @@ def find_suite(suite: str | os.PathLike[str], first: Sequence[Place] = ()) -> Pa
         if is_suite_file(path):
             return path
     if next(_named(suite, first), None) is not None:
-        raise SuiteNotFoundError(suite, help_text=f"it is a level: `brl.load({suite!r})`")
+        raise SuiteNotFoundError(
+            suite, help_text=f"it is a level: `brl.load({suite!r})`, `--from {suite}`"
+        )
     raise SuiteNotFoundError(suite, _nearest_names(suite, [*suite_files()]))
 
 

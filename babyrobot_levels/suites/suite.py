@@ -153,7 +153,9 @@ class Suite(Telling, Sequence[Level], public=True):
         """
         parts = self.splits
         if name not in parts:
-            known = ", ".join(map(repr, parts)) or "none"
+            if not parts:
+                raise ValueError(f"there is no split {name!r}: the suite has none")
+            known = ", ".join(map(repr, parts))
             raise ValueError(
                 f"there is no split {name!r} (there are: {known}){did_you_mean(str(name), parts)}"
             )

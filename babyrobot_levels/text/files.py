@@ -17,7 +17,7 @@ from typing import IO, TYPE_CHECKING, BinaryIO
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.source import MAX_BYTES, START, Position, SourceFile
+from babyrobot_levels.text.source import MAX_BYTES, START, Position, SourceFile, other_form
 from babyrobot_levels.text.words import nearest
 
 if TYPE_CHECKING:
@@ -224,7 +224,8 @@ def source_of(
         if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             message = "the file is encoded as UTF-16"
         place = before.position(len(before.text))
-        raise unreadable("BR102", name, message, "save the file in UTF-8", place) from None
+        help_text = other_form(name) or "save the file in UTF-8"
+        raise unreadable("BR102", name, message, help_text, place) from None
 
 
 def unreadable(

@@ -118,12 +118,15 @@ _JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 
 _OTHERS = {".toml": "TOML", ".py": "Python", ".ini": "INI", ".csv": "CSV"}
 _OTHERS[".brlplay"] = "recorded episodes, which `babyrobot replay` verifies"
+_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".pdf")
 
 
 def other_form(name: str) -> str | None:
     """Return what to do with a file that is no YAML, by its name; None if that may be YAML."""
-    form = _OTHERS.get(PurePath(name).suffix.lower())
-    return form and f"a level is written in YAML or JSON, and this is a file of {form}"
+    suffix = PurePath(name).suffix.lower()
+    form = "picture" if suffix in _PICTURES else f"file of {_OTHERS.get(suffix, '')}"
+    is_known = suffix in (*_OTHERS, *_PICTURES)
+    return f"a level is written in YAML or JSON, and this is a {form}" if is_known else None
 
 
 def printable(text: str) -> str:

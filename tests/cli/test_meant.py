@@ -27,7 +27,10 @@ def test_options_of_others_lead_to_options_of_a_command_that_lacks_them() -> Non
         name
         for ours, others in WORDS["options"].items()
         for name in others.split()
-        if any(name not in has and meant.option(name, has) == f"`{ours}`" for has in known)
+        if any(
+            name not in has and meant.option(name, has, ()) == f". Did you mean `{ours}`?"
+            for has in known
+        )
     }
     assert led == {name for others in WORDS["options"].values() for name in others.split()}
 

@@ -219,6 +219,23 @@ ON_THE_COMMAND_LINE = (
     ("babyrobot generate small.yaml --count 3", "`generate --from`"),
     ("babyrobot validate ada.brlplay", "`babyrobot replay`"),
     ("babyrobot score broken.py:act first-key", "the agent failed: SyntaxError"),
+    # What stands in a wrong place, or belongs to another command.
+    ("babyrobot small.yaml validate", "`babyrobot validate small.yaml`"),
+    ("babyrobot small.yaml", "`babyrobot preview small.yaml`"),
+    ("babyrobot --format png preview maze", "Options stand behind the command"),
+    ("babyrobot preview maze -values", "Did you mean `--values`?"),
+    ("babyrobot score best maze --seed 3", "Leave it out: it is an option of `generate`,"),
+    ("babyrobot dataset maze --format xyz", "Leave it out: it is an option of "),
+    ("babyrobot export maze two-pads --to tiled", "Call it once for each of them"),
+    ("babyrobot export maze --to png -o x.svg", "x.svg is no file of the format png"),
+    ("babyrobot generate --count 3 --algorithm dfs", "Did you mean `depth-first`?"),
+    ("babyrobot generate --count 3 --rewards stp=-1", "write `step=-1`"),
+    ("babyrobot generate maze --count 3", "it is a level: `brl.load('maze')`, `--from maze`"),
+    ("babyrobot solve classics --split train", "there is no split 'train': the suite has none"),
+    ("babyrobot import small.yaml --from minigrid", "small.yaml is already a level file"),
+    ("babyrobot import x.png", "it reads texts and zip files"),
+    ("babyrobot validate x.png", "a level is written in YAML or JSON, and this is a picture"),
+    ("babyrobot import FrozenLake", "named with its version, such as FrozenLake-v1"),
     ("babyrobot grade hand-ins --course nosuch", "there is no course, folder or level 'nosuch'"),
 )
 

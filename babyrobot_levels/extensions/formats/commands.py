@@ -47,6 +47,7 @@ from babyrobot_levels.extensions.formats.reading import (
     UnknownFormatError,
     format_of,
     is_environment,
+    is_level,
     world_of_id,
 )
 from babyrobot_levels.extensions.formats.sources import Found, decoded, found_in, is_archive, single
@@ -311,7 +312,7 @@ def _environment(env_id: str, seed: int, kwargs: str | None, slippery: bool | No
 
 def _entry(source: SourceFile, chosen: str | None, slippery: bool | None) -> Format:
     """Return the format of a text."""
-    name = chosen or format_of(source)
+    name = chosen if chosen and not is_level(source) else format_of(source)
     _check_slippery(slippery, FORMATS[name].keywords, name)
     return FORMATS[name]
 
@@ -334,9 +335,10 @@ def _source(file: Path) -> SourceFile:
     except LevelError as error:
         diagnostic = error.diagnostics[0]
         if diagnostic.code == "BR101":
-            fail(f"{file}: {diagnostic.message}")
+            named = "an environment is named with its version, such as FrozenLake-v1"
+            fail(f"{file}: {diagnostic.message}", None if file.suffix else named)
         # It may be a picture, or a compressed file.
-        help_text = "see `babyrobot import --help` for the formats; most of them are UTF-8 text"
+        help_text = "it reads texts and zip files: `babyrobot import --help` names the formats"
         if diagnostic.code == "BR102":
             diagnostic = replace(diagnostic, help=help_text)
         raise LevelError([diagnostic]) from None
@@ -379,6 +381,9 @@ def export_level(
       babyrobot export shell-game --sight view --view-radius 1 -o shell-game.pomdp
     """
     chosen = to or _by_suffix(output)
+    suffix = output.suffix.lower()[1:] if output else ""
+    if suffix in PICTURES and suffix != chosen:
+        fail(f"{output} is no file of the format {chosen}", "leave out --to, or name another file")
     if chosen not in PARTIAL and (sight or view_radius):
         fail(f"--sight and --view-radius are for {listed([*PARTIAL])}, not for {chosen}")
     seen = sight_options(sight or "view", view_radius) if chosen in PARTIAL else {}

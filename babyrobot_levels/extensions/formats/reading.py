@@ -86,22 +86,26 @@ class UnknownFormatError(ConversionError):
         super().__init__(*_why_unknown(source, self.found))
 
 
+def is_level(source: SourceFile) -> bool:
+    """Return whether a YAML file has fields of levels, most of all: others have a version, too."""
+    data: Any = None
+    if source.name.lower().endswith(SUFFIXES_OF_LEVELS):
+        with suppress(LevelError):
+            data = read_yaml(source).data
+    has_version = isinstance(data, dict) and data.get("version") == 1
+    return has_version and 2 * len(data.keys() & _FIELDS) > len(data)
+
+
 def _why_unknown(source: SourceFile, found: tuple[str, ...]) -> tuple[str, str]:
     """Return why the format of a text is unknown, and what to do about it."""
     name = one_line(source.name)
     if found:
         titles = " or a ".join(FORMATS[each].title for each in found)
         return f"{name} may be a {titles}", f"give its format: {' or '.join(found)}"
+    if is_level(source):
+        help_text = "use `babyrobot export` to convert it for other programs"
+        return f"{name} is already a level file", help_text
     if source.name.lower().endswith(SUFFIXES_OF_LEVELS):
-        with suppress(LevelError):
-            data = read_yaml(source).data
-            is_level = isinstance(data, dict) and data.get("version") == 1
-            # Most of its fields are known: others have a version as well.
-            if is_level and 2 * len(data.keys() & _FIELDS) > len(data):
-                return (
-                    f"{name} is already a level file",
-                    "use `babyrobot export` to convert it for other programs",
-                )
         return f"{name} is YAML, but no level", f"formats that are read: {', '.join(FORMATS)}"
     if source.text.lstrip().startswith("<"):
         return f"{name} is XML, but no map of Tiled", "write a level of it as a text"

@@ -481,7 +481,11 @@ def suite_of(typed: Mapping[str, Any]) -> SuiteFields:
     if suite is None:
         field, message = str(route_of(problems[0])[0]), problems[0].message
         message = re.sub(r"^`[^`]*` (?=must )", "", message)
-        fail(f"{option(field)}: {message}", problems[0].help)
+        told = problems[0].help
+        fail(
+            f"{option(field)}: {message}",
+            told and told.replace(": ", "=") if field == "rewards" else told,
+        )
     return suite
 
 

@@ -231,7 +231,7 @@ def test_answers_that_are_no_actions(agent: Any, message: str) -> None:
 def test_what_is_no_agent() -> None:
     with pytest.raises(TypeError, match="int is no agent"):
         brl.score("maze", 3)
-    with pytest.raises(TypeError, match=r"with one argument, the observation: missing .* 'y'"):
+    with pytest.raises(TypeError, match=r"with the observation alone, and this one takes .x, y."):
         brl.score("maze", lambda x, y: 0)
     with pytest.raises(ValueError, match=r"no agent 'bets'; did you mean `best`; an agent is"):
         brl.score("maze", "bets")

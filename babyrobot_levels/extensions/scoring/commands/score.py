@@ -36,7 +36,7 @@ from babyrobot_levels.cli.solve import ActionsOption
 from babyrobot_levels.extensions.scoring.commands.replay import help_text
 from babyrobot_levels.render.words.phrases import name_of
 from babyrobot_levels.text.source import printable
-from babyrobot_levels.text.words import AGENTS, BEST, NAMED, RANDOM
+from babyrobot_levels.text.words import AGENTS, BEST, RANDOM
 
 LONGEST, LONGEST_NAME = 300, 60
 """The most characters of a text and of a name of a player in a table."""
@@ -264,9 +264,7 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> brl.Scores:
         except brl.BabyRobotError:
             raise
         except (TypeError, ValueError) as error:
-            is_table = word in NAMED or Path(word).suffix in (".json", ".npy", ".npz")
-            fits = not (is_table or options["sight"])
-            fail(str(error).partition("\n")[0], FITTING if fits else None)
+            fail(str(error).partition("\n")[0], FITTING if word.endswith(".zip") else None)
 
 
 def _put(scores: brl.Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:
