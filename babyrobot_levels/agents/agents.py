@@ -66,7 +66,7 @@ class Table:
             if key in self.policy:
                 return self.policy[key]
         names = listed([shortened(key) for key in [*self.policy][:5] if ":" not in str(key)])
-        others = f", but for {names}" if names else ""
+        others = f", but for {names}: a mapping has one for each level" if names else ""
         raise ValueError(f"the agent has no policy for the level {name or digest!r}{others}")
 
 

@@ -77,15 +77,13 @@ def takes(options: Any, **defaults: Any) -> Callable[[Callable[P, T]], Callable[
     def decorated(function: Callable[P, T]) -> Callable[P, T]:
         signature = _signature(function, options, defaults)
 
-        from babyrobot_levels.text.words import called, check_places, unexpected
+        from babyrobot_levels.text.words import telling
+
+        told = telling(function, signature)
 
         @wraps(function)
         def checked(*args: P.args, **given: P.kwargs) -> T:
-            for name in given:
-                if name not in signature.parameters:
-                    raise TypeError(unexpected(called(function), name, signature.parameters))
-            check_places(function, len(args), signature)
-            return function(*args, **{**defaults, **given})
+            return told(*args, **{**defaults, **given})
 
         checked.__signature__ = signature  # type: ignore[attr-defined]
         return checked

@@ -38,8 +38,6 @@ def main() -> None:
 
 
 def _run() -> None:
-    from pathlib import Path
-
     from babyrobot_levels.cli.commands import app
     from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
     from babyrobot_levels.cli.meant import argument
@@ -50,7 +48,7 @@ def _run() -> None:
         LevelNotFoundError,
         RandomMazeError,
     )
-    from babyrobot_levels.text.words import listed, nearest
+    from babyrobot_levels.text.words import MissingFileError
 
     budget.call_before_work(end_if_interrupted)
     try:
@@ -74,12 +72,7 @@ def _run() -> None:
         sys.exit(WRONG_CALL)
     except OSError as error:
         if isinstance(error, FileNotFoundError) and error.filename:
-            path = Path(error.filename)
-            note(f"error: there is no file or folder {path}")
-            with contextlib.suppress(OSError):
-                found = nearest(str(path), map(str, path.parent.iterdir()))
-                if found:
-                    note(f"  help: did you mean {listed(found, 'or')}?")
+            note(f"error: {MissingFileError(error.errno, error.strerror, error.filename)}")
         else:
             where = f": {error.filename}" if error.filename else ""
             note(f"error: {error.strerror or error}{where}")

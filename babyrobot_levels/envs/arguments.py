@@ -418,7 +418,9 @@ def checked_action(action: Any, count: int) -> int:
     """
     number = whole_number(action)
     if number is None or not 0 <= number < count:
-        raise error.InvalidAction(f"{action!r} is not an action; the actions are 0 to {count - 1}")
+        told = "; `brl.Action` has the number of each" if isinstance(action, str) else ""
+        known = f"the actions are 0 to {count - 1}{told}"
+        raise error.InvalidAction(f"{action!r} is not an action; {known}")
     return number
 
 

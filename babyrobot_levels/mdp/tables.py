@@ -102,12 +102,17 @@ class Numbering(Telling):
 
         Args:
             joint: the numbers of joint actions, integers of any shape `[…]`.
+
+        Raises:
+            ValueError: they are none.
         """
+        numbers, count = np.asarray(joint)[..., np.newaxis], NUM_ACTIONS**self.num_robots
         if self.num_robots == 1:
-            return np.asarray(joint)[..., np.newaxis]
-        powers = NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
-        actions: Ints = np.asarray(joint)[..., np.newaxis] // powers % NUM_ACTIONS
-        return actions
+            return numbers
+        if numbers.dtype.kind not in "iu" or ((numbers < 0) | (numbers >= count)).any():
+            raise ValueError(f"{joint!r} is not a joint action, 0 to {count - 1}")
+        actions: Ints = numbers // NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
+        return actions % NUM_ACTIONS
 
     def joint_action(self, actions: Any) -> Any:
         """Return the numbers of joint actions; the inverse of `robot_actions`.

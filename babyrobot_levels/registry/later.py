@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.registry.entries import resolve
-from babyrobot_levels.text.words import Telling
+from babyrobot_levels.text.words import Telling, telling
 
 
 class _Later:
@@ -22,7 +22,8 @@ class _Later:
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
         function = resolve(self._place)
-        return function if instance is None else function.__get__(instance, owner)
+        told = function if hasattr(function, "__wrapped__") else telling(function)
+        return told if instance is None else told.__get__(instance, owner)
 
 
 def later(place: str) -> Any:

@@ -3,12 +3,16 @@
 import difflib
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+import sys
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from enum import EnumType
 from functools import cache, wraps
 from itertools import chain
+from numbers import Integral, Real
+from os import PathLike
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import FunctionType, ModuleType, NoneType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -255,7 +259,7 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
 class Public:
     """A class that, where it says `public`, is known by its name in the package.
 
-    Its methods that take arguments by name tell their names where they are called without.
+    Its methods that take arguments by name, or paths, tell what is wrong with a call.
     """
 
     __slots__ = ()
@@ -268,26 +272,9 @@ class Public:
             if isinstance(each, FunctionType) and (name == "__init__" or not name.startswith("_")):
                 code = each.__code__
                 by_name = code.co_kwonlyargcount or code.co_flags & inspect.CO_VARKEYWORDS
-                if by_name and not code.co_flags & inspect.CO_VARARGS:
-                    setattr(cls, name, _by_name(each))
-
-
-def _by_name(function: Callable[P, T]) -> Callable[P, T]:
-    """Let a method that takes arguments by name tell their names."""
-    code = function.__code__
-    most, is_open = code.co_argcount, bool(code.co_flags & inspect.CO_VARKEYWORDS)
-    known = frozenset(code.co_varnames[: most + code.co_kwonlyargcount])
-
-    @wraps(function)
-    def checked(*args: P.args, **given: P.kwargs) -> T:
-        if len(args) > most:
-            check_places(function, len(args), inspect.signature(function))
-        if not is_open and not known.issuperset(given):
-            name = next(each for each in given if each not in known)
-            raise TypeError(unexpected(called(function), name, known))
-        return function(*args, **given)
-
-    return checked
+                # What is called often takes no files, and none of its arguments by name.
+                if by_name or "Path" in str(each.__annotations__):
+                    setattr(cls, name, telling(each))
 
 
 class Telling(Public):
@@ -335,6 +322,9 @@ class TellingEnum(EnumType):
         def __getattr__(cls, name: str) -> Any:
             raise no_attribute(cls, name)
 
+        def __getitem__(cls, name: str) -> Any:
+            return cls._member_map_.get(name) or getattr(cls, name)
+
 
 def unexpected(function: str, name: str, known: Collection[str]) -> str:
     """Return the message that a function has no such keyword, with the one that is meant."""
@@ -342,16 +332,20 @@ def unexpected(function: str, name: str, known: Collection[str]) -> str:
     return f"{function}() got an unexpected keyword argument {name!r}{guess}"
 
 
-def check_places(function: Callable[..., Any], given: int, known: inspect.Signature) -> None:
+def check_places(function: Callable[..., Any], args: Any, known: inspect.Signature) -> None:
     """Raise a TypeError, with the names to give, if a call has more arguments without one."""
     each = known.parameters.values()
     placed = [one.name for one in each if one.kind is one.POSITIONAL_OR_KEYWORD]
-    if given <= len(placed) or any(one.kind is one.VAR_POSITIONAL for one in each):
+    if len(args) <= len(placed) or any(one.kind is one.VAR_POSITIONAL for one in each):
         return
     named = [one for one in each if one.kind is one.KEYWORD_ONLY]
-    first = listed([f"`{name}`" for name in placed if name != "self"])
+    # Of a method, nobody gives the object.
+    is_method = hasattr(type(args[0]), called(function))
+    first = listed([f"`{name}`" for name in placed[is_method:] if name != "self"])
     told = f"takes {first} without a name, all else by name: " if first else "takes all by name: "
     told += ", ".join(f"{one.name}=…" for one in named[:10]) or "name=…"
+    if isinstance(args[-1], dict):
+        told += f"; of a mapping, {called(function)}(**mapping)"
     is_closed = not (named or any(one.kind is one.VAR_KEYWORD for one in each))
     raise TypeError(f"{called(function)}() {f'takes only {first}' if is_closed else told}")
 
@@ -361,30 +355,123 @@ def called(function: Callable[..., Any]) -> str:
     return function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
 
 
-def telling(function: Callable[P, T]) -> Callable[P, T]:
-    """Let a function tell its own keyword where it is called by another, and the first argument."""
-    known = (signature := inspect.signature(function)).parameters
-    takes_more = any(each.kind is each.VAR_KEYWORD for each in known.values())
+def telling(function: Callable[P, T], known: inspect.Signature | None = None) -> Callable[P, T]:
+    """Let a function tell what is wrong with a call, where Python would tell it in its own words.
+
+    Args:
+        function: the function.
+        known: its signature, where that is not its own.
+    """
+    code = function.__code__
+    if known is None and hasattr(function, "__wrapped__"):
+        known = inspect.signature(function)
+    most, names = code.co_argcount, code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    by_name = frozenset(known.parameters if known else names)
 
     @wraps(function)
     def checked(*args: P.args, **given: P.kwargs) -> T:
-        for name in (each for each in given if each not in known):
-            keywords = words_beside(__file__)["keywords"].items()
-            textbooks = " ".join(words for ours, words in keywords if ours in known).split()
-            if not takes_more or name in textbooks or nearest(name, known, 1, 0.85):
-                raise TypeError(unexpected(function.__name__, name, known))
-        check_places(function, len(args), signature)
+        if len(args) > most or not by_name.issuperset(given):
+            check_call(function, args, given, known or inspect.signature(function))
         try:
             return function(*args, **given)
-        except (TypeError, LookupError, ValueError):
-            first, agent = [*map(_looks_like_agent, args[:2]), False, False][:2]
-            level, other, *_ = *known, "", ""
-            if first and not agent and other in ("agent", "policy"):
-                message = f"the level comes first: `brl.{function.__name__}({level}, {other})`"
-                raise TypeError(message) from None
-            raise
+        except (TypeError, AttributeError, LookupError, ValueError, FileNotFoundError) as error:
+            told = explained(error, function, args, given, known or inspect.signature(function))
+            if told is None:
+                raise
+            raise told from None
 
     return checked
+
+
+def check_call(
+    function: Callable[..., Any], args: Any, given: Collection[str], known: inspect.Signature
+) -> None:
+    """Raise a TypeError if a call has arguments by names that nobody knows, or too many others."""
+    names = known.parameters
+    takes_more = any(each.kind is each.VAR_KEYWORD for each in names.values())
+    for name in (each for each in given if each not in names):
+        keywords = words_beside(__file__)["keywords"].items()
+        textbooks = " ".join(words for ours, words in keywords if ours in names).split()
+        if not takes_more or name in textbooks or nearest(name, names, 1, 0.85):
+            raise TypeError(unexpected(called(function), name, names))
+    check_places(function, args, known)
+
+
+class MissingFileError(FileNotFoundError):
+    """There is no file or folder at a path."""
+
+    def __str__(self) -> str:
+        path, near = Path(self.filename), list[str]()
+        with suppress(OSError):
+            near = nearest(str(path), map(str, path.parent.iterdir()))
+        guess = f"; did you mean {listed(near, 'or')}?" if near else ""
+        return f"there is no file or folder {path}{guess}"
+
+
+def explained(
+    error: Exception, function: Callable[..., Any], args: Any, given: Any, known: inspect.Signature
+) -> Exception | None:
+    """Return an error that says what is wrong with a call that raised another one, if it does."""
+    if type(error) is FileNotFoundError and error.filename:
+        return MissingFileError(error.errno, error.strerror, error.filename)
+    name = called(function)
+    level, other, *_ = *(each for each in known.parameters if each != "self"), "", ""
+    first, second = [*args["self" in known.parameters :], None, None][:2]
+    if _looks_like_agent(first) and not _looks_like_agent(second) and other in ("agent", "policy"):
+        return TypeError(f"the level comes first: `brl.{name}({level}, {other})`")
+    public = sys.modules[__name__.partition(".")[0]]
+    if isinstance(first, list | tuple) and f"{name}_many" in public.__all__:
+        return TypeError(f"{name}() takes one level; `brl.{name}_many(levels)` takes several")
+    if isinstance(first, list | tuple) and {"level", "levels"} <= known.parameters.keys():
+        return TypeError(f"{name}() takes one level, or several as `levels=…`")
+    if not _OF_PYTHON.search(str(error)):
+        return None
+    for parameter, value in known.bind(*args, **given).arguments.items():
+        kinds = _kinds(known.parameters[parameter].annotation, public)
+        if kinds and not isinstance(value, tuple(type_ for type_, _ in kinds.values())):
+            # Paths may be texts.
+            words = [
+                words
+                for each, (_, words) in kinds.items()
+                if (each, "PathLike" in kinds) != ("str", True)
+            ]
+            shown = listed(words, "or")
+            return TypeError(f"{parameter} must be {shown}, not {shortened(repr(value))}")
+    return None
+
+
+_OF_PYTHON = re.compile(
+    "expected str|object is not|object cannot|not supported between|has no attribute|must be an it"
+    "|expected string|unsupported operand|ufunc|argument must be|invalid literal|not convert"
+)
+"""What Python and NumPy say of values of a wrong type."""
+
+_TYPES: dict[str, tuple[type, str]] = {
+    "int": (Integral, "a whole number"),
+    "float": (Real, "a number"),
+    "bool": (bool, "True or False"),
+    "str": (str, "a text"),
+    "PathLike": (PathLike, "a path"),
+    "Path": (PathLike, "a path"),
+    "Iterable": (Iterable, "several in a list"),
+    "Sequence": (Sequence, "several in a list"),
+    "Mapping": (Mapping, "a mapping"),
+    "None": (NoneType, "None"),
+}
+"""The types of arguments, by their names in annotations, and what they are called."""
+
+
+def _kinds(annotation: Any, public: Any) -> dict[str, tuple[type, str]]:
+    """Return the types of an argument by their names; none if one of them is not known."""
+    text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
+    while text != (text := re.sub(r"\[[^][]*\]|['\"]", "", text)):
+        pass
+    names = [each.strip().rpartition(".")[2] for each in text.split("|")]
+    ours = {each: (getattr(public, each), f"a {each}") for each in {*names} & {*public.__all__}}
+    known = {**_TYPES, **ours}
+    if not {*names} <= {*known}:
+        return {}
+    return {each: known[each] for each in names}
 
 
 BEST, RANDOM = "best", "random"

@@ -176,7 +176,8 @@ class StateResult(Shown, Result):
         if axes == (4 if turns else 3):
             index = (operator.index(configuration),)
         elif configuration != 0:
-            raise IndexError(f"a level without things has no configuration {configuration}")
+            what = f"a level without things has no configuration {configuration}"
+            raise IndexError(f"{what}; `.values[y, x]` has the value of a cell")
         if heading is not None:
             if not turns or heading not in SIDES:
                 known = ", ".join(SIDES) if turns else "for actions='turns'"

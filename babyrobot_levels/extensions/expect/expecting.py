@@ -67,6 +67,7 @@ def expect(level: Levels, *, add: Sequence[str] = (), write: bool = False) -> st
         LevelError: the text is no valid level, or its maze has no seed yet.
         ValueError: it is not one level, there is no such metric, or no file to write to.
     """
+    add = [add] if isinstance(add, str) else add
     found = [*texts_of(level)]
     if len(found) > 1:
         raise ValueError(f"expect takes one level, not {len(found):,}")

@@ -225,8 +225,7 @@ class Mutants(Descendants):
     def __init__(
         self, level: Level, edits: int | str, kinds: Sequence[str], suite: SuiteFields, **more: Any
     ) -> None:
-        if isinstance(kinds, str):
-            raise ValueError(f"kinds is a list of kinds: [{kinds!r}]")
+        kinds = [kinds] if isinstance(kinds, str) else kinds
         for kind in kinds:
             if kind not in EDITABLE:
                 known = f"expected some of {listed(EDITABLE, 'and')}, not {kind!r}"

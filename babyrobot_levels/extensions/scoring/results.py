@@ -199,6 +199,8 @@ class Table(Telling, Sequence[Row]):
     def __getitem__(self, index: slice) -> Self: ...
 
     def __getitem__(self, index: int | slice) -> Row | Self:
+        if isinstance(index, str):
+            raise TypeError(f"rows have numbers, 0 to {len(self) - 1}, and no names: {index!r}")
         return self._part(index) if isinstance(index, slice) else self._rows[index]
 
     def __iter__(self) -> Iterator[Row]:

@@ -359,7 +359,8 @@ def _shape_message(key: str, shape: tuple[int, ...], expected: Sequence[tuple[in
     must = " or ".join(map(str, expected))
     text = f"`{key}` has the shape {shape}; for this level it must be {must}"
     if not shape:
-        text += "; `brl.evaluate(level, policy)` has those of a policy"
+        text = f"`{key}` must be an array of the shape {must}; "
+        text += "`brl.evaluate(level, policy)` has those of a policy"
     elif shape[:1] == (height * width,):
         text += f"; reshape it with `.reshape{(height, width, *shape[1:])}`"
     elif shape[:2] == (width, height):
