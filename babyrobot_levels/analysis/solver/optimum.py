@@ -180,7 +180,7 @@ def solution_of(model: Model, space: StateSpace, optimum: Optimum, discount: flo
     best = np.ascontiguousarray(ahead.T).max(axis=0, initial=-np.inf)  # Faster than of each row.
     greedy = _greedy(model, ahead, best)
     finite = np.isfinite(found.values)
-    solution = Solution.with_episodes(
+    return Solution.with_episodes(
         partial(_episodes, model, space, optimum, greedy, discount),
         values=space.spread(model, found.values),
         action_values=space.spread(model, ahead),
@@ -193,15 +193,6 @@ def solution_of(model: Model, space: StateSpace, optimum: Optimum, discount: flo
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
         margin=space.spread(model, margins(model, found.values, discount, space.largest_reward)),
         level=space.level,
-    )
-    if np.isfinite(expected):
-        return solution
-    chain = model.under(np.asarray(solution.policy).ravel()[model.states])
-    diverging = diverging_states(chain, expected, space)
-    return replace(
-        solution,
-        diverging_cells=space.cells(diverging),
-        diverging_condition=space.condition(diverging),
     )
 
 
@@ -216,11 +207,14 @@ def _episodes(
     endless = np.isinf(steps) & (values < np.inf)
     rows = np.where(endless[:, None], greedy, fastest)
     chosen, success = _to_exits(model, rows, ending.policy, steps, success, space)
+    diverging = diverging_states(model.under(chosen), space.at_start(model, values), space)
     return {
         "expected_steps": space.at_start(model, steps),
         "exit_probability": probability(space.at_start(model, success)),
         "fastest": space.of_states(model, rows if discount < 1 else fastest, False),
         "policy": space.of_states(model, chosen, -1),
+        "diverging_cells": space.cells(diverging),
+        "diverging_condition": space.condition(diverging),
     }
 
 

@@ -31,7 +31,10 @@ ACTION_SETS = {"all": Action.STAY, "moves": Action.NORTH, TURNS: Turn.LEFT}
 OVER_STATES = ("values", "action_values", "greedy", "fastest", "policy", "margin")
 """The arrays over states of all results."""
 
-OF_EPISODES = ("expected_steps", "exit_probability", "fastest", "policy")
+OF_EPISODES = (
+    *("expected_steps", "exit_probability", "fastest", "policy"),
+    *("diverging_cells", "diverging_condition"),
+)
 """What a solution tells of its episodes. Without a limit it is found when first asked for."""
 
 MAX_LISTED = 5
@@ -233,8 +236,8 @@ class Evaluation(StateResult, public=True):
     exit_probability: float
     discount: float
     actions: str
-    diverging_cells: tuple[tuple[int, int], ...] = field(default=(), kw_only=True)
-    diverging_condition: str = field(default="", kw_only=True)
+    diverging_cells: tuple[tuple[int, int], ...] = field(default_factory=tuple, kw_only=True)
+    diverging_condition: str = field(default_factory=str, kw_only=True)
     within: int | None = field(default=None, kw_only=True)
     level: GridWorld | None = field(default=None, kw_only=True)
 
