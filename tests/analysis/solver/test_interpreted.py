@@ -23,7 +23,7 @@ from babyrobot_levels.analysis.solver import compiled
 from babyrobot_levels.analysis.solver.compiled import iteration, values
 
 compiled._has_numba = lambda: True
-calls = dict.fromkeys(("advance", "choose", "follow", "sweep", "climb", "solved"), 0)
+calls = dict.fromkeys(("advance", "settle", "sweep", "climb", "improved"), 0)
 
 
 def counted(module, name):
@@ -37,7 +37,7 @@ def counted(module, name):
 
 
 for name in calls:
-    module = iteration if name == "solved" else values
+    module = iteration if name == "improved" else values
     setattr(module, name, counted(module, name))
 SKID = {"version": 1, "size": [7, 6], "skid": 0.4}
 LEVELS = [

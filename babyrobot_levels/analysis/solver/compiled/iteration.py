@@ -32,10 +32,10 @@ WIDTH = 8
 AT_A_TIME = 4
 """So many sweeps tell how fast values settle. The first one chooses what the others follow."""
 
-FAST = 0.74
+FAST = 0.8
 """Where errors shrink by more than that in each sweep, sweeps are faster than linear systems."""
 
-HOPELESS = 0.9
+HOPELESS = 0.92
 """Where they shrink by less at first, sweeps are given up at once."""
 
 NEARLY = 1e-2

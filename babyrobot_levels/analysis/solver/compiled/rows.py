@@ -34,6 +34,8 @@ LEAST_LEAVING = 1e-12
 MOST_RELAXED = 1.6
 """The largest factor by which changes of values are stretched."""
 
+LEAST_STRETCHED = 0.1
+"""Where chance is in a smaller share of states, values settle sooner if nothing is stretched."""
 
 WIDTHS = 4, 5, 8
 """How many targets the actions of a state may share. Loops over so many are compiled for each."""
@@ -119,42 +121,45 @@ def rows_of(
         slots,
         own,
     )
-    # The slot of each node in the row at hand, and how likely each is.
-    slot_of, row_of = np.empty(size + 1, np.int32), np.full(size + 1, -1, np.int64)
-    itself, end = len(slots), len(slots) + 1
-    chance = np.zeros(len(slots) + 2)
+    # The slot of each node in the row at hand, behind what is below all others, and its chance.
+    mark = np.full(size + 1, -1, np.int64)
+    itself, end, width = len(slots), len(slots) + 1, len(slots) + 2
+    chance, stretched = np.zeros(width), 0
     for index in range(size):
         state, nearest, square, known = order[index], 0.0, 0.0, 0
         for action in range(actions):
-            row = index * actions + action * len(own)
+            base = (index * actions + action * len(own)) * width
             target = rows.target[index, action * len(own)]
             if len(own) or action == 0:
                 known = 0
-                slot_of[state], slot_of[size], row_of[state], row_of[size] = itself, end, row, row
-            for slot in range(len(slots) + 2):
+                mark[state], mark[size] = base + itself, base + end
+            for slot in range(width):
                 chance[slot] = 0.0
             is_row = reward[state, action] > -np.inf
             for outcome in range(outcomes if is_row else 0):
                 node = next_state[state, action, outcome]
-                if row_of[node] != row:
-                    row_of[node], slot_of[node], target[known] = row, known, number[node]
+                slot = mark[node] - base
+                if slot < 0:
+                    slot, mark[node], target[known] = known, base + known, number[node]
                     known += 1
-                chance[slot_of[node]] += probability[state, action, outcome]
-            leaving, far = 1.0 - discount * chance[itself], 0.0
+                chance[np.uint32(slot)] += probability[state, action, outcome]
+            leaving = 1.0 - discount * chance[itself]
             is_row = is_row and leaving > LEAST_LEAVING
             share = 1.0 / leaving if is_row else 0.0
-            near = discount * share * chance[end]
+            stopping, near = (1.0 - discount) * share, discount * share * chance[end]
+            rows.killing[index, action] = stopping + near
             for slot in range(len(slots)):
                 weight = discount * share * chance[slot]
                 rows.weight[index, action, slot] = weight
                 near += weight if target[slot] < index else 0.0
-                far += weight if target[slot] > index else 0.0
             rows.reward[index, action] = reward[state, action] * share if is_row else -np.inf
-            rows.killing[index, action] = share * (1.0 - discount + discount * chance[end])
             if near > nearest:
-                nearest, square = near, min(4.0 * near * far, 1.0)
+                nearest, square = near, min(4.0 * near * max(1.0 - near - stopping, 0.0), 1.0)
         # D. M. Young's formula for successive over-relaxation of neighbours in a line.
         rows.factor[index] = min(2.0 / (1.0 + np.sqrt(1.0 - square)), MOST_RELAXED)
+        stretched += square > 0.0
+    if stretched < LEAST_STRETCHED * size:
+        rows.factor[:] = 1.0
     return rows
 
 
