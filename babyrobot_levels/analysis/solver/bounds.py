@@ -59,7 +59,7 @@ def _violation(
         from babyrobot_levels.analysis.solver.compiled.tables import violation
 
         sizes = largest + (float(np.abs(values).max()) if discount < 1 else 0.0)
-        reward = np.where(rows, model.reward, -np.inf)
+        reward = model.reward if rows is model.allowed else np.where(rows, model.reward, -np.inf)
         known = np.append(values, 0.0)
         return violation(*kernel_arrays(model), reward, known, discount, rounding, sizes)
     # By differences between neighbours: these are small, however large the values are.

@@ -311,9 +311,14 @@ class StateSpace:
         return build_model(self.mdp, self.exits, self.first_action)
 
     @cached_property
+    def _over(self) -> Ints:
+        """The states that a model leaves out."""
+        return np.flatnonzero(self.mdp.is_terminal)
+
+    @cached_property
     def _none(self) -> Floats:
-        """What terminal states and those without value have for one, `[states]`."""
-        return np.where(self.without_value, np.nan, 0.0)
+        """What these have for a value."""
+        return np.where(self.without_value[self._over], np.nan, 0.0)
 
     def spread(self, model: Model, values: Floats) -> Floats:
         """Return values of a model's states, `[n, …]`, as an array over all states.
@@ -326,21 +331,20 @@ class StateSpace:
         return table
 
     def of_states(self, model: Model, values: NDArray[Any], others: Any) -> NDArray[Any]:
-        """Return the same with other values, `[states]` or one for all, for all other states."""
+        """Return the same with other values, one or one for each, for all other states."""
         table = np.empty((self.mdp.num_states, *values.shape[1:]), values.dtype)
-        rest = np.ones(len(table), bool)
-        rest[places(model.states)] = False
         table[places(model.states)] = values
-        table[rest] = others if np.ndim(others) == 0 else others[rest]
+        table[self._over] = others
         return table.reshape(*self.mdp.shape, *values.shape[1:])
 
     def at_start(self, model: Model, values: Floats) -> float:
         """Return the expectation of values, `[n]`, over the starts; inf wins over -inf."""
-        chances = self.mdp.start[model.states]
-        expected = values[chances > 0]
+        chances = self.mdp.start[places(model.states)]
+        starts = np.flatnonzero(chances)
+        expected = values[starts]
         if np.isposinf(expected).any():
             return float("inf")
-        return float(chances[chances > 0] @ expected)
+        return float(chances[starts] @ expected)
 
 
 def space_of(level: GridWorld, actions: str, discount: float | None = None) -> StateSpace:
