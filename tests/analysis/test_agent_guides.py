@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.agent_guides import MAX_DIFFERENCES, page_agent
 from babyrobot_levels.analysis.guides import guide_of
+from babyrobot_levels.render.page import page_data
 from babyrobot_levels.render.page_agent import PageAgent
 from babyrobot_levels.render.page_format import rounded
 
@@ -172,3 +174,22 @@ def test_a_level_without_an_optimum_shows_the_agent_alone() -> None:
         page = CANCELLING.to_html(policy=np.array([[2, 4, 0]]))
     assert '"walker":"agent"' in page
     assert "Agent and optimum" not in page
+
+
+def test_costs_have_a_scale_of_their_own() -> None:
+    level = brl.load("cliff-walking")
+    shown = agent(level, random_policy(level))
+    data = page_data(level, guide=guide_of(level, brl.solve(level)), agent=shown)["agent"]
+    ends = [list(texts(each["legend"])) for each in (data, data["costs"])]
+    assert shown.costs is not None and shown.costs.values is not None
+    costs = [value for row in shown.costs.values for value in row if value is not None]
+    assert ends[0] != ends[1]
+    assert number(ends[1][0]) == pytest.approx(min(costs), abs=0.01)
+
+
+def texts(packed: Any) -> Iterator[str]:
+    """Yield the texts in packed shapes."""
+    for each in packed if isinstance(packed, list | tuple) else ():
+        if isinstance(each, str):
+            yield each
+        yield from texts(each)

@@ -7,7 +7,7 @@ from textwrap import dedent
 import pytest
 
 from babyrobot_levels.linter.rules import select
-from babyrobot_levels.linter.runner import lint_source
+from babyrobot_levels.linter.runner import fix, lint_source
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -112,3 +112,9 @@ def test_each_rule_of_a_suppression_is_checked_by_itself() -> None:
     assert found.code == "BR699"
     assert "`BR610`" in found.message
     assert "BR608" not in found.message
+
+
+def test_the_fix_of_a_line_of_its_own_removes_this_line_alone() -> None:
+    text = "version: 1\n# babyrobot: ignore[BR608] why\nsize: [4, 4]\n"
+    fixed = fix(SourceFile("x.yaml", text), select(["BR608", "BR699"]))
+    assert fixed.text == "version: 1\nsize: [4, 4]\n"
