@@ -181,7 +181,8 @@ def test_costs_have_a_scale_of_their_own() -> None:
     shown = agent(level, random_policy(level))
     data = page_data(level, guide=guide_of(level, brl.solve(level)), agent=shown)["agent"]
     ends = [list(texts(each["legend"])) for each in (data, data["costs"])]
-    assert shown.costs is not None and shown.costs.values is not None
+    assert shown.costs is not None
+    assert shown.costs.values is not None
     costs = [value for row in shown.costs.values for value in row if value is not None]
     assert ends[0] != ends[1]
     assert number(ends[1][0]) == pytest.approx(min(costs), abs=0.01)
