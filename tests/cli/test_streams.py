@@ -18,7 +18,7 @@ import pytest
 from support.sessions import environment
 
 import babyrobot_levels as brl
-from babyrobot_levels.cli import app, parallel
+from babyrobot_levels.cli import app, console, parallel
 from babyrobot_levels.extensions.play import keyboard
 from babyrobot_levels.parallel import processes
 from babyrobot_levels.render import terminal
@@ -256,3 +256,25 @@ def test_no_more_processes_than_windows_can_wait_for(monkeypatch: pytest.MonkeyP
         *map(str, range(300))
     ]
     assert asked == [61]
+
+
+# -- what is said of a file ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("size", "told"),
+    [
+        (1, "1 byte"),
+        (999, "999 bytes"),
+        (1_000, "1.0 KB"),
+        (9_949, "9.9 KB"),
+        (9_950, "10 KB"),
+        (999_499, "999 KB"),
+        (999_500, "1.0 MB"),
+    ],
+)
+def test_a_size_is_told_in_units(
+    size: int, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    console.save(tmp_path / "x.bin", b"x" * size)
+    assert capsys.readouterr().err.endswith(f"({told})\n")

@@ -385,3 +385,13 @@ def test_an_overlay_of_another_size_is_refused(rows: list[list[float]]) -> None:
         build_scene(world, overlay=Overlay(values=rows))
     with pytest.raises(ValueError, match="2 rows of 2 cells"):
         build_scene(world, overlay=Overlay(actions=[[() for _ in row] for row in rows]))
+
+
+def test_the_legend_of_a_large_level_is_larger() -> None:
+    heights = []
+    for side in (4, 12, 48):
+        world = level(size=[side, side])
+        layout = layout_of(world, overlay=Overlay(values=[[0.0] * side] * side))
+        heights.append(layout.legend)
+        assert layout.legend == pytest.approx(heights[0] * layout.times)
+    assert heights[0] < heights[2]

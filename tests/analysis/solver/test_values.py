@@ -22,6 +22,7 @@ from babyrobot_levels.analysis.solver.evaluation import evaluate, evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.mdp.actions import Action
 
 FIRST = {"all": 0, "moves": 1}
 
@@ -217,3 +218,13 @@ def test_components_do_not_depend_on_what_is_imported(size: int, data: st.DataOb
         patch.delitem(sys.modules, "scipy.sparse")
         by_numpy = model.strong_components(size, source, target)
     assert by_scipy.tolist() == by_numpy.tolist()
+
+
+@pytest.mark.parametrize(("more", "is_greedy"), [(5e-10, True), (1.5e-9, False)])
+def test_an_action_is_greedy_up_to_a_billionth_of_the_value(more: float, is_greedy: bool) -> None:
+    other = {"at": [0, 0], "ends": True, "reward": 1 + more}
+    rewards = {"step": 0, "exit": 1}
+    fields = {"size": [3, 1], "start": [1, 0], "exit": [2, 0], "areas": [other]}
+    solution = solve({"version": 1, "rewards": rewards, **fields})
+    assert solution.greedy[0, 1, Action.EAST] == is_greedy
+    assert solution.greedy[0, 1, Action.WEST]
