@@ -383,6 +383,9 @@ def _check_for(option: str, chosen: PictureFormat, *, given: bool, name: str = "
 
 def _chosen_format(asked: str | None, output: Path | None, folder: Path | None) -> PictureFormat:
     if asked is not None:
+        meant = SUFFIXES.get(output.suffix.lower()) if output else None
+        if meant not in (None, asked) and {meant, asked}.isdisjoint(("text", "ascii")):
+            fail(f"{output} is no file of the format {asked}", "leave out --format")
         return FORMATS[asked]
     if output is None:
         return FORMATS["text" if folder is None else "svg"]

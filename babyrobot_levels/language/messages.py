@@ -217,7 +217,8 @@ def _unknown(
     known = "known fields: " + ", ".join(fields) if 0 < len(fields) <= 14 else None
     if inner := _inner(word, value, fields):
         return "BR201", message + inner[0], inner[1]
-    other = _other_name(word, fields) or next(iter(nearest(field, fields, 1, 0.9)), None)
+    other = word[:-1] if word[:-1] in fields and word[-1] == "s" else _other_name(word, fields)
+    other = other or next(iter(nearest(field, fields, 1, 0.9)), None)
     if text := _further_in(word, value, fields):
         is_fitting = text.startswith("write ")
         if not (other and model) or (is_fitting and not takes(model, other, value)):
@@ -444,7 +445,7 @@ def guessed(value: Any, names: Sequence[str]) -> str:
     """Return the question whether one of several values is meant."""
     if not isinstance(value, str):
         return ""
-    word, others = value.strip().lower(), _words("choices")
+    word, others = re.sub(r"[ _]+", "-", value.strip().lower()), _words("choices")
     other = next((each for each in names if word in others.get(each, "").split()), None)
     return f"; did you mean `{other}`?" if other else did_you_mean(value, names)
 
@@ -456,12 +457,13 @@ def _choices(expected: str) -> list[str]:
 
 def _between(info: Any) -> str:
     """Return the bounds of a number that a field holds, but for those that nobody meets."""
-    low, above, high = (
-        next(
-            (each for part in _parts(info) if (each := getattr(part, key, None)) is not None), None
-        )
+    bounds = {
+        key: getattr(each, key)
+        for each in _parts(info)
         for key in ("ge", "gt", "le")
-    )
+        if hasattr(each, key)
+    }
+    low, above, high = map(bounds.get, ("ge", "gt", "le"))
     is_known = high is not None and high < MANY
     if above is not None:
         return f" above {above:g}" + f" and at most {high:g}" * is_known

@@ -13,7 +13,7 @@ LONGEST = 100
 
 _PERCENT = re.compile(r"([0-9]{1,3}(?:\.[0-9]{1,9})?) ?%")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]{1,20},[0-9]{1,20}")
-_PAIR = re.compile(r"[(\[]? ?([0-9]{1,4}) ?(?:[x×,;*.]| ) ?([0-9]{1,4}) ?[)\]]?", re.I)
+_PAIR = re.compile(r"[(\[]? ?([0-9]{1,4}) ?(?:[x×,;*.-]| ) ?([0-9]{1,4}) ?[)\]]?", re.I)
 _LEAST = re.compile(r"(?:>=|=>|>|min|at least|from) ?(-?[0-9.]{1,20})|(-?[0-9.]{1,20}) ?\+", re.I)
 _MOST = re.compile(r"(?:<=|=<|<|max|at most|up to) ?(-?[0-9.]{1,20})", re.I)
 _BETWEEN = re.compile(r"(-?[0-9.]{1,20}) ?(?:-|–|to|\.\.\.|:|,) ?(-?[0-9.]{1,20})", re.I)
@@ -95,6 +95,8 @@ def _of_text(text: str) -> Iterator[Any]:
 
 def _of_list(items: list[Any]) -> Iterator[Any]:
     yield [resolve(each) if isinstance(each, str) else each for each in items]
+    if items and all(isinstance(each, dict) for each in items):
+        yield {name: value for each in items for name, value in each.items()}
     if len(items) == 1:
         yield items[0]
         yield from _readings(items[0])

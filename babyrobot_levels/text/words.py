@@ -126,6 +126,8 @@ def _missing_space(problem: str, lines: Sequence[str], line: int) -> Words | Non
 
 def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
     here, before = line[column - 1 : column], line[: column - 1].strip()
+    if "unexpected ':'" in problem:
+        return Words("missing space after `:`", "add a space after `:`")
     if "mapping values are not allowed" in problem:
         return Words(
             "unexpected `:`", "check the indentation, or put quotes around text that contains `: `"
@@ -159,8 +161,12 @@ def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
         return Words("unexpected space after `-`", "write a negative number without it: `-1`")
     if "expected key" in problem or "'-' indicator" in problem:
         if before and before != "-":
-            if here == ",":
-                return Words("unexpected `,` after the value", "remove it: each field has a line")
+            if here in ",;":
+                return Words(
+                    f"unexpected `{here}` after the value", "remove it: each field has a line"
+                )
+            if line[column - 1 :].startswith("//"):
+                return Words("`//` begins no comment", "begin comments with `#`")
             if here == "[":
                 return Words("unexpected `[` after the list", "a cell is one list: `[x, y]`")
             return Words("unexpected text after the value", "put quotes around the whole text")
@@ -250,7 +256,8 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
     guess = ""
     # Libraries ask for names with underscores only to see whether they are there.
     if not name.startswith("_"):
-        known = [each for each in dir(owner) if not each.startswith("_")]
+        members = getattr(owner, "__members__", None) or dir(owner)
+        known = [each for each in members if not each.startswith("_")]
         guess = meant(name, known, "attributes", "keywords")
     # With a name, Python would add a guess of its own.
     return AttributeError(f"{what} has no attribute {name!r}{guess}", name="", obj=None)
@@ -442,7 +449,7 @@ def explained(
 
 _OF_PYTHON = re.compile(
     "expected str|object is not|object cannot|not supported between|has no attribute|must be an it"
-    "|expected string|unsupported operand|ufunc|argument must be|invalid literal|not convert"
+    "|expected string|unsupported operand|ufunc|argument must be|invalid literal|not convert|islice"
 )
 """What Python and NumPy say of values of a wrong type."""
 

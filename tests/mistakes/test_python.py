@@ -164,6 +164,9 @@ MISTAKES = (
     ("brl.load('two-pads').compile().robot_actions(99)", "99 is not a joint action, 0 to 24"),
     ("brl.load('two-pads').compile().robot_actions('x')", "'x' is not a joint action, 0 to 24"),
     ("brl.load('maze').to_svg(values='optimal')", "must be an array of the shape (5, 8)"),
+    ("brl.Action.FORWARD", "there are STAY, NORTH, EAST, SOUTH, WEST, NORTH_EAST,"),
+    ("brl.diff('maze', 'default', limit='all')", "limit must be a whole number or None, not"),
+    ("brl.grade('.', 'maze', points='marks')", "points must be one of regret, share, success"),
     ("brl.TextEnv('maze')", "did you mean `TextWorld`?"),
 )
 

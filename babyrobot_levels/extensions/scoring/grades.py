@@ -210,7 +210,8 @@ def grade(
             0, or there is nothing to grade.
     """
     if points not in RULES:
-        raise ValueError(f"there is no rule {points!r}{did_you_mean(points, RULES)}")
+        guess = did_you_mean(points, RULES)
+        raise ValueError(f"points must be one of {', '.join(RULES)}, not {points!r}{guess}")
     limits = Limits(seconds, memory)
     course = _course(level)
     wanted = None if level is None else _wanted(level, course)
