@@ -177,8 +177,7 @@ def solution_of(model: Model, space: StateSpace, optimum: Optimum, discount: flo
     """Return the solution of a level, whose model and its optimum are at hand."""
     found, expected = optimum.found, space.at_start(model, optimum.found.values)
     ahead = action_values(model, found.values, discount)
-    best = np.ascontiguousarray(ahead.T).max(axis=0, initial=-np.inf)  # Faster than of each row.
-    greedy = _greedy(model, ahead, best)
+    greedy, best = _greedy(model, ahead)
     finite = np.isfinite(found.values)
     return Solution.with_episodes(
         partial(_episodes, model, space, optimum, greedy, discount),
@@ -315,12 +314,14 @@ def most_expected(model: Model, rewards: Floats, space: StateSpace) -> Floats:
     return undiscounted(other, space).found.values
 
 
-def _greedy(model: Model, ahead: Floats, best: Floats) -> Flags:
-    """Return the actions whose values are those of the optimal one, `[n, actions]`."""
+def _greedy(model: Model, ahead: Floats) -> tuple[Flags, Floats]:
+    """Return the actions with the value of the optimal one, `[n, actions]`, and this, `[n]`."""
     rewards = np.abs(model.reward).max(initial=0.0)
+    columns = np.ascontiguousarray(ahead.T)  # Short rows take longer.
+    best = columns.max(axis=0, initial=-np.inf)
     size = np.where(np.isfinite(best), np.abs(best), 0.0)
     margin = TOLERANCE * np.maximum(size, min(1.0, rewards))
-    return ahead >= (best - margin)[:, None]
+    return np.ascontiguousarray((columns >= best - margin).T), best
 
 
 def _fastest(model: Model, greedy: Flags, policy: Ints, steps: Floats) -> Flags:

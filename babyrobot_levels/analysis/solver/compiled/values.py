@@ -14,7 +14,7 @@ PESSIMISM = 2.0
 LEAST_ADVANCE = 0.1
 """The least advance towards the end that a guess assumes, as a share of what is possible."""
 
-NARROW = 8
+NARROW = 2
 """The nearest distances stay in the window until it is so wide: at first, little changes."""
 
 
