@@ -16,6 +16,7 @@ from babyrobot_levels.cli import meant
 from babyrobot_levels.registry.entries import Entries, built_in, resolve
 from babyrobot_levels.registry.manifest import Command
 from babyrobot_levels.text.budget import COMMAND, UNLIMITED, within
+from babyrobot_levels.text.words import words_beside
 
 _SUPPORT = "Editors and assistants"
 
@@ -150,21 +151,10 @@ _EXTRA = re.compile(r"unexpected extra argument\S* \(([^ )]+)")
 _CHOICE = re.compile(r"('.*') is not one of (.*)\.")
 
 
-_NUMBERS = {
-    "int_parsing": "{input!r} is not a whole number",
-    "float_parsing": "{input!r} is not a number",
-    "greater_than_equal": "{input} is below {ge}",
-    "greater_than": "{input} is not above {gt}",
-    "less_than_equal": "{input} is above {le}",
-    "less_than": "{input} is not below {lt}",
-}
-"""What is wrong with a number, by the types of pydantic's errors."""
-
-
 def _plain(cause: Any) -> str | None:
     """Return in our words what pydantic says of a number; None for all else."""
     first: dict[str, Any] = cause.errors()[0] if hasattr(cause, "errors") else {}
-    told = _NUMBERS.get(first.get("type", ""))
+    told: str | None = words_beside(meant.__file__)["numbers"].get(first.get("type", ""))
     return told and told.format(input=first["input"], **first.get("ctx", {}))
 
 

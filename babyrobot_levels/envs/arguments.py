@@ -217,18 +217,6 @@ def checked_autoreset_mode(mode: Any) -> AutoresetMode:
         raise ValueError(f"autoreset_mode must be one of {known}, not {mode!r}") from None
 
 
-def checked_count(name: str, value: Any) -> int:
-    """Return an argument that is a number of things.
-
-    Raises:
-        ValueError: it is not a whole number above 0.
-    """
-    number = whole_number(value)
-    if number is None or number < 1:
-        raise ValueError(f"{name} must be a whole number, at least 1, not {value!r}")
-    return number
-
-
 def limits_of(levels: Sequence[Level], max_episode_steps: Any) -> list[int]:
     """Return the time limit of each level, in steps.
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.policies import StateSpace
-from babyrobot_levels.analysis.solver.results import check_actions, check_seed
+from babyrobot_levels.analysis.solver.results import check_actions, check_count, check_seed
 from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
-from babyrobot_levels.envs.arguments import checked_count, limits_of
+from babyrobot_levels.envs.arguments import limits_of
 from babyrobot_levels.envs.engine.draws import SharedDraws
 from babyrobot_levels.envs.engine.plain import make_engine
 from babyrobot_levels.envs.engine.state import EnvStates, Record
@@ -112,12 +112,12 @@ def rollout(
         ValueError: another argument is invalid.
     """
     several = isinstance(level, Sequence) and not isinstance(level, str)
-    size = checked_count("num_envs", num_envs)
+    size = check_count("num_envs", num_envs)
     if several and not isinstance(level, list | tuple):
         # Levels of a suite are made on access, and at most `num_envs` of them are used.
         level = level[:size]
     levels = [load(each) for each in (level if several else [level])]
-    steps = checked_count("num_steps", num_steps)
+    steps = check_count("num_steps", num_steps)
     first = check_actions(actions)
     if not levels:
         raise ValueError("there must be at least one level")

@@ -18,6 +18,7 @@ from jax import Array, lax
 from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import ObservationOptions, check_choice, takes_observation
 from babyrobot_levels.envs.observations.planes import plane_names, squashed
 from babyrobot_levels.generation.edits import Fields, changed, flat_fields
@@ -86,8 +87,7 @@ def designs(
     base = load(level)
     _check(base)
     check_choice("actions", actions, ("moves", "all"))
-    if count < 1:
-        raise ValueError(f"count must be at least 1, not {count}")
+    check_count("count", count)
     env, params = make(base, actions=actions, **options)
     observation = env._loader.observation
     check_choice("observation", observation.name, OBSERVED)

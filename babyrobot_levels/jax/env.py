@@ -12,10 +12,10 @@ from gymnax.environments import environment, spaces
 from jax import Array
 from jax.tree_util import register_dataclass
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
     check_choice,
-    checked_count,
     checked_observation,
     limits_of,
     takes_observation,
@@ -386,7 +386,7 @@ def make(
         bool(draw_levels),
         max_episode_steps,
         # 1e6 is what people write.
-        checked_count("max_bytes", int(max_bytes) if isinstance(max_bytes, float) else max_bytes),
+        check_count("max_bytes", int(max_bytes) if isinstance(max_bytes, float) else max_bytes),
     )
     params, room = loader.make(given, others)
     name = given.name if isinstance(given, Suite) else given[0].name if len(given) == 1 else None

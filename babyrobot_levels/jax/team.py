@@ -12,9 +12,9 @@ from gymnax.environments import spaces
 from jax import Array
 from jax.tree_util import register_dataclass
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
-    checked_count,
     checked_observation,
     limits_of,
     takes_observation,
@@ -179,7 +179,7 @@ def make_team(
         ActionSet(Action.STAY, True, team=True),
         bool(draw_levels),
         max_episode_steps,
-        checked_count("max_bytes", int(max_bytes) if isinstance(max_bytes, float) else max_bytes),
+        check_count("max_bytes", int(max_bytes) if isinstance(max_bytes, float) else max_bytes),
     )
     params, room = loader.make(given, ())
     assert isinstance(params, TeamParams)

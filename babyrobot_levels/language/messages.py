@@ -496,33 +496,10 @@ def _length(kind: str, context: dict[str, Any], field: str, value: Any) -> Compl
 
 
 def _pattern(pattern: str, root: str, value: Any) -> Complaint:
-    if pattern == SLUG:
-        message = f"must be lower-case letters and digits joined by `-`, not {show(value)}"
-        if root in NAMING:
-            return "BR207", message, f"use a name such as `{slug(str(value)) or 'red-key'}`"
-        known = slug(str(value)) or "first-maze"
-        help_text = f"use a name such as `{known}`; `title` and `description` take any text"
-        return "BR207", message, help_text
-    if pattern == VERSION:
-        return (
-            "BR207",
-            f"must be three numbers such as `1.0.0`, not {show(value)}",
-            "increase the first number for other levels, the second for more, the third for fixes",
-        )
-    if pattern == FUNCTION:
-        return (
-            "BR207",
-            f"{_named(value)} is not the name of a function",
-            "use lower-case letters, digits and `_`, as in `value_iteration`",
-        )
-    if pattern == THEME_NAME:
-        return (
-            "BR401",
-            f"{_named(value)} is not the name of a theme",
-            "give the name of a theme, not a path",
-        )
-    return (
-        "BR207",
-        f"{_named(value)} cannot be a character of the legend",
-        "use one printable ASCII character other than # S E o O + - | :",
-    )
+    is_name = root in NAMING
+    known = {SLUG: "name" if is_name else "slug", VERSION: "version", FUNCTION: "function"}
+    kind = "theme" if pattern == THEME_NAME else known.get(pattern, "legend")
+    word = slug(str(value)) or ("red-key" if is_name else "first-maze")
+    given = {"shown": show(value), "named": _named(value), "slug": word}
+    code, message, help_text = (each.format(**given) for each in [*_words("patterns")[kind]])
+    return code, message, help_text

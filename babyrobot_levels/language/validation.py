@@ -17,22 +17,13 @@ from babyrobot_levels.text.document import Document, comments
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import Position, SourceFile, Span, other_form
-from babyrobot_levels.text.words import nearest, shortened
+from babyrobot_levels.text.words import nearest, shortened, words_beside
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 Check = Callable[[ModelT], Iterable[Issue]]
 """Looks at a model that is valid by itself and may find more."""
 
 _COLOUR_IN_COMMENT = re.compile(r"\b(color|text_color):[ \t]+(#[0-9A-Fa-f]{3,8})[ \t]*$", re.M)
-
-_OF_ENTRIES = {
-    "model_type": "a list of mappings",
-    "model_attributes_type": "a list of mappings",
-    "pair": "a list of cells",
-    "int_type": "a list of integers",
-    "float_type": "a list of numbers",
-}
-"""What a list must be whose entries all have an error, by the type of these."""
 
 _NEEDED = {"size", "map", "legend", "start", "exit", "exit_one_of", "functions"}
 """Where one of these is invalid, checks of the whole would only report its consequences."""
@@ -179,12 +170,15 @@ def _joined(details: Sequence[Any], data: Any) -> Iterator[Any]:
 
     `blocked: [1, 1]` is one cell, and not two entries that are wrong.
     """
+    from babyrobot_levels.language import messages
+
     plain: dict[Route, bool] = {}
+    entries = words_beside(messages.__file__)["entries"]
     faulty = Counter(_route(detail["loc"][:-1]) for detail in details)
     for detail in details:
         around, is_first = _route(detail["loc"][:-1]), False
         is_text = isinstance(detail["input"], str) or not detail["type"].endswith("t_type")
-        if is_text and detail["type"] in _OF_ENTRIES and isinstance(detail["loc"][-1], int):
+        if is_text and detail["type"] in entries and isinstance(detail["loc"][-1], int):
             whole = data
             for segment in around:
                 whole = whole[segment]
@@ -193,7 +187,7 @@ def _joined(details: Sequence[Any], data: Any) -> Iterator[Any]:
                 is_plain = not any(isinstance(each, list | dict) for each in whole)
                 plain[around] = is_plain and faulty[around] == len(whole)
             if is_first and plain[around]:
-                told = {"type": "pair", "ctx": {"what": _OF_ENTRIES[detail["type"]]}}
+                told = {"type": "pair", "ctx": {"what": entries[detail["type"]]}}
                 yield {**detail, **told, "loc": around, "input": whole}
         if not plain.get(around):
             yield detail

@@ -126,39 +126,11 @@ def _missing_space(problem: str, lines: Sequence[str], line: int) -> Words | Non
 
 def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
     here, before = line[column - 1 : column], line[: column - 1].strip()
-    if "unexpected ':'" in problem:
-        return Words("missing space after `:`", "add a space after `:`")
-    if "mapping values are not allowed" in problem:
-        return Words(
-            "unexpected `:`", "check the indentation, or put quotes around text that contains `: `"
-        )
-    if "could not find expected ':'" in problem:
-        return Words("expected `: ` and a value after the field name", None, True)
-    if "',' or ']'" in problem:
-        return Words("`[` is not closed, or a `,` is missing", "close the list with `]`", True)
-    if "',' or '}'" in problem:
-        return Words("`{` is not closed, or a `,` is missing", "close the mapping with `}`", True)
-    if "unexpected end of stream" in problem and "quoted" in context:
-        return Words("the quote is not closed", "end the text with the same quote", True)
-    if re.search("scanning an (alias|anchor)", context):
-        return Words(
-            f"text cannot begin with `{'*' if 'alias' in context else '&'}`",
-            "put quotes around it",
-            True,
-        )
-    if "unknown escape" in problem:
-        return Words(
-            f"`\\{line[column : column + 1]}` is not a valid escape in double quotes",
-            "write `\\\\` for a backslash, or use single quotes",
-        )
-    if "cannot start any token" in problem:
-        return Words(f"text cannot begin with `{here}`", "put quotes around it")
-    if "document start" in problem and " = " in line:
-        return Words("unexpected `=`", "a level is YAML, not TOML: write `size: [5, 3]`")
-    if "document start" in problem:
-        return Words("content after the end of the document", "a file contains one document")
-    if "expected node content" in problem and re.search(r"[:,\[{] *- +\d", line):
-        return Words("unexpected space after `-`", "write a negative number without it: `-1`")
+    for fragment, pattern, *told, at_beginning in words_beside(__file__)["problems"]:
+        if fragment in problem and re.search(pattern, f"{context}\n{line}"):
+            given = {"here": here, "next": line[column : column + 1]}
+            message, help_text = (each.format(**given) for each in told)
+            return Words(message, help_text or None, at_beginning)
     if "expected key" in problem or "'-' indicator" in problem:
         if before and before != "-":
             if here in ",;":

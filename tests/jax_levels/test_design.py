@@ -167,7 +167,7 @@ def test_wrong_arguments_are_named() -> None:
         made.layout("frozen-lake")
     with pytest.raises(ValueError, match=r"there must be 16 levels, not \[\]"):
         made.params(made.layout("final-maze"))
-    with pytest.raises(ValueError, match="count must be at least 1"):
+    with pytest.raises(ValueError, match="count must be a whole number, at least 1"):
         brl_jax.designs("final-maze", 0)
     with pytest.raises(ValueError, match="observation must be"):
         brl_jax.designs("final-maze", 2, observation="view")

@@ -540,7 +540,7 @@ def check_count(name: str, value: Any, least: int = 1) -> int:
     with suppress(TypeError):
         if (number := operator.index(value)) >= least:
             return number
-    raise ValueError(f"{name} must be at least {least}, not {value!r}")
+    raise ValueError(f"{name} must be a whole number, at least {least}, not {value!r}")
 
 
 def check_seed(seed: int | None) -> int | None:

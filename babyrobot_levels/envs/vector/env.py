@@ -10,13 +10,13 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
     check_choice,
     check_names,
     checked_actions,
     checked_autoreset_mode,
-    checked_count,
     checked_given,
     checked_observation,
     checked_options,
@@ -115,7 +115,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))
-        size = None if num_envs is None else checked_count("num_envs", num_envs)
+        size = None if num_envs is None else check_count("num_envs", num_envs)
         action_set = self._action_set(actions)
         played = checked_levels(level, levels, bool(draw_levels), sampler, size, action_set.turns)
         action_set = action_set.with_moves(played.extent.moves)

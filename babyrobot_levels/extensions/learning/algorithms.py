@@ -21,7 +21,7 @@ from babyrobot_levels.analysis.solver.evaluation import action_values, chain_val
 from babyrobot_levels.analysis.solver.model import Model, attractor, surely_ending
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy
-from babyrobot_levels.analysis.solver.results import check_seed
+from babyrobot_levels.analysis.solver.results import check_count, check_seed
 from babyrobot_levels.extensions.learning.results import (
     Learning,
     Problem,
@@ -338,8 +338,7 @@ def q_learning(
         raise ValueError(
             "exploring_starts is for levels without things, and for robots that do not turn"
         )
-    if planning_steps < 0:
-        raise ValueError(f"planning_steps must be at least 0, not {planning_steps!r}")
+    check_count("planning_steps", planning_steps, 0)
     agent = _Agent(problem, step_size, epsilon, seed, initial)
     episode = partial(agent.q_learning_episode, exploring_starts, planning_steps)
     return _trials(agent, episode, episodes, every)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.shown import extent_of, state_picture
-from babyrobot_levels.analysis.solver.results import StateResult
+from babyrobot_levels.analysis.solver.results import StateResult, check_count
 from babyrobot_levels.extensions.learning.results import Run, Sweep
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.registry.later import Shown
@@ -58,8 +58,8 @@ def strip(
         raise ValueError("a strip needs at least one picture")
     if labels is not None and len(labels) != len(given):
         raise ValueError(f"{len(given)} pictures need as many labels, not {len(labels)}")
-    if columns is not None and columns < 1:
-        raise ValueError(f"columns must be at least 1, not {columns!r}")
+    if columns is not None:
+        check_count("columns", columns)
     texts = [*map(_label, given)] if labels is None else [*map(str, labels)]
     extent = extent_of([each for each in given if isinstance(each, StateResult)])
     made = [_picture(each, extent) for each in given]

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, NoReturn, Unpack
 from gymnasium import error, spaces
 from pettingzoo import ParallelEnv
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
     check_choice,
-    checked_count,
     checked_observation,
     takes_observation,
 )
@@ -84,7 +84,7 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
         """
         check_choice("rewards", rewards, REWARDS)
         if max_cycles is not None:
-            max_cycles = checked_count("max_cycles", max_cycles)
+            max_cycles = check_count("max_cycles", max_cycles)
         given = load(level)
         self._env = TeamEnv(given, render_mode=render_mode, observation="index")
         self._chosen = checked_observation(**options)

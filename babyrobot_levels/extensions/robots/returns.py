@@ -8,10 +8,14 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.results import check_discount, check_seed, check_within
+from babyrobot_levels.analysis.solver.results import (
+    check_count,
+    check_discount,
+    check_seed,
+    check_within,
+)
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
-    checked_count,
     checked_observation,
     takes_observation,
 )
@@ -82,7 +86,7 @@ def team_returns(
         ValueError: another argument is invalid, or the level has one robot.
     """
     first = check_seed(seed)
-    env, count = TeamEnv(level, observation="index"), checked_count("episodes", episodes)
+    env, count = TeamEnv(level, observation="index"), check_count("episodes", episodes)
     given = load(level)
     limit = check_within(within, given.max_steps)
     assert limit is not None

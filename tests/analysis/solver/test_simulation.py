@@ -75,7 +75,7 @@ def test_success_within_grows_to_the_probability_of_an_exit() -> None:
     assert chances[:2] == [0, 0]
     assert chances == sorted(chances)
     assert chances[-1] == pytest.approx(solution.exit_probability, abs=1e-12)
-    with pytest.raises(ValueError, match="steps must be at least 0, not -1"):
+    with pytest.raises(ValueError, match="steps must be a whole number, at least 0, not -1"):
         success_within(LAKE, solution, -1)
     with pytest.raises(ValueError, match="give the number of steps"):
         success_within(load("final-maze").replace(max_steps=None), "random")

@@ -96,7 +96,7 @@ def test_what_is_no_picture_is_refused() -> None:
         brl.strip([])
     with pytest.raises(ValueError, match="2 pictures need as many labels, not 1"):
         brl.strip([level, level], labels=["one"])
-    with pytest.raises(ValueError, match="columns must be at least 1, not 0"):
+    with pytest.raises(ValueError, match="columns must be a whole number, at least 1, not 0"):
         brl.strip([level], columns=0)
     for wrong in ("maze", 3, np.zeros((4, 4)), dataclasses.replace(brl.solve(level), level=None)):
         with pytest.raises(ValueError, match="no picture can be made of this"):

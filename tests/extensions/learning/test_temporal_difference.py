@@ -201,9 +201,12 @@ def test_action_values_begin_as_one_says(learn: Learn) -> None:
     ("call", "message"),
     [
         (lambda: q_learning("first-key", 1, exploring_starts=True), "levels without things"),
-        (lambda: q_learning("maze", 1, planning_steps=-1), "planning_steps must be at least 0"),
+        (
+            lambda: q_learning("maze", 1, planning_steps=-1),
+            "planning_steps must be a whole number, at least 0",
+        ),
         (lambda: q_learning("maze", 1, initial=float("nan")), "initial must be a finite number"),
-        (lambda: sarsa("maze", 1, n_steps=0), "n_steps must be at least 1"),
+        (lambda: sarsa("maze", 1, n_steps=0), "n_steps must be a whole number, at least 1"),
     ],
 )
 def test_what_does_not_fit_is_told(call: Callable[[], object], message: str) -> None:

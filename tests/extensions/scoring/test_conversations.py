@@ -158,7 +158,7 @@ def test_what_cannot_be_scored_is_refused() -> None:
         brl.score("first-key", str, sight="map", actions="turns")
     with pytest.raises(ValueError, match="has no max_steps"):
         brl.score(level(size=[2, 2]), str, sight="map")
-    with pytest.raises(ValueError, match="episodes must be at least 1"):
+    with pytest.raises(ValueError, match="episodes must be a whole number, at least 1"):
         brl.score("first-key", str, sight="map", episodes=0)
     with pytest.raises(ValueError, match="give a sight, too"):
         brl.score("first-key", "random", chat=True)

@@ -58,7 +58,7 @@ def test_a_sampler_takes_it() -> None:
 def test_what_it_cannot_be_asked() -> None:
     with pytest.raises(ValueError, match=r"^a feature must be one of 'cells', .* not 'exits'"):
         brl.NoveltyArchive(features=("cells", "exits"))
-    with pytest.raises(ValueError, match=r"^nearest must be at least 1, not 0$"):
+    with pytest.raises(ValueError, match=r"^nearest must be a whole number, at least 1, not 0$"):
         brl.NoveltyArchive(nearest=0)
     with pytest.raises(ValueError, match=r"^no level is known yet: add some$"):
         brl.NoveltyArchive().novelty("maze")

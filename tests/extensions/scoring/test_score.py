@@ -163,7 +163,7 @@ def test_few_episodes_are_warned_of() -> None:
     assert scores.notice is not None
     assert brl.score("maze", "random").notice is None
     assert brl.score("maze", Turner(), actions="moves", episodes=100).notice is None
-    with pytest.raises(ValueError, match="episodes must be at least 1, not 0"):
+    with pytest.raises(ValueError, match="episodes must be a whole number, at least 1, not 0"):
         brl.score("maze", Turner(), actions="moves", episodes=0)
     assert caught[0].filename == __file__
 
