@@ -61,7 +61,8 @@ def _run() -> None:
         note(error.shown(width_of(sys.stderr)))
         sys.exit(FINDINGS)
     except BabyRobotError as error:
-        is_folder = isinstance(error, LevelNotFoundError) and error.name == "levels"
+        is_level = isinstance(error, LevelNotFoundError) and error.name == "levels"
+        is_folder = is_level and not os.path.isdir("levels")  # noqa: PTH112
         note("error: no folder levels/ here" if is_folder else f"error: {error}")
         help_text = getattr(error, "help", None)
         is_told = getattr(error, "help_text", "") or is_folder

@@ -100,7 +100,7 @@ def complaint(error: Any, model: type[BaseModel]) -> Complaint:
         return "BR403", message, help_text
     if kind == "string_pattern_mismatch":
         code, message, help_text = _pattern(context["pattern"], names[0] if names else "", value)
-        is_list = bool(re.search(r"[,;] *\w", str(value)))
+        is_list = bool(re.search(r"([,;&+]| and ) *\w", str(value)))
         return code, message, (is_list and _form_help(error, model)) or help_text
     if kind == "string_too_long":
         return "BR205", f"must have at most {context['max_length']} characters", None

@@ -182,7 +182,10 @@ def _frame_fault(rows: list[str], max_size: int) -> tuple[int, Fault] | None:
         return 0, Fault(0, length, "the drawing begins with a row of cells", help_text)
     if length < 5 or length % 4 != 1 or "+" not in letters or rows[0][0] in (SOLID, GLASS):
         message = "the first line of the drawing is not a wall of the form `+---+---+`"
-        return 0, Fault(0, length, message, "write `+---` for each cell and a final `+`")
+        help_text = "write `+---` for each cell and a final `+`"
+        if "+" not in "".join(rows):
+            help_text += "; a map of other programs is converted with `babyrobot import`"
+        return 0, Fault(0, length, message, help_text)
     if max(length // 4, len(rows) // 2) > max_size:
         message = f"the level has more than {max_size} columns or rows"
         return 0, Fault(0, length, message)

@@ -89,7 +89,7 @@ def _of_text(text: str) -> Iterator[Any]:
         yield f"..{found[1]}"
     if text.lower() in _SWITCHED:
         yield _SWITCHED[text.lower()]
-    words = re.split(r"[,;\s]+", text)
+    words = re.split(r"(?:[,;&+\s]|\band\b)+", text)
     yield from (words, {"seed": text.lower()}, {"seed": 1, "algorithm": text.lower()})
 
 

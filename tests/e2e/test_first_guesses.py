@@ -228,6 +228,7 @@ ON_THE_COMMAND_LINE = (
     ("babyrobot dataset maze --format xyz", "Leave it out: it is an option of "),
     ("babyrobot export maze two-pads --to tiled", "Call it once for each of them"),
     ("babyrobot export maze --to png -o x.svg", "x.svg is no file of the format png"),
+    ("babyrobot import small.yaml out.yaml", "give one with -o out.yaml"),
     ("babyrobot preview maze -o x.svg --format pdf", "x.svg is no file of the format pdf"),
     ("babyrobot generate --count 3 --algorithm dfs", "Did you mean `depth-first`?"),
     ("babyrobot generate --count 3 --rewards stp=-1", "write `step=-1`"),

@@ -20,6 +20,7 @@ from babyrobot_levels.cli.console import (
     note,
     output_option,
     put,
+    quoted,
     save,
     value_option,
 )
@@ -255,7 +256,8 @@ def _import_all(
 ) -> None:
     """Write the levels of files, folders and zip files to a folder, and a summary."""
     if output is None:
-        fail("several levels are written to a folder", "give one with -o FOLDER")
+        last = quoted(paths[-1]) if paths[1:] and not paths[-1].exists() else "FOLDER"
+        fail("several levels are written to a folder", f"give one with -o {last}")
     found: list[Found] = []
     for path in paths:
         many = is_folder(path) or is_archive(path)
