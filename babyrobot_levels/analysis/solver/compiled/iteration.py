@@ -44,7 +44,7 @@ NEARLY = 1e-2
 WHOLLY = 1e-9
 """The share at the end: what is left then is solved anew."""
 
-SURELY = 100.0
+SURELY = 10.0
 """An error that is expected to be so many times smaller than it has to be is not looked at."""
 
 CLIMBS = 30
@@ -86,16 +86,18 @@ class Search:
         """Find the values; return whether they have been found."""
         if self._settles():
             return True
-        last = np.inf
+        last, ratio = np.inf, 1.0
         for _ in range(MOST_ROUNDS):
             change, changed = self._sweep()
             if change <= ROUNDING:
                 return True
             # Once the policy has been found, the rest is solved at one go.
-            tolerance = NEARLY if changed else min(NEARLY, max(SETTLED / last, WHOLLY))
+            share = SETTLED / SURELY**2 / change / max(ratio, 1.0)
+            tolerance = NEARLY if changed else min(NEARLY, max(share, WHOLLY))
             error = self._step(tolerance)
             if not np.isfinite(error):
                 return False
+            ratio = error / change
             if change <= SETTLED or not changed:
                 if error <= SETTLED * max(1, 1 / SURELY / tolerance):
                     return True
@@ -160,7 +162,7 @@ class Search:
         """Sweep with the best rows, then some times with the same; return the largest change."""
         self._spend(AT_A_TIME)
         given = self.rows, self.values, self.chosen, self._moving
-        return float(kernel.settle(*given, SETTLED / SURELY, AT_A_TIME - 1))
+        return float(kernel.settle(*given, SETTLED / SURELY**2, AT_A_TIME - 1))
 
     def _sweep(self) -> tuple[float, int]:
         """Sweep, and choose rows; return the largest change, and how many are chosen anew."""
