@@ -75,13 +75,7 @@ class Model:
 
     def leads_to(self, goals: Flags) -> Flags:
         """Return which actions have a chance to lead to one of the goals (`[n + 1]`)."""
-        if is_compiled(self.size):
-            return self.chances(goals) > 0
-        hits = np.flatnonzero(goals[self.next_state])
-        hits = hits[self.probability.ravel()[hits] > 0]
-        found = np.zeros(self.reward.size, bool)
-        found[hits // self.probability.shape[2]] = True
-        return found.reshape(self.reward.shape)
+        return self.chances(goals) > 0
 
     def chances(self, goals: Flags) -> Floats:
         """Return how likely actions lead to one of the goals (`[n + 1]`), `[n, actions]`."""
@@ -89,8 +83,11 @@ class Model:
             from babyrobot_levels.analysis.solver.compiled import tables
 
             return tables.chances(*kernel_arrays(self), goals)
-        likely: Floats = np.where(goals[self.next_state], self.probability, 0.0).sum(axis=2)
-        return likely
+        hits = np.flatnonzero(goals[self.next_state])
+        chance = self.probability.ravel()[hits]
+        likely = np.bincount(hits // self.probability.shape[2], chance, self.reward.size)
+        # Of no hits, it makes a table of whole numbers.
+        return np.asarray(likely, np.float64).reshape(self.reward.shape)
 
     def action_values(self, values: Floats, discount: float) -> Floats:
         """Return the action values, `[n, actions]`, for finite state values `[n]`."""
