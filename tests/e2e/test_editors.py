@@ -87,7 +87,7 @@ def test_the_task_understands_what_is_printed(project: Path) -> None:
         "column": "11",
         "severity": "error",
         "code": "BR203",
-        "message": "`size[1]` must be an integer, not `x`",
+        "message": "`size[1]` must be an integer from 1 to 1024, not `x`",
     }
     assert {each["file"] for each in told} == {"levels/bad.yaml", "levels/shut.yaml"}
 

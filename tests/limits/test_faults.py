@@ -41,7 +41,7 @@ def test_too_many_values_are_not_laid_on_aliases_that_are_not_there() -> None:
 @pytest.mark.parametrize("field", ["start", "exit"])
 def test_a_list_of_faulty_cells_is_not_called_empty(field: str) -> None:
     found = only(f"version: 1\n{field}: [[x, 1]]\n")
-    assert found.message == f"`{field}[0][0]` must be an integer, not `x`"
+    assert found.message == f"`{field}[0][0]` must be an integer from 0 on, not `x`"
     assert [each.code for each in validate(f"version: 1\n{field}: []\n")] == ["BR203"]
 
 

@@ -217,7 +217,7 @@ def test_crossings_have_parts_of_both() -> None:
             "kinds: expected some of item, door, switch, box, target, mover, start, ",
         ),
         ({"kinds": []}, "kinds must name at least one kind"),
-        ({"kinds": "wall"}, "kinds is a list of kinds: ['wall']"),
+        ({"kinds": "walls"}, "kinds: expected some of item, door, switch, box, target, "),
         ({"seed": -1}, "seed must be a whole number from 0 to 2**53, not -1"),
         ({"seed": "7"}, "seed must be a whole number from 0 to 2**53, not '7'"),
     ],
