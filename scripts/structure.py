@@ -182,16 +182,21 @@ import {package}
 home = os.path.dirname(os.path.realpath({package}.__file__)) + os.sep
 stops = {{}}
 
+def counts(frame):
+    # Not what tells of wrong calls around a function.
+    code = frame.f_code
+    return code.co_filename.startswith(home) and code.co_qualname != "telling.<locals>.checked"
+
 def follow(frame, event, _):
-    if event != "call" or not frame.f_code.co_filename.startswith(home):
+    if event != "call" or not counts(frame):
         return
     caller = frame.f_back
-    while caller and not caller.f_code.co_filename.startswith(home):
+    while caller and not counts(caller):
         caller = caller.f_back
     if caller and caller.f_code.co_filename != frame.f_code.co_filename:
         stops[caller.f_code.co_filename, frame.f_code.co_filename] = None
 
-load = {package}.load.__wrapped__  # Without what tells misspelt keywords.
+load = {package}.load
 sys.setprofile(follow)
 load({level!r})
 sys.setprofile(None)

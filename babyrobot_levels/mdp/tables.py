@@ -38,10 +38,6 @@ FREE, REFUSED, GLASS = range(3)
 """What obstructs an action: nothing, a wall, or a wall of glass."""
 
 
-def _one_configuration() -> NDArray[np.int16]:
-    return np.zeros((1, 0), np.int16)
-
-
 MAX_WEIGHT = 10_000
 """The greatest weight of a start, times that of an exit."""
 
@@ -203,7 +199,7 @@ class Mdp(Numbering, public=True):
     action_mask: NDArray[np.int8]
     intended_next_state: NDArray[np.int32]
     obstruction: NDArray[np.int8]
-    configurations: NDArray[np.int16] = field(default_factory=_one_configuration)
+    configurations: NDArray[np.int16] = field(default_factory=lambda: np.zeros((1, 0), np.int16))
     headings: int = 1
     drawn: NDArray[np.int64] = field(default_factory=_nothing_drawn)
     shares: NDArray[np.float64] | None = None
