@@ -30,6 +30,24 @@ def test_data_of_a_whole_level_are_that_level() -> None:
     assert brl.load({**OPEN, "heading": "E"}).to_html()
 
 
+@pytest.mark.parametrize(
+    ("wind", "end"),
+    [
+        ({}, [2, 3]),
+        ({"north": 1}, [2, 2]),
+        ({"east": 2}, [4, 3]),
+        ({"west": 1, "south": 1}, [1, 4]),
+        ({"north": 1, "east": 1}, [3, 2]),
+    ],
+)
+def test_wind_blows_a_diagonal_move_on(wind: dict[str, int], end: list[int]) -> None:
+    blowing = {"wind": {side: [each] * 6 for side, each in wind.items()}} if wind else {}
+    level = brl.load({**OPEN, "size": [6, 6], "start": [1, 4], **blowing})
+    env = level.make()
+    env.reset(seed=1)
+    assert env.step(Action.NORTH_EAST)[0].tolist() == end
+
+
 def test_environments_have_nine_actions_or_eight_moves() -> None:
     for actions, count in (("all", 9), ("valid", 9), ("moves", 8), ("valid_moves", 8)):
         env = brl.load(OPEN).make(actions=actions)

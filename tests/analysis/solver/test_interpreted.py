@@ -20,6 +20,8 @@ from oracles.random_things import random_level
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver import compiled
+from babyrobot_levels.analysis.solver.policies import space_of
+from babyrobot_levels.analysis.solver.within import optimum_within
 from babyrobot_levels.analysis.solver.compiled import iteration, values
 
 compiled._has_numba = lambda: True
@@ -82,6 +84,10 @@ for number, fields in enumerate(LEVELS):
         assert np.isclose(found.expected_steps, expected.expected_steps, rtol=1e-7), where
         pair = found.exit_probability, expected.exit_probability
         assert np.isclose(*pair, atol=1e-7, equal_nan=True), where
+        if "within" in options:
+            of_many = optimum_within(space_of(level, "all"), options["discount"], 12)
+            one = expected.expected_return, expected.exit_probability, expected.expected_steps
+            np.testing.assert_allclose(of_many, one, rtol=1e-9, atol=1e-12, err_msg=where)
 assert all(calls.values()), calls
 print("the same")
 """
