@@ -31,9 +31,7 @@ def actions_shown(solution: Any, configuration: int | None) -> Rows[tuple[int, .
     policy, first = solution.at(configuration or 0).policy, solution.first_action
     if solution.level is not None and solution.level.robots:
         # Pictures show the actions of the first robot.
-        own = solution.level.compile().robot_actions(policy)[..., 0]
-        own[policy < 0] = -1
-        policy = own
+        policy = solution.level.compile().robot_actions(policy)[..., 0]
     rows = policy.tolist()
     return [[(action + first,) if action >= 0 else () for action in row] for row in rows]
 

@@ -97,7 +97,7 @@ class Numbering(Telling):
         """Return the action of each robot in joint actions, `[…, robots]`.
 
         Args:
-            joint: the numbers of joint actions, integers of any shape `[…]`.
+            joint: their numbers, integers of any shape `[…]`; -1 for none gives -1 for each.
 
         Raises:
             ValueError: they are none.
@@ -105,10 +105,10 @@ class Numbering(Telling):
         numbers, count = np.asarray(joint)[..., np.newaxis], NUM_ACTIONS**self.num_robots
         if self.num_robots == 1:
             return numbers
-        if numbers.dtype.kind not in "iu" or ((numbers < 0) | (numbers >= count)).any():
+        if numbers.dtype.kind not in "iu" or ((numbers < -1) | (numbers >= count)).any():
             raise ValueError(f"{joint!r} is not a joint action, 0 to {count - 1}")
         actions: Ints = numbers // NUM_ACTIONS ** np.arange(self.num_robots - 1, -1, -1)
-        return actions % NUM_ACTIONS
+        return np.where(numbers < 0, -1, actions % NUM_ACTIONS)
 
     def joint_action(self, actions: Any) -> Any:
         """Return the numbers of joint actions; the inverse of `robot_actions`.

@@ -136,6 +136,9 @@ def test_the_optimum_is_followed_in_a_film_and_shown_in_pictures() -> None:
     solution = level.solve()
     assert (solution.expected_return, solution.expected_steps) == (-9, 6)
     assert brl.evaluate(level, solution).expected_return == -9
+    parts = level.compile().robot_actions(solution.policy)
+    assert (parts[solution.policy < 0] == -1).all()
+    assert (parts >= 0).all(axis=-1).sum() == (solution.policy >= 0).sum()
     assert level.to_gif(policy=solution)[:3] == b"GIF"
     env = brl.TeamEnv(level, observation="index", render_mode="rgb_array")
     state, _ = env.reset(seed=0)

@@ -117,7 +117,7 @@ def _of_first(key: str, given: Any, level: GridWorld) -> Any:
             return by_robot.max(axis=-1)
         return by_robot.any(axis=-1) if table.dtype == bool else by_robot.sum(axis=-1)
     if key == "policy" and table.dtype.kind in "iu":
-        return np.where(table < 0, -1, mdp.robot_actions(table)[..., 0])
+        return mdp.robot_actions(table)[..., 0]
     return given
 
 
