@@ -37,22 +37,26 @@ def optimum(  # type: ignore[no-untyped-def]
     for _ in range(steps):
         is_same = True
         for state in range(size):
+            best = -np.inf
             for action in range(actions):
-                value, likely, length = 0.0, 0.0, 0.0
+                value = 0.0
                 for outcome in range(outcomes):
-                    chance = probability[state, action, outcome]
-                    after = next_state[state, action, outcome]
-                    value += chance * ahead[after, 0]
-                    likely += chance * ahead[after, 1]
-                    length += chance * ahead[after, 2]
+                    after = np.uint32(next_state[state, action, outcome])
+                    value += probability[state, action, outcome] * ahead[after, 0]
                 sums[action, 0] = reward[state, action] + discount * value
-                sums[action, 1] = success[state, action] + likely
-                sums[action, 2] = 1.0 + length
-            best = sums[:, 0].max()
-            least = best - max(_ROUNDING * abs(best), slack)
-            likeliest = -np.inf
+                best = max(best, sums[action, 0])
+            least, likeliest = best - max(_ROUNDING * abs(best), slack), -np.inf
+            # The rest matters of equally good actions only, which are few.
             for action in range(actions):
                 if sums[action, 0] >= least:
+                    likely, length = 0.0, 0.0
+                    for outcome in range(outcomes):
+                        chance = probability[state, action, outcome]
+                        after = np.uint32(next_state[state, action, outcome])
+                        likely += chance * ahead[after, 1]
+                        length += chance * ahead[after, 2]
+                    sums[action, 1] = success[state, action] + likely
+                    sums[action, 2] = 1.0 + length
                     likeliest = max(likeliest, sums[action, 1])
             shortest = np.inf
             for action in range(actions):
