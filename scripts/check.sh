@@ -9,6 +9,7 @@
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes, and with OpenEnv
 #        bash scripts/check.sh storm       what the model checker Storm says of levels, beside what the solver says, and the tests with verifiers
 #        bash scripts/check.sh otter       the example of a notebook for otter-grader, graded by it
+#        bash scripts/check.sh alone       the fast tests of each extension without the others
 #        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
 #        bash scripts/check.sh javascript  the style and types of JavaScript, and its tests that need no browser
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
@@ -136,6 +137,11 @@ site)
     .venv-site/bin/python -m pytest -m libraries "${workers[@]}" "${again[@]}" tests/site || status=$?
     exit "${status:-0}"
     ;;
+alone)
+    make_venv .venv
+    install_into .venv --editable . --group test
+    exec .venv/bin/python scripts/alone.py
+    ;;
 javascript)
     # Node.js as a wheel is the same on all machines that have Python.
     make_venv .venv-javascript
@@ -155,7 +161,7 @@ lowest)
         exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,14s/^# //p' scripts/check.sh >&2
+    sed -n '3,15s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

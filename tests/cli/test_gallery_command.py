@@ -11,7 +11,8 @@ import time
 from pathlib import Path
 
 import pytest
-from support.packs import pack_text, write_files
+from support.folders import write_files
+from support.packs import pack_text
 from support.sessions import Result, babyrobot, environment
 
 pytestmark = pytest.mark.usefixtures("here")

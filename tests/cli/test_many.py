@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
-from support.packs import write_files
+from support.folders import write_files
 from support.sessions import Result, babyrobot, environment
 
 import babyrobot_levels as brl

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 import typer
 from command_reference import reference
-from support.packs import write_files, zoo
+from support.folders import write_files
+from support.packs import zoo
 from support.places import ROOT
 from support.sessions import FILES, environment, run_here
 

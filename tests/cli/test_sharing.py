@@ -10,7 +10,7 @@ from unittest.mock import patch
 import pytest
 from support import sessions
 from support.codes import play_data
-from support.packs import write_files
+from support.folders import write_files
 from support.sessions import Result
 
 import babyrobot_levels as brl

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from support.carriers import LEVEL, carry, write
-from support.packs import babyrobot
+from support.folders import babyrobot
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.packs import (

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.folders import babyrobot
 from support.packs import (
     Entry,
-    babyrobot,
     forged,
     good_files,
     level,

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.packs import level, pack_text, packed, write_files
+from support.folders import write_files
+from support.packs import level, pack_text, packed
 from support.subprocesses import HOME
 
 pytestmark = [

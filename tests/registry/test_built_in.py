@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import tomllib
+from pathlib import Path
 
 import pytest
 from support.places import ROOT
 from support.sessions import run_here
+from support.subprocesses import python
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import COMMANDS, function_of
@@ -42,6 +44,26 @@ def test_what_they_import_of_one_another_is_what_they_need() -> None:
         for name, extension in BUILT_IN.items()
         for other in extension.needs
     ]
+
+
+def test_without_the_others_their_tests_pass(tmp_path: Path) -> None:
+    done = python(ROOT / "scripts" / "alone.py", "expect", cwd=tmp_path, timeout=120)
+    assert done.stdout.splitlines()[0] == "expect, with no other"
+    assert done.stdout.splitlines()[-1] == "each of them stands alone"
+
+
+def test_without_the_others_these_are_gone(tmp_path: Path) -> None:
+    code = """
+from alone import delete_others
+delete_others("robots")
+from babyrobot_levels.cli.commands import COMMANDS
+import babyrobot_levels.extensions.robots.plans
+print("export" in COMMANDS, "score" in COMMANDS)
+import babyrobot_levels.extensions.scoring.score
+"""
+    done = python("-c", code, cwd=tmp_path, path=ROOT / "scripts")
+    assert done.stdout == "True False\n"
+    assert "No module named 'babyrobot_levels.extensions.scoring'" in done.stderr
 
 
 def test_they_are_listed() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import stat
 import struct
 import zlib
@@ -13,7 +12,7 @@ from pathlib import Path
 from babyrobot_levels.extensions.packs.archive import MANIFEST, LevelEntry, Manifest, file_entry
 from babyrobot_levels.library.level import loads
 from babyrobot_levels.text.files import user_folder
-from support.sessions import Result, run_here
+from support.folders import babyrobot, write_files
 
 Snapshot = dict[str, bytes | None]
 
@@ -42,20 +41,6 @@ def zoo(version: str = "1.0.0") -> dict[str, str]:
         "pack.yaml": pack_text(version=version),
         "suites/herd.yaml": "version: 1\nkind: suite\ncount: 10\n",
     }
-
-
-def write_files(folder: Path, files: Mapping[str, str | bytes]) -> Path:
-    """Write files below a folder, and return it."""
-    for name, text in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(text.encode() if isinstance(text, str) else text)
-    return folder
-
-
-def babyrobot(*arguments: str | Path) -> Result:
-    """Run a command in the current folder, for the current user."""
-    return run_here([str(word) for word in arguments], dict(os.environ))
 
 
 def packed(version: str = "1.0.0", files: Mapping[str, str | bytes] | None = None) -> Path:

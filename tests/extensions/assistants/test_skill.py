@@ -34,6 +34,7 @@ def _there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path.write_text(LEVEL[1], "utf-8")
 
 
+@pytest.mark.beside("expect", "generate")
 @pytest.mark.usefixtures("_there")
 @pytest.mark.parametrize("line", COMMANDS)
 def test_every_command_runs(line: str) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from support.combinations import swept
 from support.editors import OpenEditor
+from support.folders import babyrobot
 from support.hands import SAYS, Finger, Hand, Keys, Mouse
-from support.packs import babyrobot
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import load_file

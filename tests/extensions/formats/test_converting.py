@@ -77,6 +77,7 @@ def test_a_task_that_a_level_cannot_have_is_refused() -> None:
     )
 
 
+@pytest.mark.beside("compare")
 def test_without_minigrid_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "minigrid", None)
     Path("level.yaml").write_text("version: 1\n", encoding="utf-8")
@@ -108,6 +109,7 @@ def test_a_file_comes_before_an_environment_of_its_name() -> None:
 
 
 @pytest.mark.usefixtures("without_minigrid")
+@pytest.mark.beside("compare")
 def test_a_level_is_compared_with_an_environment() -> None:
     babyrobot("import", "MiniGrid-LavaGapS5-v0", "--seed", "3", "-o", "gap.yaml")
     call = ["minigrid:MiniGrid-LavaGapS5-v0", "--seed", "3"]
@@ -138,6 +140,7 @@ episodes start looking S in this level, looking E in MiniGrid
 
 
 @pytest.mark.usefixtures("without_minigrid")
+@pytest.mark.beside("compare")
 def test_a_grid_with_objects_is_not_compared() -> None:
     Path("level.yaml").write_text("version: 1\n", encoding="utf-8")
     result = babyrobot("compare", "level.yaml", "minigrid:MiniGrid-DoorKey-8x8-v0", "--seed", "3")

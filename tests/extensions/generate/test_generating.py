@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from support.combinations import swept
-from support.packs import write_files
+from support.folders import write_files
 from support.sessions import babyrobot, environment
 
 import babyrobot_levels as brl

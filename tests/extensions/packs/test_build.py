@@ -10,7 +10,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from support.packs import babyrobot, level, pack_text, packed, snapshot, write_files, zoo
+from support.folders import babyrobot, write_files
+from support.packs import level, pack_text, packed, snapshot, zoo
 from support.work import counted_calls
 
 import babyrobot_levels as brl

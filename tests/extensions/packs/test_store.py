@@ -11,7 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from support.packs import babyrobot, level, packed, snapshot, users_files, write_files, zoo
+from support.folders import babyrobot, write_files
+from support.packs import level, packed, snapshot, users_files, zoo
 from support.subprocesses import HOME
 
 import babyrobot_levels as brl

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.folders import babyrobot
 from support.markup import Reader
-from support.packs import babyrobot, pack_text, packed
 from support.packs import level as pack_level
+from support.packs import pack_text, packed
 from support.worlds import level
 
 import babyrobot_levels as brl

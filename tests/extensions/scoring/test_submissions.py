@@ -76,6 +76,7 @@ def test_the_skeleton_has_none_and_says_why(small: Path) -> None:
     assert report[-1] == "0 of 10 points"
 
 
+@pytest.mark.beside("publish")
 def test_a_virtual_environment_in_the_folder_is_none_of_the_course(small: Path) -> None:
     code(small, value_iteration="x = 1")
     (small / "venv" / "lib").mkdir(parents=True)

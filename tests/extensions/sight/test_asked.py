@@ -59,6 +59,7 @@ def test_a_gap_and_a_number_of_beliefs_have_bounds() -> None:
 
 
 @pytest.mark.parametrize("command", ["show --sight view", "score east.py:east"])
+@pytest.mark.beside("scoring")
 def test_a_random_maze_is_told_with_what_to_do(command: str, here: Path) -> None:
     Path("east.py").write_text("def east(observation):\n    return 2\n", "utf-8")
     name, *options = command.split()
@@ -129,6 +130,7 @@ def test_other_formats_hold_no_sight() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.beside("scoring")
 def test_a_score_says_what_can_be_known() -> None:
     options: Any = {"observation": "view", "view_radius": 1, "actions": "moves", "discount": 0.99}
     seen: Any = {"sight": "view", "view_radius": 1, "actions": "moves", "discount": 0.99}
@@ -142,12 +144,14 @@ def test_a_score_says_what_can_be_known() -> None:
     assert brl.Scores([row]).to_dict()["levels"][0]["knowable"] == best.upper
 
 
+@pytest.mark.beside("scoring")
 def test_a_score_does_not_say_what_it_is_not_asked_for() -> None:
     (row,) = brl.score("frozen-lake", lambda place: 1)
     assert row.knowable is None
     assert row.knowable_share is None
 
 
+@pytest.mark.beside("scoring")
 def test_who_sees_where_it_is_can_know_all_of_a_lake() -> None:
     (row,) = brl.score("frozen-lake", lambda place: 1, knowable=True)
     assert row.knowable == pytest.approx(row.optimum)
@@ -155,6 +159,7 @@ def test_who_sees_where_it_is_can_know_all_of_a_lake() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.beside("scoring")
 def test_a_score_of_a_reader_is_set_beside_what_its_texts_tell() -> None:
     options: Any = {"within": 10, "episodes": 2}
     (row,) = brl.score("shell-game", lambda text: "east", sight="view", knowable=True, **options)
@@ -164,6 +169,7 @@ def test_a_score_of_a_reader_is_set_beside_what_its_texts_tell() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.beside("scoring")
 def test_what_can_be_known_in_one_of_several_levels_is_less_than_in_each() -> None:
     mazes = brl.load_suite("small-mazes").split("test")[:10]
     how: Any = {"actions": "moves", "within": 40}
@@ -180,6 +186,7 @@ def test_what_can_be_known_in_one_of_several_levels_is_less_than_in_each() -> No
     assert brl.score(mazes, best.policy(), episodes=100, **how).pooled is None
 
 
+@pytest.mark.beside("scoring")
 def test_one_of_several_levels_has_one_limit() -> None:
     with pytest.raises(ValueError, match="several max_steps"):
         brl.score(["frozen-lake", "shell-game"], lambda place: 1, knowable="suite")
@@ -187,6 +194,7 @@ def test_one_of_several_levels_has_one_limit() -> None:
         brl.score("frozen-lake", lambda place: 1, knowable="all")  # type: ignore[arg-type]
 
 
+@pytest.mark.beside("scoring")
 def test_a_table_of_all_states_has_no_sight() -> None:
     with pytest.raises(ValueError, match="agents that observe"):
         brl.score("frozen-lake", "best", knowable=True)

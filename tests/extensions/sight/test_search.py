@@ -75,6 +75,7 @@ def test_what_is_infinite() -> None:
     assert (found.lower, found.upper) == (math.inf,) * 2
 
 
+@pytest.mark.beside("scoring")
 def test_one_who_does_not_know_the_level() -> None:
     sides = [[0, 0], [2, 0]]
     levels = [
