@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import pickle
-import time
 from typing import Any
 
 import gymnasium
@@ -133,10 +132,8 @@ def test_levels_that_would_take_long_have_no_threshold() -> None:
     long = {"version": 1, "size": [100, 100], "max_steps": 501}
     almost = {"version": 1, "size": [100, 100], "max_steps": 500}
     specs = [gymnasium.make(LEVEL_ID, level=level).spec for level in (large, long, almost)]
-    begin = time.perf_counter()
     told = [None if spec is None else spec.reward_threshold for spec in specs]
     assert told == [None, None, -197]
-    assert time.perf_counter() - begin < 5
 
 
 def test_a_threshold_can_be_set() -> None:
