@@ -33,8 +33,8 @@ MOST_ITERATIONS = 300
 AT_A_TIME = 500_000
 """One call does iterations for about so many states: between calls, signals are heard."""
 
-WIDTHS = 2, 3, 4
-"""How many entries a state may have on a side. Loops over so many are compiled for each."""
+WIDTH = 4
+"""How many entries most states have on a side at most. Loops are compiled for so many."""
 
 COMPENSATED = 0.8
 """The share of what elimination would fill in that is taken from the diagonal instead."""
@@ -80,8 +80,7 @@ def most_entries(rows: Rows, chosen: Ints) -> int:
 def followed(rows: Rows, chosen: Ints) -> Chain:
     """Return the chain of the rows that are chosen, one for each state, and eliminate in it."""
     most = most_entries(rows, chosen)
-    width = next((each for each in WIDTHS if most <= each), 0)
-    slots = (0,) * width if width else np.zeros(most, np.uint8)
+    slots = (0,) * WIDTH if most <= WIDTH else np.zeros(most, np.uint8)
     return eliminated(rows, chosen, slots)
 
 

@@ -37,7 +37,7 @@ MOST_RELAXED = 1.6
 LEAST_STRETCHED = 0.1
 """Where chance is in a smaller share of states, values settle sooner if nothing is stretched."""
 
-WIDTHS = 4, 5, 8
+WIDTHS = 5, 8
 """How many targets the actions of a state may share. Loops over so many are compiled for each."""
 
 MOST_GROWN = 2
