@@ -177,6 +177,8 @@ trap 'kill "$types" 2>/dev/null || true; rm -f "$said"' EXIT
 .venv/bin/ruff format --check .
 .venv/bin/lint-imports
 .venv/bin/babyrobot validate levels
+# Each process would compile the loops for large levels anew, which takes a minute; now it finds them.
+[ "${1:-fast}" = fast ] || .venv/bin/python -m pytest -m "not sweep" tests/analysis/solver/test_sweeps.py || status=$?
 .venv/bin/python -m pytest "${tests[@]}" "${workers[@]}" || status=$?
 wait "$types" || status=$?
 cat "$said"
