@@ -302,7 +302,9 @@ class TellingEnum(EnumType):
             raise no_attribute(cls, name)
 
         def __getitem__(cls, name: str) -> Any:
-            return cls._member_map_.get(name) or getattr(cls, name)
+            if name not in cls._member_map_:
+                raise KeyError(str(no_attribute(cls, name)))
+            return cls._member_map_[name]
 
 
 def unexpected(function: str, name: str, known: Collection[str]) -> str:

@@ -162,6 +162,7 @@ MISTAKES = (
     ("brl.grade('nosuch')", "there is no file or folder nosuch"),
     ("brl.load('maze').replace({'size': [3, 3]})", "of a mapping, replace(**mapping)"),
     ("brl.Action['up']", "did you mean `NORTH`?"),
+    ("brl.Action['mro']", "has no attribute 'mro'"),
     ("brl.solve('maze').at(9, 9)", "`.values[y, x]` has the value of a cell"),
     ("brl.solve('maze').save('x.npy')", "did you mean `np.save(path, solution.policy)`?"),
     ("brl.load_suite('small-mazes').levels", "did you mean `[*suite]`?"),
