@@ -133,6 +133,7 @@ def test_any_level_is_counted_right(world: World, only_walls: bool) -> None:
 
 
 @given(world=worlds(5), only_walls=st.booleans(), poses=st.integers(1, 4))
+@pytest.mark.slow
 def test_large_levels_are_counted_alike(world: World, only_walls: bool, poses: int) -> None:
     for field in ("warps", "wind", "areas", "skid", "puddle_types") if only_walls else ():
         world.pop(field, None)

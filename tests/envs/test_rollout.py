@@ -33,6 +33,7 @@ FIELDS = {
     actions=st.sampled_from(["all", "moves"]),
     engine=st.sampled_from(ENGINES),
 )
+@pytest.mark.slow
 def test_a_vector_environment_that_takes_its_actions_goes_the_same_way(
     played: list[Level], seed: int, actions: str, engine: str
 ) -> None:

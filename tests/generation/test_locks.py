@@ -110,6 +110,7 @@ def test_the_detour_is_that_of_the_shortest_way() -> None:
         assert 8 <= ahead - straight <= 14
 
 
+@pytest.mark.slow
 def test_more_doors_than_keys_share_keys() -> None:
     suite = load_suite({**FIELDS, "count": 4, "keys": 2, "doors": 4})
     for level in suite:

@@ -55,6 +55,7 @@ def test_what_is_composed_parses_to_the_same(drawing: d.Drawing) -> None:
 
 
 @given(drawings())
+@pytest.mark.slow
 def test_the_drawing_of_a_drawn_level_stays_the_same(drawing: d.Drawing) -> None:
     """Draw, parse, draw. Walls that nobody can meet may get lost the first time."""
     first = drawn(d.compose(drawing), legend=LEGEND).draw()

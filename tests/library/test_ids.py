@@ -204,6 +204,7 @@ def test_the_limit_of_many_robots(mode: str | None, limited: str) -> None:
         assert truncated.tolist() == [number == 9] * 2
 
 
+@pytest.mark.slow
 def test_a_random_maze(users_pack: Path) -> None:
     write(users_pack / "lion.yaml", RANDOM)
     register_levels()

@@ -88,6 +88,7 @@ def test_texts_looks_and_limits_do_not_change_it(world: World) -> None:
 
 
 @given(worlds())
+@pytest.mark.slow
 def test_a_maze_written_out_as_walls_is_the_same_game(world: World) -> None:
     level = level_of(world)
     fields = {name: value for name, value in world.items() if name not in ("maze", "openings")}

@@ -216,6 +216,7 @@ def test_every_reward_has_a_precedence() -> None:
 
 
 @given(worlds(5))
+@pytest.mark.slow
 def test_a_level_without_things_has_the_same_tables_by_both_compilers(world: World) -> None:
     level = level_of(world)
     grid = level.grid()

@@ -53,6 +53,7 @@ def test_without_the_others_their_tests_pass(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1] == "each of them stands alone"
 
 
+@pytest.mark.slow
 def test_without_the_others_these_are_gone(tmp_path: Path) -> None:
     code = """
 from alone import delete_others

@@ -29,6 +29,7 @@ def test_the_picture_is_the_one_that_was_looked_at(name: str) -> None:
     assert svg(name) == expected, "if that is meant: python scripts/renew.py tests/render"
 
 
+@pytest.mark.slow
 def test_pictures_of_the_gallery_stay_as_they_are() -> None:
     expected = (FOLDER / "gallery.txt").read_text(encoding="utf-8")
     differ = {*expected.splitlines()} ^ {*gallery().splitlines()}

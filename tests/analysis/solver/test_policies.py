@@ -27,6 +27,7 @@ CORNER = world(rows=["S  ", "  #", " XE"], skid={"probability": 0.2, "to": "othe
 
 
 @given(worlds(5), st.integers(0, 99), st.sampled_from(["all", "moves"]))
+@pytest.mark.slow
 def test_values_are_those_of_repeated_steps(world: World, seed: int, actions: str) -> None:
     level = level_of(world)
     mdp = level.compile()

@@ -55,6 +55,7 @@ ODD = {
 KEPT: list[Any] = [["north", "east"], [[1, 2], [3, 4]], 3.5, [True], []]
 
 
+@pytest.mark.slow
 def test_answers_are_arrays_of_numbers_or_names(tmp_path: Path) -> None:
     cases = ",\n".join(f"lambda level: {each}" for each in [*ODD, *map(repr, KEPT)])
     text = f"import numpy as np\ncases = iter([{cases}])\ndef f(level): return next(cases)(level)\n"
