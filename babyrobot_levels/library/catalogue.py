@@ -237,7 +237,8 @@ def find(name: str, first: Sequence[Place] = ()) -> Path:
         return path
     # A pack that is not installed is a folder.
     folder, _, stem = name.rpartition("/")
-    files = [str(path) for path in yaml_files(Path(folder)) if path.stem == stem]
+    found = (str(path) for path in yaml_files(Path(folder)) if path.stem == stem)
+    files = [*islice(found, MAX_NEAREST)]
     known = {file.name: file.path for file in level_files()}
     if name in ("levels", "all", "gallery") and not files:
         raise LevelNotFoundError(name, help_text="`brl.levels()` returns all levels")

@@ -79,6 +79,14 @@ def test_a_file_without_suffix_is_told_with_its_folder() -> None:
     assert brl.load(Path("mine/first-maze")).size == (4, 3)
 
 
+def test_of_many_files_with_a_name_a_few_are_told() -> None:
+    for folder in "abcde":
+        write(f"{folder}/first.yaml")
+    with pytest.raises(brl.LevelNotFoundError) as error:
+        brl.load("first")
+    assert "'a/first.yaml' or 'b/first.yaml' or 'c/first.yaml'?" in str(error.value)
+
+
 def test_a_files_stem_becomes_a_name() -> None:
     assert brl.load(write("My First_Maze.yaml")).name == "my-first-maze"
     assert brl.load(write("迷路.yaml")).name is None
