@@ -99,6 +99,8 @@ class Lattice:
 
     def component(self, start: int) -> list[int]:
         """Return the cells that are connected with a cell, row by row."""
+        if self.blocked.count(0) == self.width * self.height:
+            return self.cells()
         found = bytearray(self.blocked)
         found[start] = 1
         waiting, members = [start], [start]

@@ -31,50 +31,73 @@ def optimum(  # type: ignore[no-untyped-def]
         steps: the number of steps.
     """
     size, actions, outcomes = probability.shape
+    # What can happen, one outcome after the other: of most actions there is one.
+    begin = np.zeros(size * actions + 1, np.uint32)
+    chance = np.zeros(probability.size)
+    after = np.zeros(probability.size, np.uint32)
+    count = 0
+    for state in range(size):
+        for action in range(actions):
+            for outcome in range(outcomes):
+                if probability[state, action, outcome] > 0:
+                    chance[count] = probability[state, action, outcome]
+                    after[count] = next_state[state, action, outcome]
+                    count += 1
+            begin[state * actions + action + 1] = count
     ahead = np.zeros((size + 1, 3))
     now = np.zeros((size + 1, 3))
-    sums = np.zeros((actions, 3))
+    values, equals = np.zeros(actions), np.zeros((actions, 2))
+    # Where what is expected ahead differs from a step before: all else stays as it is.
+    differs = np.ones(size + 1, np.bool_)
+    differs_now = np.zeros(size + 1, np.bool_)
     for _ in range(steps):
         is_same = True
         for state in range(size):
+            row = state * actions
+            at, end = begin[row], begin[row + actions]
+            while at < end and not differs[after[at]]:
+                at += 1
+            if at == end:
+                for column in range(3):
+                    now[state, column] = ahead[state, column]
+                differs_now[state] = False
+                continue
             best = -np.inf
             for action in range(actions):
                 value = 0.0
-                for outcome in range(outcomes):
-                    after = np.uint32(next_state[state, action, outcome])
-                    value += probability[state, action, outcome] * ahead[after, 0]
-                sums[action, 0] = reward[state, action] + discount * value
-                best = max(best, sums[action, 0])
+                for at in range(begin[row + action], begin[row + action + 1]):
+                    value += chance[at] * ahead[after[at], 0]
+                values[action] = reward[state, action] + discount * value
+                best = max(best, values[action])
             least, likeliest = best - max(_ROUNDING * abs(best), slack), -np.inf
             # The rest matters of equally good actions only, which are few.
+            count = 0
             for action in range(actions):
-                if sums[action, 0] >= least:
+                if values[action] >= least:
                     likely, length = 0.0, 0.0
-                    for outcome in range(outcomes):
-                        chance = probability[state, action, outcome]
-                        after = np.uint32(next_state[state, action, outcome])
-                        likely += chance * ahead[after, 1]
-                        length += chance * ahead[after, 2]
-                    sums[action, 1] = success[state, action] + likely
-                    sums[action, 2] = 1.0 + length
-                    likeliest = max(likeliest, sums[action, 1])
-            shortest = np.inf
-            for action in range(actions):
-                if sums[action, 0] >= least and sums[action, 1] >= likeliest - _EQUAL:
-                    shortest = min(shortest, sums[action, 2])
-            for action in range(actions):
-                if (
-                    sums[action, 0] >= least
-                    and sums[action, 1] >= likeliest - _EQUAL
-                    and sums[action, 2] <= shortest + _EQUAL * max(1.0, shortest)
-                ):
-                    now[state, 0] = best
-                    now[state, 1] = sums[action, 1]
-                    now[state, 2] = sums[action, 2]
-                    break
+                    for at in range(begin[row + action], begin[row + action + 1]):
+                        likely += chance[at] * ahead[after[at], 1]
+                        length += chance[at] * ahead[after[at], 2]
+                    equals[count, 0] = success[state, action] + likely
+                    equals[count, 1] = 1.0 + length
+                    likeliest = max(likeliest, equals[count, 0])
+                    count += 1
+            chosen, shortest = 0, np.inf
+            if count > 1:
+                for each in range(count):
+                    if equals[each, 0] >= likeliest - _EQUAL:
+                        shortest = min(shortest, equals[each, 1])
+                longest = shortest + _EQUAL * max(1.0, shortest)
+                while equals[chosen, 0] < likeliest - _EQUAL or equals[chosen, 1] > longest:
+                    chosen += 1
+            now[state, 0], now[state, 1], now[state, 2] = best, equals[chosen, 0], equals[chosen, 1]
+            differs_now[state] = False
             for column in range(3):
-                is_same = is_same and now[state, column] == ahead[state, column]
+                if now[state, column] != ahead[state, column]:
+                    differs_now[state], is_same = True, False
+        differs_now[size] = False
         ahead, now = now, ahead
+        differs, differs_now = differs_now, differs
         if is_same:
             break
     return ahead[:size]
