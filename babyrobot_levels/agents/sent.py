@@ -1,4 +1,4 @@
-"""Levels as workers get them: the number of one in a suite, its share code, or its file."""
+"""Levels as workers get them: the number of one in a suite, its share code, its file, or itself."""
 
 import json
 import os
@@ -18,19 +18,19 @@ from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile
 
-Item = int | str | SourceFile | Exception
-"""A level as it is sent: its number in a suite, its share code, its file, or why it has none."""
+Item = int | str | SourceFile | Level | Exception
+"""A level as it is sent: its number in a suite, its share code, its file, itself, or an error."""
 
 
 def sent(levels: Levels) -> tuple[str | None, Iterable[Item]]:
     """Return the suite that workers need, as JSON, and what is sent to them for each level."""
     suite = named_levels(levels)
     if not isinstance(suite, Suite):
-        return None, _items(_text_of, suite)
+        return None, _items(_item_of, suite)
     if isinstance(suite.fields, SuiteFields):
         # A file may give the suite its name, and this one its levels theirs.
         return json.dumps({**suite.to_dict(whole=True), "name": suite.name}), suite.numbers
-    return None, _items(lambda index: suite[index].share_code(), range(len(suite)))
+    return None, _items(lambda index: suite[index], range(len(suite)))
 
 
 def _items(make: Callable[[Any], Item], levels: Iterable[Any]) -> Iterator[Item]:
@@ -43,7 +43,7 @@ def _items(make: Callable[[Any], Item], levels: Iterable[Any]) -> Iterator[Item]
         yield item
 
 
-def _text_of(level: LevelLike) -> str | SourceFile:
+def _item_of(level: LevelLike) -> str | SourceFile | Level:
     if isinstance(level, str) and is_code(level):
         return level
     if isinstance(level, str | os.PathLike):
@@ -56,7 +56,7 @@ def _text_of(level: LevelLike) -> str | SourceFile:
                 text = file.replace(theme=file.resolved_theme).to_yaml(comments=True)
                 return SourceFile(source.name, text)
         return source
-    return load(level).share_code()
+    return load(level)
 
 
 def received(suite: str | None, item: Item) -> Level:
@@ -71,6 +71,9 @@ def received(suite: str | None, item: Item) -> Level:
         return load_source(item, Path(item.name))
     if isinstance(item, str):
         return load_code(item)
+    if isinstance(item, Level):
+        # What is compiled is not kept for whoever has the level.
+        return item.model_copy()
     assert suite is not None
     return _suite(suite)[item]
 

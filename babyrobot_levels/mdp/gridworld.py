@@ -58,6 +58,12 @@ class GridWorld(LevelSpec):
                 raise error_in_mapping(fields, issues)
         return level
 
+    def __getstate__(self) -> dict[Any, Any]:
+        """Return what is pickled: the fields. What is compiled from them can be made again."""
+        state = super().__getstate__()
+        fields = type(self).model_fields
+        return {**state, "__dict__": {k: v for k, v in state["__dict__"].items() if k in fields}}
+
     def grid(self) -> Grid:
         """Return walls and cells after the maze. The grid is made once and shared.
 

@@ -140,6 +140,13 @@ def test_files_are_sent_with_what_they_state_and_their_themes(here: Path) -> Non
     assert level.expect is not None
 
 
+def test_levels_that_are_solved_keep_nothing_of_it() -> None:
+    level = brl.load({"version": 1, "size": [4, 1]})
+    before = dict(vars(level))
+    assert len(list(brl.solve_many([level], jobs=1))) == 1
+    assert vars(level) == before
+
+
 @BOTH
 def test_a_suite_that_lists_its_levels_is_solved(executor: Executor) -> None:
     suite = {

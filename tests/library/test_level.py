@@ -272,6 +272,13 @@ def test_levels_can_be_pickled_and_copied(path: Path) -> None:
             assert other.digest == level.digest
 
 
+def test_what_is_compiled_is_not_pickled() -> None:
+    level = brl.load("first-key")
+    before = len(pickle.dumps(level))
+    level.compile()
+    assert len(pickle.dumps(level)) == before
+
+
 def test_errors_can_be_pickled() -> None:
     with pytest.raises(LevelError) as caught:
         brl.loads("version: 1\nsize: 3\n")
