@@ -56,12 +56,7 @@ class Drawing:
 
     def find(self, character: str) -> list[tuple[int, int]]:
         """Return the cells `(x, y)` that show the character, in reading order."""
-        return [
-            (x, y)
-            for y, row in enumerate(self.cells)
-            for x, shown in enumerate(row)
-            if shown == character
-        ]
+        return cells_with(self.cells, character)
 
     def row_runs(self, character: str) -> Iterator[tuple[tuple[int, int], int]]:
         """Yield the cells that show the character, those side by side as one with a length."""
@@ -127,6 +122,11 @@ def framed(text: str) -> tuple[int, int, list[str]]:
 
 
 Item = TypeVar("Item")
+
+
+def cells_with(rows: Iterable[Iterable[str]], mark: str) -> list[tuple[int, int]]:
+    """Return the places `(x, y)` of a mark in rows of marks, in reading order."""
+    return [(x, y) for y, row in enumerate(rows) for x, each in enumerate(row) if each == mark]
 
 
 def runs(values: Iterable[object], wanted: object) -> Iterator[tuple[int, int]]:

@@ -93,10 +93,7 @@ def _with_ends(rows: Rows, lost: list[Lost]) -> Rows:
     """Return the rows with starts and exits; where none are marked, choose among the free cells."""
     cells = [list(row) for row in rows]
     text = "".join(rows)
-    places = {
-        mark: [(x, y) for y, row in enumerate(rows) for x, c in enumerate(row) if c == mark]
-        for mark in (_EITHER, d.PLAIN)
-    }
+    places = {mark: d.cells_with(rows, mark) for mark in (_EITHER, d.PLAIN)}
     count, chosen = len(places[_EITHER]), []
     for name, what, mark, index in (("r", "start", d.START, 0), ("g", "goal", d.EXIT, -1)):
         free = places[_EITHER] or places[d.PLAIN]

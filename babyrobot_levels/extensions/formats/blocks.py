@@ -201,10 +201,7 @@ MAX_LISTED = 30_000
 def _listed(rows: Rows) -> dict[str, Any]:
     """Return the fields with rows of cells, without a drawing."""
     width, height = len(rows[0]), len(rows)
-    found = {
-        mark: [(x, y) for y, row in enumerate(rows) for x, each in enumerate(row) if each == mark]
-        for mark in (d.START, d.EXIT, d.BLOCKED)
-    }
+    found = {mark: d.cells_with(rows, mark) for mark in (d.START, d.EXIT, d.BLOCKED)}
     fields: dict[str, Any] = {"size": [width, height], "start": one_or_all(found[d.START])}
     fields["exit"] = one_or_all(found[d.EXIT]) if found[d.EXIT] else "none"
     blocked = [*islice(filled(found[d.BLOCKED], width, height), MAX_LISTED + 1)]
@@ -339,11 +336,7 @@ def block_map(
     lost += lost_areas(level, ends)
     if level.rewards != rewards:
         lost.append(Lost("rewards", f"{place} cannot hold them"))
-    grid, cells = level.grid(), marked(level)
-    for character, name, found in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
-        if len(found) > 1 and character not in many:
-            lost.append(only_first(name, found, place))
-            cells = replaced(cells, found[1:], d.PLAIN)
+    grid, cells = level.grid(), _marked_once(level, place, many, lost)
     lattice = has_walls(grid)
     if lattice:
         message = "walls between cells become blocks, and each step becomes two"
@@ -353,36 +346,35 @@ def block_map(
     return as_blocks(grid, cells, lattice=lattice), lost
 
 
-def lattice_map(
-    level: Level, place: str, *, many: str = "", carried: frozenset[str] = frozenset()
-) -> tuple[Rows, list[Lost]]:
+def lattice_map(level: Level, place: str, *, many: str = "") -> tuple[Rows, list[Lost]]:
     """Return a level in blocks that are walls between cells, and what such a map does not keep.
 
     Args:
         level: the level.
         place: the format, for messages: "a maze of maze-dataset".
         many: the marks that may occur more than once: `E`, or none.
-        carried: fields that the map can hold beside the usual ones.
     """
-    lost = list(fields_lost(level, SPATIAL | {"areas"} | carried, place))
+    lost = list(fields_lost(level, SPATIAL | {"areas"}, place))
     lost += lost_areas(level, f"{place} has no cells that end the episode but exits")
     grid = level.grid()
     if any(grid.blocked_cells):
         lost.append(Lost("blocked", "the cells are there, with walls around them"))
     if grid.glass:
         lost.append(Lost("walls.pass", "walls of glass become solid"))
-    rows = marked(level)
-    for mark, name, cells in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
-        if len(cells) > 1 and mark not in many:
-            lost.append(only_first(name, cells, place))
-            rows = replaced(rows, cells[1:], d.PLAIN)
+    rows = _marked_once(level, place, many, lost)
     rows = tuple(row.replace(ENDS, d.PLAIN).replace(d.BLOCKED, d.PLAIN) for row in rows)
     return as_blocks(grid, rows, lattice=True), lost
 
 
-def only_first(name: str, cells: Sequence[tuple[int, int]], place: str) -> Lost:
-    """Return the loss of all starts or exits but the first."""
-    return Lost(name, f"{place} has one, so only [{cells[0][0]}, {cells[0][1]}] is kept")
+def _marked_once(level: Level, place: str, many: str, lost: list[Lost]) -> Rows:
+    """Return the cells of a level, of the marks that are not in `many` only the first."""
+    rows = marked(level)
+    for mark, name, cells in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
+        if len(cells) > 1 and mark not in many:
+            message = f"{place} has one, so only [{cells[0][0]}, {cells[0][1]}] is kept"
+            lost.append(Lost(name, message))
+            rows = replaced(rows, cells[1:], d.PLAIN)
+    return rows
 
 
 def lost_areas(level: Level, ends: str | None, *, hole: float | None = None) -> Iterator[Lost]:
@@ -428,6 +420,11 @@ def edge_of(x: int, y: int, side: str) -> Edge:
 def is_inner(x: int, y: int, side: str, width: int, height: int) -> bool:
     """Return whether an edge lies between two cells of the grid."""
     return x >= 0 and y >= 0 and (x < width - 1 if side == "E" else y < height - 1)
+
+
+def side_entry(x: int, y: int, side: str, length: int = 1) -> dict[str, Any]:
+    """Return the entry of `walls` or `openings` for a side of a cell, and of those in its line."""
+    return {"at": [x, y], "side": side} | ({"length": length} if length > 1 else {})
 
 
 def edge_runs(edges: Mapping[Edge, dict[str, Any]]) -> Iterator[tuple[Edge, int, dict[str, Any]]]:

@@ -284,9 +284,8 @@ def _import_all(
     refused = sum(len(outcome.refused) for outcome in outcomes) + len(levels) - kept
     parts = [
         f"wrote {_counted(kept, 'level')} of {_counted(len(outcomes), 'file')} to {folder}",
-        f"{refused} refused",
+        *(f"{refused} refused", f"{len(unknown)} in no known format"),
     ]
-    parts.append(f"{len(unknown)} in no known format")
     note(", ".join(part for part in parts if not part.startswith("0 ")))
     if refused or not kept:
         raise typer.Exit(FINDINGS)

@@ -247,9 +247,8 @@ def file_text(world: World, *, schema: str | None, name: str | None, title: str)
         ConversionError: the world is too large for a file.
         LevelError: it is not a valid level.
     """
-    fields = {"version": 1, **({"name": name} if name else {}), "title": title, **world.fields}
-    if name:
-        fields["name"] = name
+    named = {"name": name} if name else {}
+    fields = {"version": 1, **named, "title": title, **world.fields, **named}
     lines = [f"# yaml-language-server: $schema={schema}\n"] if schema else []
     lines.append(f"# {world.origin}\n")
     for key, value in fields.items():

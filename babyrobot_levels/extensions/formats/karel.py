@@ -3,7 +3,13 @@
 import re
 from typing import Any
 
-from babyrobot_levels.extensions.formats.blocks import Edge, edge_of, edge_runs, is_inner
+from babyrobot_levels.extensions.formats.blocks import (
+    Edge,
+    edge_of,
+    edge_runs,
+    is_inner,
+    side_entry,
+)
 from babyrobot_levels.extensions.formats.conversion import Codec, ConversionError, Lost, World
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.text.source import Position, SourceFile
@@ -71,10 +77,7 @@ def read_karel(source: SourceFile) -> World:
     fields: dict[str, Any] = {"version": 1, "size": [*size], "start": at[start], "exit": "none"}
     fields |= {"heading": heading} if heading != "E" else {}
     inner: dict[Edge, dict[str, Any]] = {edge: {} for edge in walls if is_inner(*edge, *size)}
-    runs = [
-        {"at": [x, y], "side": side, **({"length": length} if length > 1 else {})}
-        for (x, y, side), length, _ in edge_runs(inner)
-    ]
+    runs = [side_entry(*edge, length) for edge, length, _ in edge_runs(inner)]
     items = [
         {"name": f"beeper-{number}", "at": at[cell], "shape": "gem"}
         for number, cell in enumerate(there, 1)

@@ -138,8 +138,8 @@ def _place(entity: dict[str, Any], layer: dict[str, Any], grid: dict[str, Any]) 
     return x * own // max(other, 1), y * own // max(other, 1)
 
 
-def _is_ldtk(data: Any) -> bool:
-    return isinstance(data, dict) and {"defs", "levels", "jsonVersion"} <= data.keys()
-
-
-CODEC = Codec(read_ldtk, holds=_is_ldtk, parts=ldtk_parts)
+CODEC = Codec(
+    read_ldtk,
+    holds=lambda data: isinstance(data, dict) and {"defs", "levels", "jsonVersion"} <= data.keys(),
+    parts=ldtk_parts,
+)

@@ -97,7 +97,7 @@ def _with_ends(cells: Rows, lattice: Rows, lost: list[Lost]) -> Rows:
         lost.append(Lost("S", message, (0, height - 1)))
     if d.EXIT in text:
         return cells
-    x, y = next((row.index(d.START), y) for y, row in enumerate(cells) if d.START in row)
+    x, y = d.cells_with(cells, d.START)[0]
     columns = len(lattice[0])
     reached = {*room("".join(lattice), (2 * y + 1) * columns + 2 * x + 1, columns)}
     middle = product({(width - 1) // 2, width // 2}, {(height - 1) // 2, height // 2})
@@ -198,8 +198,7 @@ def write_maz(level: Level) -> Conversion:
     bare = tuple(row.replace(d.START, d.PLAIN).replace(d.EXIT, d.PLAIN) for row in lattice)
     contest = _with_ends(from_lattice(bare)[0], bare, [])
     for mark, name, cells in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
-        places = {(x, y) for y, row in enumerate(contest) for x, c in enumerate(row) if c == mark}
-        if places != {*cells}:
+        if {*d.cells_with(contest, mark)} != {*cells}:
             lost.append(Lost(name, f"{_BYTES} has none: it is where contests have it"))
     data = bytes(
         sum(

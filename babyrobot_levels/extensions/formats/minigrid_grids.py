@@ -76,7 +76,7 @@ class Snapshot:
         objects: the objects, row by row.
         agents: the cells of the agent; an environment has one.
         heading: where it looks: N, E, S or W.
-        task: the task; None if it is to reach a goal.
+        task: the task; None if it is to reach a goal of `rows`.
         floor: the cells with floor in colours.
     """
 
@@ -86,16 +86,6 @@ class Snapshot:
     heading: str
     task: Task | None = None
     floor: tuple[Cell, ...] = ()
-
-    @property
-    def drawn_goals(self) -> tuple[Cell, ...]:
-        """The cells with a goal, row by row."""
-        return tuple(
-            (x, y)
-            for y, row in enumerate(self.rows)
-            for x, mark in enumerate(row)
-            if mark == d.EXIT
-        )
 
 
 # -- its level -------------------------------------------------------------------------------
@@ -116,7 +106,7 @@ def world_of(found: Snapshot, origin: str, texts: Mapping[str, Any] | None = Non
         origin: where it comes from, as a sentence.
         texts: fields of the level that a grid does not have, such as its title.
     """
-    task = found.task or Task(found.drawn_goals)
+    task = found.task or Task(tuple(d.cells_with(found.rows, d.EXIT)))
     page = _Page(
         tuple(row.replace(d.EXIT, d.PLAIN).replace(d.START, d.PLAIN) for row in found.rows)
     )
@@ -157,7 +147,7 @@ def cropped(found: Snapshot) -> Snapshot:
     What remains are the cells that are connected, doors and objects aside, to the agent or to a
     goal.
     """
-    goals = found.task.goals if found.task is not None else found.drawn_goals
+    goals = found.task.goals if found.task else d.cells_with(found.rows, d.EXIT)
     kept = _distances(found.rows, (*found.agents, *goals))
     left, top = (min(cell[axis] for cell in kept) for axis in (0, 1))
     right, bottom = (max(cell[axis] for cell in kept) + 1 for axis in (0, 1))
@@ -176,13 +166,9 @@ def moved(found: Snapshot, rows: Rows, left: int, top: int) -> Snapshot:
 
     task = found.task
     if task is not None:
-        task = replace(
-            task,
-            goals=tuple(map(cell, task.goals)),
-            fails=tuple(map(cell, task.fails)),
-            first=tuple(map(cell, task.first)),
-            shown=tuple(map(cell, task.shown)),
-        )
+        names = ("goals", "fails", "first", "shown")
+        cells: dict[str, Any] = {each: tuple(map(cell, getattr(task, each))) for each in names}
+        task = replace(task, **cells)
     objects = tuple(replace(each, at=cell(each.at)) for each in found.objects)
     agents, floor = (tuple(map(cell, cells)) for cells in (found.agents, found.floor))
     return replace(found, rows=rows, objects=objects, agents=agents, floor=floor, task=task)

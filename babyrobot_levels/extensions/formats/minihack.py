@@ -63,8 +63,7 @@ def read_minihack(source: SourceFile) -> World:
     ]
     if not is_one:
         fields["exit_one_of"] = [[*cell] for cell in ends["exit"]]
-    lava = [(x, y) for y, row in enumerate(rows) for x, each in enumerate(row) if each == _LAVA]
-    if lava:
+    if lava := d.cells_with(rows, _LAVA):
         fields["areas"] = [{"at": [*cell], "ends": True, "color": LAVA_COLOR} for cell in lava]
     return World(fields, "A level of MiniHack.", {}, tuple(lost))
 

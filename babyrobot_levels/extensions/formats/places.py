@@ -5,8 +5,8 @@ import re
 import warnings
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from itertools import islice
 
+from babyrobot_levels.language.drawing import cells_with
 from babyrobot_levels.text.source import START, Position, SourceFile
 
 Route = tuple[str | int, ...]
@@ -111,5 +111,4 @@ def rows_from(first: Position, count: int, step: int = 1) -> list[Position]:
 
 def cell_of(rows: Sequence[str], mark: str, number: int = 0) -> tuple[int, int]:
     """Return column and row of a mark in a map: of the first, or of another one."""
-    cells = ((x, y) for y, row in enumerate(rows) for x, each in enumerate(row) if each == mark)
-    return next(islice(cells, number, None))
+    return cells_with(rows, mark)[number]

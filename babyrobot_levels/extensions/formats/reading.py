@@ -213,9 +213,17 @@ def import_(
         ValueError: there is no such format.
         FileExistsError: there is a file, and `force` is not given.
     """
-    is_data = not isinstance(source, str | os.PathLike)
-    world = _world(source, format, seed, kwargs, slippery, number, robots)
-    own = name or (None if is_data else slug(Path(source).stem))
+    _check_format(format)
+    file = single(Path(source)) if isinstance(source, str | os.PathLike) else None
+    if isinstance(source, str) and is_environment(source):
+        world = _world_of_id(source, seed, kwargs)
+    elif file is None and hasattr(source, "unwrapped"):
+        world = _world_of_made(source, seed)
+    else:
+        found, folder = (opened(file), file.folder) if file else (_literal_of(source), None)
+        entry, given = FORMATS[format or format_of(found)], {"slippery": slippery, "folder": folder}
+        world = entry.read(found, number=number, robots=robots, **given)
+    own = name or (slug(Path(source).stem) if file else None)
     if path is not None:
         title = (own or "imported").replace("-", " ").capitalize()
         text = file_text(world, schema=schema_for(Path(path)), name=name, title=title)
@@ -311,30 +319,10 @@ def _check_format(chosen: str | None) -> None:
         raise ValueError(no_format(chosen, FORMATS))
 
 
-def _world(
-    source: Any,
-    chosen: str | None,
-    seed: int,
-    kwargs: Mapping[str, Any] | None,
-    slippery: bool | None,
-    number: int | None,
-    robots: int | None,
-) -> World:
-    _check_format(chosen)
-    folder: Path | None = None
-    if isinstance(source, str) and is_environment(source):
-        from babyrobot_levels.analysis.environments import ComparisonError
+def _world_of_id(env_id: str, seed: int, kwargs: Mapping[str, Any] | None) -> World:
+    from babyrobot_levels.analysis.environments import ComparisonError
 
-        try:
-            return world_of_id(source, seed, kwargs)
-        except ComparisonError as error:
-            raise ConversionError(str(error)) from error
-    if isinstance(source, str | os.PathLike):
-        file = single(Path(source))
-        text, folder = opened(file), file.folder
-    elif hasattr(source, "unwrapped"):
-        return _world_of_made(source, seed)
-    else:
-        text = _literal_of(source)
-    entry = FORMATS[chosen or format_of(text)]
-    return entry.read(text, number=number, robots=robots, slippery=slippery, folder=folder)
+    try:
+        return world_of_id(env_id, seed, kwargs)
+    except ComparisonError as error:
+        raise ConversionError(str(error)) from error

@@ -4,7 +4,13 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Any
 
-from babyrobot_levels.extensions.formats.blocks import Edge, edge_of, edge_runs, is_inner
+from babyrobot_levels.extensions.formats.blocks import (
+    Edge,
+    edge_of,
+    edge_runs,
+    is_inner,
+    side_entry,
+)
 from babyrobot_levels.extensions.formats.conversion import (
     ConversionError,
     Lost,
@@ -89,22 +95,18 @@ def toggle(
                 present[edge] = properties
     if write_maze:
         maze = {edge for edge in maze if present.get(edge) == {}}
-        for (x, y, side), length, _ in edge_runs(dict.fromkeys(maze, _PLAIN)):
-            result.walls.append({"at": [x, y], "side": side} | _length(length))
+        runs = edge_runs(dict.fromkeys(maze, _PLAIN))
+        result.walls += (side_entry(*edge, length) for edge, length, _ in runs)
     for index, places in enumerate(reached):
         mine = [place for place in places if last[place[3]] == index]
         for (kind, _), run in groupby(enumerate(mine), lambda place: _kind(place, present, maze)):
             (_, (x, y, side, edge)), *more = run
-            entry = {"at": [x, y], "side": side} | _length(1 + len(more))
+            entry = side_entry(x, y, side, 1 + len(more))
             if kind == "wall":
                 result.walls.append(entry | present[edge])
             elif kind == "opening":
                 result.openings.append(entry)
     return result
-
-
-def _length(count: int) -> dict[str, int]:
-    return {"length": count} if count > 1 else {}
 
 
 def _kind(

@@ -82,8 +82,7 @@ def read_sokoban(source: SourceFile) -> World:
     cells = without_ring(world)
     fields = {"version": 1, **texts, **drawn(cells)}
     if _ON_GOAL in text and meanings[_DOT] == d.TARGET:
-        cell = next([row.find(d.START), y] for y, row in enumerate(cells) if d.START in row)
-        fields["targets"] = [{"at": cell}]
+        fields["targets"] = [{"at": [*d.cells_with(cells, d.START)[0]]}]
     elif _ON_GOAL in text and meanings[_ON_GOAL] == d.START:
         message = "a start cannot be an exit; it is only the start"
         lost.append(Lost(_ON_GOAL, message, _place(given, _ON_GOAL)))

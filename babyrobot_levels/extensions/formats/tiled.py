@@ -21,6 +21,7 @@ from babyrobot_levels.extensions.formats.blocks import (
     filled,
     is_inner,
     one_or_all,
+    side_entry,
 )
 from babyrobot_levels.extensions.formats.conversion import (
     Codec,
@@ -288,8 +289,7 @@ class _Reader:
         for (x, y, side), length, given in edge_runs(self.walls):
             if x < 0 or y < 0:
                 x, y, side = (x, 0, "N") if side == "S" else (0, y, "W")
-            wall = {"at": [x, y], "side": side}
-            walls.append(wall | ({"length": length} if length > 1 else {}) | given)
+            walls.append(side_entry(x, y, side, length) | given)
         puddles = [{"at": [*c], "size": "small"} for c in found["small-puddle"]]
         puddles += [{"at": [*c], "size": "large"} for c in found["large-puddle"]]
         blocked = filled(found["blocked"], self.width, self.height)
@@ -543,6 +543,6 @@ CODEC = Codec(
     read_tiled,
     write_tiled,
     draws=_is_tmx,
-    holds=is_tiled,
+    holds=lambda data: isinstance(data, dict) and {"layers", "tilewidth"} <= data.keys(),
     places=lambda source: places_of(source) if _is_tmx(source) else Places(source),
 )

@@ -109,12 +109,7 @@ class Canvas:
 
     def find(self, character: str) -> list[Cell]:
         """Return the cells that show a character, in reading order."""
-        return [
-            (x, y)
-            for y, row in enumerate(self.cells)
-            for x, shown in enumerate(row)
-            if shown == character
-        ]
+        return d.cells_with(self.cells, character)
 
     def mark(self, run: Run, mark: str) -> None:
         """Give the sides of a run another mark. None of them may be of the outer wall."""
