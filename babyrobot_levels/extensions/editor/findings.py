@@ -94,8 +94,7 @@ def _places(document: Document, span: Span) -> Iterator[Place]:
     """Yield what the text at a span is about."""
     mark, data = document.mark(span.start), document.data
     if mark is not None:
-        place = marked_at(data["map"], mark)
-        if place is not None:
+        if (place := marked_at(data["map"], mark)) is not None:
             yield place
         return
     index = document.source.index(span.start)

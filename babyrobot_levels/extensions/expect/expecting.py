@@ -87,8 +87,7 @@ def check_names(names: Sequence[str]) -> None:
     Raises:
         ValueError: one of them cannot.
     """
-    data = {"version": 1, "expect": dict.fromkeys(names, "0..")}
-    for issue in validate(data, LevelSpec)[1]:
+    for issue in validate({"version": 1, "expect": dict.fromkeys(names, "0..")}, LevelSpec)[1]:
         if issue.code == "BR201":
             raise ValueError(issue.message.replace("field", "metric"))
 

@@ -96,8 +96,7 @@ def place_of(source: SourceFile, x: int, y: int, *, blanks: bool = False) -> Pos
 
 def told_starts(rows: Rows) -> Iterator[Lost]:
     """Yield what becomes of several starts of formats that have one."""
-    starts = "".join(rows).count(d.START)
-    if starts > 1:
+    if (starts := "".join(rows).count(d.START)) > 1:
         message = f"{starts} are drawn: each reset draws one of them"
         yield Lost("start", message, cell_of(rows, d.START, 1))
 
@@ -339,8 +338,7 @@ def block_map(
     grid, cells = level.grid(), _marked_once(level, place, many, lost)
     lattice = has_walls(grid)
     if lattice:
-        message = "walls between cells become blocks, and each step becomes two"
-        lost.append(Lost("walls", message))
+        lost.append(Lost("walls", "walls between cells become blocks, and each step becomes two"))
     if ends is not None:
         cells = tuple(row.replace(ENDS, d.PLAIN) for row in cells)
     return as_blocks(grid, cells, lattice=lattice), lost

@@ -331,8 +331,7 @@ def _check_slippery(slippery: bool | None, keywords: Sequence[str], name: str) -
 
 def _source(file: Path) -> SourceFile:
     try:
-        data = path_bytes(file)
-        return _or_end(file, partial(decoded, data, shown_name(file)))
+        return _or_end(file, partial(decoded, path_bytes(file), shown_name(file)))
     except LevelError as error:
         diagnostic = error.diagnostics[0]
         if diagnostic.code == "BR101":

@@ -308,8 +308,7 @@ def export(
 
 
 def _by_suffix(path: str | os.PathLike[str] | None) -> str:
-    suffix = "" if path is None else Path(path).suffix.lower()
-    name = format_for(suffix)
+    name = format_for("" if path is None else Path(path).suffix.lower())
     if name is None:
         raise ValueError("give the format: one of " + ", ".join(written()))
     return name
@@ -331,8 +330,7 @@ def converted(level: Level, name: str, **seen: Any) -> Conversion:
     unsaid = _unsaid(level, conversion, name)
     if unsaid is None:
         return conversion
-    lost = (*conversion.warnings, Lost("MDP", unsaid))
-    return replace(conversion, warnings=lost)
+    return replace(conversion, warnings=(*conversion.warnings, Lost("MDP", unsaid)))
 
 
 def _unsaid(level: Level, conversion: Conversion, name: str) -> str | None:

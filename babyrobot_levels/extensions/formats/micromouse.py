@@ -178,8 +178,7 @@ def decode_maz(data: bytes) -> str | None:
             cell = f"the cells beside column {(x + right) / 2:g}, row {(y + down) / 2:g}"
             raise ConversionError(f"{cell} disagree about the wall there: another order of bits?")
     span = range(2 * _SIDE + 1)
-    cells = {*_places()}
-    is_open = {place for place, wall in walls.items() if not wall} | cells
+    is_open = {place for place, wall in walls.items() if not wall} | {*_places()}
     return _text_of(
         tuple("".join(d.PLAIN if (x, y) in is_open else d.BLOCKED for x in span) for y in span)
     )

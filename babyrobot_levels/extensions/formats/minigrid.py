@@ -85,8 +85,7 @@ def _things(env: Any) -> Iterator[tuple[Cell, Any]]:
     """Yield what is on the grid, row by row."""
     for y in range(env.grid.height):
         for x in range(env.grid.width):
-            thing = env.grid.get(x, y)
-            if thing is not None:
+            if (thing := env.grid.get(x, y)) is not None:
                 yield (x, y), thing
 
 

@@ -134,8 +134,7 @@ def world_of(found: Snapshot, origin: str, texts: Mapping[str, Any] | None = Non
     if LAVA in page.legend:
         comments["legend"] = "Lava ends the episode."
     left_out = [each for each in objects if each not in items and each.kind != "obstacle"]
-    lost = tuple(_lost(found, task, keys, obstacles, left_out))
-    return World(fields, origin, comments, lost)
+    return World(fields, origin, comments, tuple(_lost(found, task, keys, obstacles, left_out)))
 
 
 # -- the cells that belong to the level ------------------------------------------------------
@@ -237,8 +236,7 @@ def _end(task: Task, found: Snapshot, page: _Page) -> dict[str, Any]:
     fields: dict[str, Any] = {}
     if any(LAVA in row for row in page.rows):
         page.legend[LAVA] = {"color": LAVA_COLOR, "ends": True}
-    fails = [cell for cell in task.fails if cell not in task.goals]
-    if fails:
+    if fails := [cell for cell in task.fails if cell not in task.goals]:
         page.draw(fails, "x", {"color": LAVA_COLOR, "ends": True})
     page.rows = replaced(page.rows, task.goals, d.EXIT)
     needs = []

@@ -61,8 +61,7 @@ def _lines(level: Level, process: Process) -> Iterator[str]:
             for start, chance in process.starts.items()
         }
         yield f"  [] s={process.initial} -> {_updates(chances)};"
-    over = np.flatnonzero(process.labels["end"])
-    if over.size:
+    if (over := np.flatnonzero(process.labels["end"])).size:
         yield f"  [] {_among(over)} -> true;"
     yield "endmodule"
     for name, sign in (("reward", 1), ("cost", -1)):

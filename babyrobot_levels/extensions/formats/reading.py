@@ -47,8 +47,7 @@ def guess(source: SourceFile) -> list[str]:
     suffix = PurePath(source.name).suffix.lower()
     others = () if suffix in _PLAIN else FORMATS.added()
     for formats in (FORMATS.own.items(), others):
-        by_suffix = [name for name, each in formats if suffix in each.suffixes]
-        if by_suffix:
+        if by_suffix := [name for name, each in formats if suffix in each.suffixes]:
             return by_suffix
     return _by_content(source, FORMATS.own) or [*_by_extensions(source)]
 
@@ -310,8 +309,7 @@ def foreign_level(path: Path) -> Level | None:
     if len(found) > 1:
         message = str(UnknownFormatError(source, found)).partition("\n")[0]
         raise ConversionError(message, f"convert it: `babyrobot import FILE --from {found[0]}`")
-    world = FORMATS[found[0]].read(source, folder=path.parent)
-    return level_of(world, name=file.place.name)
+    return level_of(FORMATS[found[0]].read(source, folder=path.parent), name=file.place.name)
 
 
 def _check_format(chosen: str | None) -> None:

@@ -115,8 +115,7 @@ class _Reader:
         self._look()
         if take("action_space", "dynamic") != "dynamic":
             self._lose("action_space", _PLAYING["action_space"])
-        steps = take("max_steps", None)
-        if steps is not None:
+        if (steps := take("max_steps", None)) is not None:
             self.fields["max_steps"] = integer(steps, "max_steps")
         for found, keyword in enumerate(self.setup):
             # A file can have so many that looking for what was meant takes seconds.
@@ -317,8 +316,7 @@ class _Reader:
         theme = _with_blocked_color(self.blocked_colors, theme, self.lost)
         if theme:
             self.fields["theme"] = theme
-        display = _read_display(self.setup, self.lost)
-        if display:
+        if display := _read_display(self.setup, self.lost):
             self.fields["display"] = display
 
 
@@ -333,8 +331,7 @@ def _read_display(setup: dict[str, Any], lost: list[Lost]) -> dict[str, Any]:
         if given != _FLAG_DEFAULTS[name]:
             display[name] = given
     for keyword in PANEL_SIDES:
-        panel = setup.pop(keyword, None)
-        if panel is not None:
+        if (panel := setup.pop(keyword, None)) is not None:
             display[keyword] = _panel(keyword, panel, lost)
     robot = _robot(mapping(setup.pop("robot", {}), "robot"), lost)
     return display | ({"robot": robot} if robot else {})
@@ -424,8 +421,7 @@ def _with_blocked_color(colors: Iterable[Any], theme: Any, lost: list[Lost]) -> 
         return theme
     (first, *others) = known
     if others or first is None or isinstance(theme, str):
-        message = "blocked cells share one colour, and a named theme sets it"
-        lost.append(Lost("base_areas", message))
+        lost.append(Lost("base_areas", "blocked cells share one colour, and a named theme sets it"))
         return theme
     theme = dict(theme or {})
     return {"colors": {**theme.pop("colors", {}), "blocked": first}, **theme}

@@ -133,8 +133,7 @@ def _expanded(source: SourceFile) -> SourceFile:
         if room < 0:
             message = "the runs come to more cells than a level has"
             raise ConversionError.at(source, Position(number, 1), message)
-        rows = _RUN.sub(lambda run: int(run[1]) * run[2], line).split("|") if is_runs else [line]
-        lines += rows
+        lines += _RUN.sub(lambda run: int(run[1]) * run[2], line).split("|") if is_runs else [line]
     return SourceFile(source.name, "\n".join(lines))
 
 

@@ -75,8 +75,7 @@ class TileLayer:
             ConversionError: their number is wrong, or they cannot be unpacked.
         """
         for left, top, width, height, data in self.chunks:
-            numbers = self._numbers(data, width * height)
-            for place, number in enumerate(numbers):
+            for place, number in enumerate(self._numbers(data, width * height)):
                 if number:
                     yield left + place % width, top + place // width, number & FLIPS
 
@@ -232,8 +231,7 @@ class Tilesets:
         """Return the classes of a tileset in a file, none if it is not read."""
         found = self._beside.data(name, "tileset")
         if isinstance(found, str):
-            message = f"{shown(name)} {found}; {_EMBED}"
-            self.lost.append(Lost(where, message, route_of(where)))
+            self.lost.append(Lost(where, f"{shown(name)} {found}; {_EMBED}", route_of(where)))
             return {}
         return _classes(found, one_line(name))
 

@@ -143,8 +143,7 @@ def _numbers(element: Element, encoding: str | None) -> Any:
 
 def _object(element: Element) -> dict[str, Any]:
     found = _attributes(element)
-    line = element.find("polyline")
-    if line is not None:
+    if (line := element.find("polyline")) is not None:
         points = (each.partition(",") for each in line.get("points", "").split())
         found["polyline"] = [{"x": _value(x), "y": _value(y)} for x, _, y in points]
     return found

@@ -133,8 +133,7 @@ class Batch:
     def text(self, number: int, attempt: int, level: Level) -> str:
         """Return the text of a level's file, with comments that say how it was generated."""
         if self.title is not None:
-            title = self.title.format(index=self.first + number)
-            level = level.model_copy(update={"title": title})
+            level = level.model_copy(update={"title": self.title.format(index=self.first + number)})
         # `origin_of` reads these words in files of all versions.
         return (
             f"# Level {number} of the order {self.mark}, try {attempt}:\n"

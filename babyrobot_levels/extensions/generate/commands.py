@@ -299,8 +299,7 @@ def _suite_named(suite: str, conditions: dict[str, Any]) -> SuiteFields:
     from babyrobot_levels.extensions.generate.generate import fields_to_generate
     from babyrobot_levels.language.suite import SuiteFields
 
-    given = [name for name in given_options(conditions) if name != "--count"]
-    if given:
+    if given := [name for name in given_options(conditions) if name != "--count"]:
         fail(f"{given[0]} cannot be combined with a suite", "leave out one of the two")
     loaded = brl.load_suite(suite)
     fields = loaded.fields
@@ -410,8 +409,7 @@ def _summary(target: Target, written: int, kept: int, left_out: int) -> str:
         text += f"; kept {kept:,}"
     if left_out:
         text += f"; left out {left_out:,}"
-    splits = target.sizes()
-    if splits:
+    if splits := target.sizes():
         text += ": " + ", ".join(f"{size:,} in {name}" for name, size in splits.items())
     return text + "\n"
 

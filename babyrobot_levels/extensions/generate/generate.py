@@ -199,8 +199,7 @@ def fields_to_generate(
         # Of a valid suite, only the count can be wrong.
         texts = [re.sub("^`count` ", "", issues[0].message), issues[0].help or ""]
         raise ValueError(f"count: {'; '.join(filter(None, texts))}")
-    theme = _theme_beside(fields, folder)
-    if theme is not None:
+    if (theme := _theme_beside(fields, folder)) is not None:
         changes["theme"] = plain(theme)
     return (
         grown_from_mapping({**plain(fields), "name": fields.name, **changes}) if changes else fields

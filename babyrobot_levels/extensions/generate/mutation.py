@@ -120,8 +120,7 @@ def crossover(
     if one.size != other.size:
         sizes = " and ".join(f"{level.width}x{level.height}" for level in (one, other))
         raise ValueError(f"levels that are crossed must have the same size, not {sizes}")
-    crossed = Crossed(one, other, _conditions(seed, expect), solvable=solvable)
-    return find_level(crossed, 0).level
+    return find_level(Crossed(one, other, _conditions(seed, expect), solvable=solvable), 0).level
 
 
 def _conditions(seed: int, expect: Mapping[str, Any] | None) -> SuiteFields:
@@ -261,8 +260,7 @@ class Mutants(Descendants):
                 # By default, a hit would cost less than the way.
                 changes = {"hit": self._hit, **changes}
             fields = changed(before, changes)
-            level = valid(fields)
-            if level is not None and fields != before:
+            if (level := valid(fields)) is not None and fields != before:
                 return fields, level
         reason = f"none of {MOST_DRAWN:,} edits of {listed(self._kinds, 'and')} is valid"
         raise UnsatisfiableError("edits", "", reason)
@@ -278,8 +276,7 @@ class Crossed(Descendants):
     def _made(self, rng: random.Random) -> tuple[Fields, Level]:
         for _ in range(MOST_DRAWN):
             fields = _cross(*self._parents, rng)
-            level = valid(fields)
-            if level is not None:
+            if (level := valid(fields)) is not None:
                 return fields, level
         raise UnsatisfiableError("", "", f"none of {MOST_DRAWN:,} crossings is valid")
 

@@ -96,8 +96,7 @@ def policy_evaluation(
         ValueError: another argument has an invalid value.
     """
     problem = read_problem(level, discount, actions, "sweep")
-    chain = problem.model.mixed(problem.weights(policy))
-    return _sweeps(problem, chain, tolerance, max_sweeps)
+    return _sweeps(problem, problem.model.mixed(problem.weights(policy)), tolerance, max_sweeps)
 
 
 def policy_iteration(
@@ -127,8 +126,7 @@ def policy_iteration(
             goes on for ever while rewards cancel out.
     """
     check_counts(max_sweeps=max_sweeps)
-    problem = read_problem(level, discount, actions, "round")
-    return Learning(Sweep, _rounds(problem, max_sweeps))
+    return Learning(Sweep, _rounds(read_problem(level, discount, actions, "round"), max_sweeps))
 
 
 def _sweeps(problem: Problem, model: Model, tolerance: float, max_sweeps: int) -> Learning[Sweep]:
@@ -159,14 +157,12 @@ def _rounds(problem: Problem, max_sweeps: int) -> Iterator[Sweep]:
         weights = _without_risks(model, weights)
     values = np.zeros(model.size)
     for number in range(1, max_sweeps + 1):
-        chain = model.mixed(weights)
-        before, values = values, chain_values(chain, discount, problem.space)
+        before, values = values, chain_values(model.mixed(weights), discount, problem.space)
         ahead = action_values(model, values, discount)
         size = np.where(np.isfinite(values), np.abs(values), 0.0)
         better = ahead.max(axis=1) > values + TOLERANCE * np.maximum(1.0, size)
         weights[better] = np.eye(ahead.shape[1])[problem.greedy(ahead)[better]]
-        delta = largest_change(values, before)
-        yield problem.sweep(number, values, delta, weights.argmax(axis=1))
+        yield problem.sweep(number, values, largest_change(values, before), weights.argmax(axis=1))
         if not better.any():
             return
 
@@ -427,14 +423,12 @@ class _Agent:
         space = problem.space
         if not math.isfinite(initial):
             raise ValueError(f"initial must be a finite number, not {initial!r}")
-        shape = space.mdp.num_states, space.num_actions
-        self.values = np.full(shape, float(initial))
+        self.values = np.full((space.mdp.num_states, space.num_actions), float(initial))
         self._reached = space.reached
         self._seen: dict[tuple[int, int], int] = {}
         self._memory: list[tuple[int, int, float, int | None]] = []
         self._rng = np.random.default_rng(check_seed(seed))
-        made = make(space.level, observation="index", actions=space.actions)
-        self._env = made.unwrapped
+        self._env = make(space.level, observation="index", actions=space.actions).unwrapped
         self._env.reset(seed=int(self._rng.integers(2**31)))
 
     def q_learning_episode(self, exploring_starts: bool, planning_steps: int) -> float:

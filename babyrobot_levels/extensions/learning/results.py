@@ -241,8 +241,7 @@ class Problem:
         states = self.space.spread(self.model, ahead.max(axis=1))
         rows = self.space.spread(self.model, ahead)
         policy, actions = self._policy(self.greedy(ahead)), self.space.actions
-        table = np.array(returns)
-        return Trials(number, states, policy, delta, actions, rows, table, run=self.run)
+        return Trials(number, states, policy, delta, actions, rows, np.array(returns), run=self.run)
 
     def _policy(self, policy: Ints) -> Ints:
         mdp = self.space.mdp

@@ -105,8 +105,7 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
             found.diagnostics += errors
             if world is None:
                 continue
-            problem = _taken(world, path, document, names)
-            if problem is not None:
+            if (problem := _taken(world, path, document, names)) is not None:
                 found.diagnostics.append(document.diagnostic(problem))
             if isinstance(world, SuiteTexts):
                 found.suites[str(world.name)] = path
@@ -219,8 +218,7 @@ def _taken(
         message = "the file's name has no letters or digits for a level's name"
         return Issue("BR701", (), message, "rename the file")
     for name in dict.fromkeys((world.name, stem)):
-        other = names.setdefault(name, path)
-        if other != path:
+        if (other := names.setdefault(name, path)) != path:
             own = ("name",) if name == world.name and "name" in document.data else ()
             advice = "in a pack, the names of levels and suites and of their files are unique"
             return Issue("BR701", own, f"`{name}` is already the name of {other}", advice)
@@ -276,8 +274,7 @@ def pack(folder: Path, lint: Callable[[Sequence[Path]], list[Diagnostic]]) -> Pa
     if not os.path.lexists(folder / PACK_FILE):
         raise PackError(f"it has no {PACK_FILE}")
     paths, left_out = _paths(folder)
-    unfit = list(_unfit(folder, paths))
-    if unfit:
+    if unfit := list(_unfit(folder, paths)):
         return Packed(Contents(), paths, left_out, unfit)
     files = _read(folder, paths)
     contents = survey(folder, paths, folder)
@@ -288,8 +285,7 @@ def pack(folder: Path, lint: Callable[[Sequence[Path]], list[Diagnostic]]) -> Pa
     ]
     diagnostics = _merged(contents.diagnostics, lint(levels), paths, folder)
     fields = contents.fields
-    errors = any(each.severity is Severity.ERROR for each in diagnostics)
-    if fields is None or errors:
+    if fields is None or any(each.severity is Severity.ERROR for each in diagnostics):
         return Packed(contents, paths, left_out, diagnostics)
     if not contents.levels and not contents.suites:
         raise PackError("it has neither levels nor suites")

@@ -130,8 +130,7 @@ def gallery(
         fail(str(error))
     for index, why in made.left_out.items():
         note(f"level {index} left out: {one_line(reason(why))}")
-    random = sum(each["maze_seed"] is not None for each in made.levels)
-    if random:
+    if random := sum(each["maze_seed"] is not None for each in made.levels):
         note(f"random mazes are shown with seed 0: {random:,} level{'s' * (random != 1)}")
     size = len(made.levels)
     write(f"wrote {size:,} level{'s' * (size != 1)} to {one_line(str(output / 'index.html'))}\n")

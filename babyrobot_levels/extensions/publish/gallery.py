@@ -392,8 +392,7 @@ def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Gal
         split: the split of the suite that the level belongs to; may be empty.
         shown: what the pages show.
     """
-    own = folder / name
-    own.mkdir()
+    (folder / name).mkdir()
     # Comments may tell what the level is worth, and what is expected of it does.
     told = level if shown.answers else level.replace(expect=None)
     text = with_schema(told.to_yaml(comments=shown.answers))

@@ -142,8 +142,7 @@ def programs(facts: Facts, *, answers: bool) -> tuple[str, str]:
 
 def load_name(facts: Facts) -> str:
     """Return what `brl.load` takes: a name of the package's gallery, else that of the file."""
-    path = _levels_in(gallery_place()).get(facts.name)
-    if path is not None:
+    if (path := _levels_in(gallery_place()).get(facts.name)) is not None:
         with suppress(BabyRobotError):
             if load_file(path).digest == facts.digest:
                 return facts.name
@@ -219,8 +218,7 @@ def _from_page(facts: Facts, address: str) -> str:
     """Return an address that is given from the gallery's folder as the page of a level needs it."""
     if urlsplit(address).scheme or address.startswith("/"):
         return address
-    slash = "/" * address.endswith("/")
-    return _relative(facts, address) + slash
+    return _relative(facts, address) + ("/" * address.endswith("/"))
 
 
 # -- YAML and Python as HTML -----------------------------------------------------------------------

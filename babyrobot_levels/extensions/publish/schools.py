@@ -64,8 +64,7 @@ def gradescope(course: Course) -> Mapping[str, bytes]:
 
 def classroom50(course: Course) -> Mapping[str, bytes]:
     """Return the files of an autograder for Classroom 50, for the folder of an assignment."""
-    script = _autograder(".", "result.json", "to_classroom50")
-    return {"autograder.py": script, **_files_of(course)}
+    return {"autograder.py": _autograder(".", "result.json", "to_classroom50"), **_files_of(course)}
 
 
 def prairielearn(course: Course, title: str) -> Mapping[str, bytes]:

@@ -353,8 +353,7 @@ class _Block:
         for _ in range(self._lines):
             y += _RULED
             yield _line(0, y, self.width)
-        mark = cut(self._entry.mark, self.width, _SMALL)
-        yield Text(0, y + 14, mark, _SMALL, FAINT, "start")
+        yield Text(0, y + 14, cut(self._entry.mark, self.width, _SMALL), _SMALL, FAINT, "start")
 
 
 def _lines_of(text: str, room: float, most: int, size: float) -> list[str]:
@@ -362,8 +361,7 @@ def _lines_of(text: str, room: float, most: int, size: float) -> list[str]:
     lines = wrapped(text, room, size) if text and most else []
     if len(lines) > most:
         # Two lines are more than what has room.
-        rest = " ".join(lines[most - 1 : most + 1])
-        lines = [*lines[: most - 1], cut(rest, room, size)]
+        lines = [*lines[: most - 1], cut(" ".join(lines[most - 1 : most + 1]), room, size)]
     return lines
 
 

@@ -85,8 +85,7 @@ class Walk:
         for time in range(1, len(cells)):
             budget.spend(_TIME)
             moved = cells[time] - cells[time - 1]
-            far = np.flatnonzero(np.abs(moved).sum(axis=1) > 1)
-            if far.size:
+            if (far := np.flatnonzero(np.abs(moved).sum(axis=1) > 1)).size:
                 return ("jump", (int(far[0]),), time), done
             taken = [_TAKEN[x, y] for x, y in moved.tolist()]
             told = told_of(state, int(self.robots.joint_action(taken)))
@@ -96,8 +95,7 @@ class Walk:
             state, over = told[0][1], told[0][3]
             there, away = self._cells(state), self._away(state)
             done[~before & (moved.any(axis=1) | away)] = time
-            wrong = np.flatnonzero((there != cells[time]).any(axis=1))
-            if wrong.size:
+            if (wrong := np.flatnonzero((there != cells[time]).any(axis=1))).size:
                 return self._kept(cells, time, int(wrong[0])), done
             if over:
                 if self._has_succeeded(state):

@@ -157,8 +157,7 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]
             return {}, {}, {}, {}, {}
         if not isinstance(actions, dict):
             raise error.InvalidAction(f"actions are a dict of {self.agents}, not {actions!r}")
-        missing = [name for name in self.agents if name not in actions]
-        if missing:
+        if missing := [name for name in self.agents if name not in actions]:
             raise error.InvalidAction(f"there is no action for {', '.join(missing)}")
         joint = [
             actions[name] if name in self.agents else int(Action.STAY)

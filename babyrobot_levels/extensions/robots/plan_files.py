@@ -64,8 +64,7 @@ def read_plan(path: Path, scen: str, starts: Cells, agents: int | None) -> Itera
         moves, at, is_flipped = _of_table(source, PurePath(scen).stem, agents)
         cells = _walked(source, moves, at, starts)
     else:
-        text = source.text.removesuffix("\n").removesuffix("\r")
-        cells = _walked(source, text, START, starts)
+        cells = _walked(source, source.text.removesuffix("\n").removesuffix("\r"), START, starts)
     if fault := count_fault(cells.shape[1], len(starts), agents):
         raise ConversionError.at(source, START, fault)
     if not is_flipped:

@@ -212,8 +212,7 @@ class _Field:
         if not agents:
             raise ConversionError.at(source, START, "there are no scenarios")
         there = read_source(map_file or scen.parent / agents[0].map)
-        rows = [list(plain_cells(row)) for row in rows_of_map(there)[0]]
-        free = np.array(rows) == d.PLAIN
+        free = np.array([list(plain_cells(row)) for row in rows_of_map(there)[0]]) == d.PLAIN
         for agent in agents:
             for x, y in (agent.start, agent.goal):
                 if y >= len(free) or x >= len(free[0]) or not free[y, x]:

@@ -118,8 +118,7 @@ def grade_values(
         first = next(iter(np.ravel(values)), None) if isinstance(values, np.ndarray) else None
         other = f", but such as {first!s:.40}" if first is not None else ""
         return _wrong(f"the values are not numbers in a table{other}", points)
-    fault = task.fault_of(table)
-    if fault is not None:
+    if (fault := task.fault_of(table)) is not None:
         return _wrong(fault, points)
     flat = table.ravel()
     right = task.right(flat)
@@ -264,8 +263,7 @@ class _Task:
     @cached_property
     def counts(self) -> Flags:
         """Which states of the model are graded, `[n]`: not those that no episode reaches."""
-        space = self.problem.space
-        return ~space.without_value[self.problem.model.states]
+        return ~self.problem.space.without_value[self.problem.model.states]
 
     def optimum_at(self, discount: float) -> Optimum:
         """Return the optimum for a discount, which counts as much work as with another model."""
@@ -506,8 +504,7 @@ class _Policies(_Task):
 
     def is_optimal(self, weights: Floats, discount: float) -> Flags:
         """Return from which states a policy earns the optimum, `[n]`."""
-        chain = self.problem.model.mixed(weights)
-        values = chain_values(chain, discount, self.problem.space)
+        values = chain_values(self.problem.model.mixed(weights), discount, self.problem.space)
         is_own = discount == self.problem.discount
         optimum = self.optimum if is_own else self.optimum_at(discount)
         close = np.isclose(values, optimum.found.values, rtol=1e-7, atol=1e-9)
@@ -530,8 +527,7 @@ class _Policies(_Task):
 
     def mistakes(self, policy: Any, weights: Floats) -> Iterator[str]:
         """Yield what the student did, if it explains all that is wrong."""
-        explained = self.explained(policy)
-        if explained is not None:
+        if (explained := self.explained(policy)) is not None:
             yield explained
         discount = self.problem.discount
         for other in self.other_discounts():
@@ -539,12 +535,10 @@ class _Policies(_Task):
                 if self.is_optimal(weights, other).all():
                     yield f"it is optimal for the discount {other:g}, not for {discount:g}"
         # Where the optimum goes on for ever, that is no mistake.
-        best = self.weights(self.solution)
-        bad = ~self.is_optimal(weights, discount) & ~self.endless(best)
+        bad = ~self.is_optimal(weights, discount) & ~self.endless(self.weights(self.solution))
         endless: Flags = self.endless(weights) & bad
         label = closed_classes(self.problem.model.mixed(weights))
-        stuck = endless & (label >= 0)
-        if stuck.any():
+        if (stuck := endless & (label >= 0)).any():
             cells = self.problem.space.cells(
                 self.problem.model.states[(label == label[stuck][0]) & self.counts]
             )

@@ -35,8 +35,7 @@ def average_scores(
         if isinstance(agent, Table):
             policy = agent.of(level.name, level.digest)
         else:
-            observer = make_observer(level, observation, extent)
-            policy = policy_of(agent, space, observer, None)(0)
+            policy = policy_of(agent, space, make_observer(level, observation, extent), None)(0)
         is_best = isinstance(policy, str) and policy == "best"
         found.append(_row(space, best.policy if is_best else policy, best))
     return found

@@ -144,8 +144,7 @@ def _level_of(plays: Sequence[Play]) -> tuple[Level, str]:
     if len(conditions) > 1:
         raise ValueError("a dataset is of one level, one set of actions and one time limit")
     for number, play in enumerate(plays, 1):
-        fault = verify_play(play).fault
-        if fault is not None:
+        if (fault := verify_play(play).fault) is not None:
             raise PlayError(f"play {number} is not valid: {fault}")
     return first.level.model_copy(update={"max_steps": first.max_steps}), first.action_set
 

@@ -183,8 +183,7 @@ class GradedEpisode(Telling):
     def _enter(self, level: Level) -> None:
         """Go over to a level."""
         check_sight(level, self._sight)
-        given = "max_steps" if self._limit is None else self._limit
-        limit = check_within(given, level.max_steps)
+        limit = check_within("max_steps" if self._limit is None else self._limit, level.max_steps)
         assert limit is not None
         self._env = self._make_env(level)
         self._stage = _stage_of(level, self._sight, limit)

@@ -340,8 +340,7 @@ class _Sorter:
                     units.setdefault(unit, []).append(path.name)
                 continue
             read_of.add(unit)
-            own = str(path if owner else PurePosixPath(*path.parts[1:]))
-            inner = "" if is_own else own
+            inner = "" if is_own else str(path if owner else PurePosixPath(*path.parts[1:]))
             where = f"{inside}/{inner}" if inside else inner
             data = read(left)
             name = inner or _told_by(path.name)[2]

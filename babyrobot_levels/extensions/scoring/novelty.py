@@ -87,8 +87,7 @@ class NoveltyArchive(Telling, public=True):
         for level in map(load, named_levels(levels)):
             own = np.ma.masked_invalid(self._measured(level))
             apart = np.linalg.norm(known - ((own - mean) / scale).filled(0.0), axis=1)
-            near = np.sort(apart)[: self._nearest].mean()
-            found.append(0.0 if level in self else float(near))
+            found.append(0.0 if level in self else float(np.sort(apart)[: self._nearest].mean()))
         return np.array(found)
 
     def _measured(self, level: Level) -> Floats:

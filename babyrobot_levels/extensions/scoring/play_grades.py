@@ -53,8 +53,7 @@ class Bounds:
         It is nan where there is no way, and can be above 1: single episodes can be lucky.
         """
         way = self.optimum - self.random
-        scale = max(1.0, abs(self.optimum))
-        if not math.isfinite(way) or way <= 1e-9 * scale:
+        if not math.isfinite(way) or way <= 1e-9 * max(1.0, abs(self.optimum)):
             return math.nan
         return (earned - self.random) / way
 
@@ -341,8 +340,7 @@ def _has_own_seed(play: Play) -> bool:
     """Return whether a play has a seed that pages give to the name that it tells."""
     if play.player is None or play.seed is None:
         return False
-    first = zlib.crc32(play.player.encode("utf-8", "replace"))
-    return 0 <= int(play.seed) - first < _OWN_SEEDS
+    return 0 <= int(play.seed) - zlib.crc32(play.player.encode("utf-8", "replace")) < _OWN_SEEDS
 
 
 def _condition_fault(play: Play, wanted: Level | Play) -> str | None:

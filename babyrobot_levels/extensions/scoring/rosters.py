@@ -44,8 +44,7 @@ def filled(path: Path, grades: Grades, column: str | None = None) -> tuple[str, 
     data = read_bytes(path, MAX_BYTES)
     encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
     text = data.decode(encoding, "replace")
-    first = text.partition("\n")[0]
-    delimiter = max(",;\t", key=first.count)
+    delimiter = max(",;\t", key=text.partition("\n")[0].count)
     heading, *rows = [*csv.reader(io.StringIO(text), delimiter=delimiter)] or [[]]
     names = [each for each in range(len(heading)) if _NAMES.fullmatch(heading[each].strip())]
     ids = [each for each in range(len(heading)) if _IDS.fullmatch(heading[each].strip())]
@@ -91,8 +90,7 @@ def _rows_of(
         own = player.casefold()
         return bool(cell) and (number in known or own == cell or own.endswith(f"-{cell}"))
 
-    found = [number for number, row in enumerate(rows) if any(map(is_known, cells(row, ids)))]
-    if found:
+    if found := [number for number, row in enumerate(rows) if any(map(is_known, cells(row, ids)))]:
         return found
     words = words_of(player)
     told: Mapping[int, list[str]] = {number: cells(row, names) for number, row in enumerate(rows)}

@@ -323,8 +323,7 @@ def _with_more(
     space, discount, limit = problem.space, problem.discount, problem.limit
     if advantage:
         own = policy if limit else policy(0)
-        mean = mean_positive_advantage(space, own, discount, limit)
-        row = replace(row, positive_advantage=mean)
+        row = replace(row, positive_advantage=mean_positive_advantage(space, own, discount, limit))
     if cvar is not None:
         returns = distribution_of(space, policy, discount, limit or MAX_STEPS)
         row = replace(row, cvar=returns.cvar(cvar))

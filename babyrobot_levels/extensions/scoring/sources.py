@@ -122,16 +122,14 @@ def _find(
         path = candidates[0]
         is_own = PurePosixPath(path).name.removesuffix(".txt") == own
         told = "" if is_own else f"{name} was read from {path}"
-        others = [each for each in candidates[1:] if texts[each] != texts[path]]
-        if others:
+        if others := [each for each in candidates[1:] if texts[each] != texts[path]]:
             told = f"{name} is in several files: it was read from {path}, not {listed(others[:3])}"
         text, written = texts[path], _is_written(trees[path], name)
         if kind_of(path) == ".ipynb":
             with suppress(RecursionError, SyntaxError, ValueError):
                 text = _needed(trees[path], name)
         return Source(name, text, file=path, note=told, is_written=written)
-    answers = [path for path in files if kind_of(path) in ANSWERS and _stem(path) == name]
-    if answers:
+    if answers := [path for path in files if kind_of(path) in ANSWERS and _stem(path) == name]:
         path = answers[0]
         try:
             tables = read_tables(files[path], path.lower().removesuffix(".txt"))
@@ -177,8 +175,7 @@ def _text_of(path: str, data: bytes) -> str:
 def _cells(text: str) -> Iterator[str]:
     """Yield the cells of a notebook that are Python."""
     try:
-        cells = json.loads(text)["cells"]
-        for cell in cells:
+        for cell in json.loads(text)["cells"]:
             if cell["cell_type"] == "code":
                 source = cell["source"]
                 code = _MAGIC.sub("", source if isinstance(source, str) else "".join(source))

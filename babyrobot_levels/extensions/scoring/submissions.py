@@ -476,8 +476,7 @@ class Grader:
         tables = source.tables
         if not isinstance(tables, dict):
             return f"{source.file} has one table: give one for each level, by its name"
-        found = tables.get(entry.level)
-        if found is not None:
+        if (found := tables.get(entry.level)) is not None:
             return checked_table(found)
         if entry.hidden:
             return Ungraded("students do not have this level, and handed in no code")

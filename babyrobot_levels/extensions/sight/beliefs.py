@@ -84,8 +84,7 @@ class BeliefGraph:
             self.outcomes.append(None)
             self.numbers += states.size
         else:
-            difference = float(np.abs(chances - self.chances[number]).sum())
-            self.rounding = max(self.rounding, difference)
+            self.rounding = max(self.rounding, float(np.abs(chances - self.chances[number]).sum()))
         return number
 
     def explore(self, beliefs: Sequence[int]) -> None:

@@ -81,8 +81,7 @@ class _Informed:
     """
 
     def __init__(self, model: PartialModel) -> None:
-        count = model.num_actions
-        row = np.repeat(np.arange(model.size * count), np.diff(model.rows))
+        row = np.repeat(np.arange(model.size * model.num_actions), np.diff(model.rows))
         observed = model.observation[model.target]
         order = np.lexsort((observed, row))
         self._reward, self._target = model.reward, model.target[order]

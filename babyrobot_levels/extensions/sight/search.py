@@ -90,8 +90,7 @@ class Search:
         self.found = self._evaluated()
         self._oldest = 0
         self._walked: set[int] = set()
-        roots = zip((-self.graph.root_chances).tolist(), self.graph.roots, strict=True)
-        self._walk = sorted(roots)
+        self._walk = sorted(zip((-self.graph.root_chances).tolist(), self.graph.roots, strict=True))
 
     @property
     def is_full(self) -> bool:

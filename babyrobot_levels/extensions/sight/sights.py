@@ -156,8 +156,7 @@ class TextSight(Sight):
         size = 25 * prod(space.level.size) + 2_000 * _parts(space.level)
         budget.spend(states.size * (40_000 + size))
         limit = self._within or space.level.max_steps
-        told = space.level.model_copy(update={"max_steps": limit})
-        narrator = narrator_of(told, self._sight)
+        narrator = narrator_of(space.level.model_copy(update={"max_steps": limit}), self._sight)
         rules = narrator.rules()
         return [(rules, narrator.scene(state)) for state in states.tolist()]
 

@@ -81,8 +81,7 @@ class _Table:
             model.target[first:last], model.probability[first:last], strict=True
         ):
             chances[int(after)] += float(chance)
-        ends = 1.0 - sum(chances.values())
-        if ends > _ROUNDING:
+        if (ends := 1.0 - sum(chances.values())) > _ROUNDING:
             chances[self.end] = ends
         return _row([*chances], [*chances.values()])
 

@@ -245,8 +245,7 @@ def difference_text(difference: brl.Difference, title: str, *, brief: bool) -> s
         parts.append("".join(f"{line}\n" for line in lines))
     if not same:
         parts.append("".join(f"{line}\n" for line in _return_lines(difference)))
-    beside = [_field_line(change) for change in difference.beside]
-    if beside:
+    if beside := [_field_line(change) for change in difference.beside]:
         parts.append(_section("not part of the MDP:", beside))
     return "\n".join(parts)
 
@@ -294,8 +293,7 @@ def _listed(name: str, changes: Changes, described: Callable[[Change], list[str]
     yield f"{bold(name + ':')} {changes.count:,} of {changes.total:,} changed"
     for change in changes.first:
         yield from (f"  {line}" for line in described(change))
-    rest = changes.count - len(changes.first)
-    if rest:
+    if rest := changes.count - len(changes.first):
         yield f"  and {rest:,} more (--limit 0 shows all)"
 
 

@@ -389,8 +389,7 @@ def add_mover(draft: Draft, gesture: Path) -> None:
     cost_of_hits(draft)
     if gesture.rectangle:
         x, y, columns, rows = Box.between(gesture.cells[0], gesture.cells[-1])
-        within = {"at": [x, y], "size": [columns, rows]}
-        draft.entries("movers").append({"within": within})
+        draft.entries("movers").append({"within": {"at": [x, y], "size": [columns, rows]}})
         return
     path = [*_joined(gesture.cells)]
     if len(path) > 1 and path[0] == path[-1]:

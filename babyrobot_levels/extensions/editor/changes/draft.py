@@ -367,8 +367,7 @@ def forget_missing(draft: Draft) -> None:
         shown = {character for row in draft.canvas.cells for character in row}
         for character in {*"".join(draft.level.drawing.cells)} - shown:
             draft.data.get("legend", {}).pop(character, None)
-    gone = {*names_of(draft.level)} - {*known_names(draft)}
-    if gone:
+    if gone := {*names_of(draft.level)} - {*known_names(draft)}:
         replace_names(draft, dict.fromkeys(gone))
 
 

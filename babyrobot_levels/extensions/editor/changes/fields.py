@@ -100,8 +100,7 @@ def _put(draft: Draft, route: Route, value: Any) -> None:
         case ["robots", int() as number, "start"]:
             robots.own_start(draft, number)
     if route[0] == "theme" and len(route) > 1 and isinstance(draft.data.get("theme"), str):
-        theme = draft.level.resolved_theme
-        draft.data["theme"] = theme.model_dump(exclude_defaults=True)
+        draft.data["theme"] = draft.level.resolved_theme.model_dump(exclude_defaults=True)
     with _redrawn(draft, route):
         routes.put(draft.data, route, value)
     new = _name(draft, route)

@@ -151,8 +151,7 @@ def _put_wind(draft: Draft, wind: dict[str, list[int]]) -> None:
 
 
 def _move_wind(draft: Draft, change: Placement) -> None:
-    wind = draft.data.get("wind")
-    if wind:
+    if wind := draft.data.get("wind"):
         across, down = change.shift
         _put_wind(
             draft,

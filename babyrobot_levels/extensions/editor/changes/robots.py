@@ -87,8 +87,7 @@ def _leave_alone(draft: Draft) -> None:
     draft.data.pop("team", None)
     replace_names(draft, {entry["name"]: None})
     if "exit" in entry:
-        exits = draft.level.common_exits
-        draft.lost["exit"] += len({*exits} - {as_cell(entry["exit"])})
+        draft.lost["exit"] += len({*draft.level.common_exits} - {as_cell(entry["exit"])})
         _draw_over(draft, entry["exit"], d.EXIT)
         put_exits(draft, [as_cell(entry["exit"])])
     if "start" in entry:

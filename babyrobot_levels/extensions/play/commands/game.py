@@ -113,8 +113,7 @@ class Game:
         self._mask = info["action_mask"]
         maze = f"  maze {info['maze_seed']}" if "maze_seed" in info else ""
         self._heading = self._title + maze
-        level = env.get_wrapper_attr("level")
-        if level is not self._level:
+        if (level := env.get_wrapper_attr("level")) is not self._level:
             self._use(level)
         self._enter(state)
         self._taken: list[Any] = []

@@ -108,8 +108,7 @@ def _play(game: Game, next_key: NextKey) -> None:
         room = room_of(sys.stdout)
         if shown != (game.moment, room):
             shown = game.moment, room
-            lines = game.screen(room)
-            sys.stdout.write("\x1b[H" + "\x1b[K\r\n".join(lines) + "\x1b[K\x1b[J")
+            sys.stdout.write("\x1b[H" + "\x1b[K\r\n".join(game.screen(room)) + "\x1b[K\x1b[J")
             sys.stdout.flush()
         key = (next_key(_LOOK_AGAIN) or "").lower()
         if key in _QUIT:

@@ -257,8 +257,7 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> brl.Scores:
         warnings.filterwarnings("ignore", "of an agent with memory")
         try:
             with blamed(word, is_reader=options["sight"] is not None):
-                agent = named_agent(word, trust=trust)
-                return brl.score(levels, agent, **options)
+                return brl.score(levels, named_agent(word, trust=trust), **options)
         except (brl.UndefinedReturnError, brl.EpisodeTooLongError) as error:
             fail(str(error))
         except brl.BabyRobotError:
@@ -281,8 +280,7 @@ def _put(scores: brl.Scores, kind: TableFormat, output: Path | None, *, force: b
         has_more["of knowable"] = has_more["knowable"]
         heading = [name for name in rows[0] if has_more.get(name, True)]
         write_table(heading, [[row[name] for name in heading] for row in rows])
-        facts = {**_summary(scores), **_pooled(scores), **_limits(scores)}
-        write("\n" + fact_lines(facts))
+        write("\n" + fact_lines({**_summary(scores), **_pooled(scores), **_limits(scores)}))
 
 
 def _written(found: brl.Scores | brl.Grades, kind: TableFormat) -> bool:
@@ -382,14 +380,9 @@ def _may_hold_plays(word: str) -> bool:
 
 def _grades(files: list[str], level: str | None, rule: Rule) -> brl.Grades:
     """Return the grades of plays; end the command if the levels are not fit for that."""
-    if level is not None:
-        # What is wrong with a level, its errors tell.
-        levels = levels_named([level])
-        if any(brl.load(each).has_random_maze for each in levels):
-            fail(
-                "the maze of this level is random",
-                "give the level with its seed: a file, or a code",
-            )
+    # What is wrong with a level, its errors tell.
+    if level is not None and any(brl.load(each).has_random_maze for each in levels_named([level])):
+        fail("the maze of this level is random", "give the level with its seed: a file, or a code")
     with working("verifying"):
         try:
             return brl.grade(files, level, points=rule, functions=[])
