@@ -342,8 +342,7 @@ class FramePainter:
     def _robot(self, cell: Cell, pose: Pose) -> Sprite:
         image = self._robots.get(pose)
         if image is None:
-            theme = self._level.resolved_theme
-            shapes = robot_shapes(theme, 0.0, 0.0, pose, small=self._small)
+            shapes = robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose, small=self._small)
             image = self._grounds.translucent(Scene(CELL, CELL, shapes), self._cell)
             remember(self._robots, pose, image, _POSES)
         left, top = self._left[cell[0]], self._top[cell[1]]

@@ -236,8 +236,7 @@ class _Painter:
         yield from self._changed[ground.name]
         # Figures may overlap: each is laid on the picture with those before.
         picture = ground.whole.copy()
-        figures = [(self._robot(shot.pose), shot.place), *self._moving(shot)]
-        for image, place in figures:
+        for image, place in [(self._robot(shot.pose), shot.place), *self._moving(shot)]:
             patch = self._laid(picture, image, place)
             picture[patch.place] = patch.pixels
             yield patch

@@ -34,8 +34,7 @@ def tables_of(level: GridWorld) -> dict[str, Any]:
     """
     mdp = level.compile()
     rows, table = rows_of(level)
-    numbers = sum(map(len, rows))
-    if numbers > MAX_NUMBERS:
+    if (numbers := sum(map(len, rows))) > MAX_NUMBERS:
         raise TooLargeError(
             f"the tables of the level are too large for a page: their rows have {numbers:,} "
             f"numbers, and the limit is {MAX_NUMBERS:,}"

@@ -75,8 +75,7 @@ def advance(character: str, *, bold: bool = False) -> int:
 
     One that the font does not have is as wide as in a usual font of its script.
     """
-    composed = composition(character)
-    if composed:
+    if composed := composition(character):
         return _WIDTHS[bold].get(composed[0], _USUAL)
     if unicodedata.combining(character):
         return 0
@@ -224,8 +223,7 @@ def to_pdf(
         f"/MarkInfo << /Marked true >> /StructTreeRoot {root} 0 R "
         "/ViewerPreferences << /DisplayDocTitle true >> >>",
     )
-    info = file.added(f"<< /Title {_string(title or pages[0].title)} >>")
-    return file.written(catalog, info)
+    return file.written(catalog, file.added(f"<< /Title {_string(title or pages[0].title)} >>"))
 
 
 # -- the file --------------------------------------------------------------------------------

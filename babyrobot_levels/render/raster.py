@@ -114,8 +114,7 @@ def to_png(
     image = _paint(scene, size, "white", progress)
     if colors is not None:
         image = image.quantize(colors)
-    level = 4 if colors is None else 9
-    image.save(buffer, "PNG", compress_level=level, pnginfo=_texts(scene))
+    image.save(buffer, "PNG", compress_level=4 if colors is None else 9, pnginfo=_texts(scene))
     return buffer.getvalue()
 
 
@@ -286,8 +285,7 @@ class Painter:
         """Draw lines in a colour; a few translucent ones that are far apart in several masks."""
         first = [*islice(lines, _MANY)]
         if rgba(color)[3] * opacity >= 1 or len(first) == _MANY:
-            whole = 0, 0, *self._image.size
-            self._ink(color, opacity, whole, partial(draw, chain(first, lines)))
+            self._ink(color, opacity, (0, 0, *self._image.size), partial(draw, chain(first, lines)))
             return
         for group in _apart(first, reach) if first else ():
             self._ink(color, opacity, _bounds(group, reach), partial(draw, group))
@@ -381,8 +379,7 @@ class Pen:
         """Draw a line with round joins."""
         points, closed = line
         half = width / 2
-        ends = [*points, points[0]] if closed else points
-        for start, end in pairwise(ends):
+        for start, end in pairwise([*points, points[0]] if closed else points):
             self._segment(start, end, half)
         if half >= 1:
             for x, y in points if round_caps or closed else points[1:-1]:

@@ -246,8 +246,7 @@ class TextPainter:
     def _painted(self, overlay: Overlay, colors: int, columns: int | None) -> _Drawn:
         """Return the picture in colours: values are backgrounds, with numbers where they fit."""
         layout = layout_of(self._level, overlay=overlay)
-        slots = Slots(self._level, layout, overlay)
-        heat = Heat(self._level, layout, overlay, slots)
+        heat = Heat(self._level, layout, overlay, Slots(self._level, layout, overlay))
         values = heat.visits if overlay.values is None else heat.values
         arrows = self._arrows_of(overlay)
         form = form_of(values.values(), overlay.precision)
@@ -281,8 +280,7 @@ class TextPainter:
         if overlay.values is not None:
             below += _table(overlay.visits, _decimals(overlay))
         below += _texts_below(overlay, self.never)
-        lines = unicode_lines(self._drawing, contents)
-        return _Drawn(lines, cells, fills, below)
+        return _Drawn(unicode_lines(self._drawing, contents), cells, fills, below)
 
     def _cross(self, overlay: Overlay, contents: list[list[str]]) -> None:
         """Mark lost cells beside their symbols, or before numbers that leave no room there."""

@@ -96,8 +96,7 @@ def marked_symbols(
         free = [(y, x) for y, x in places if symbols[y][x] in (d.PLAIN, *WINDS)]
         if not rule.sample.startswith("cell:") or not free:
             continue
-        name = rule.text.partition(":")[0].upper()
-        letters = filter(str.isascii, filter(str.isalpha, name))
+        letters = filter(str.isascii, filter(str.isalpha, rule.text.partition(":")[0].upper()))
         letter = next(
             (
                 each
@@ -241,8 +240,7 @@ class _Reader:
         lying = {item.name: at for item, at in zip(level.items, situation.items, strict=True)}
         lying |= {switch.name: switch.places for switch in level.switches}
         for name, mark in self._marks_of_things.items():
-            places = lying[name]
-            if places:
+            if places := lying[name]:
                 at = _at(places)
                 at = f"{at.replace(' ', ' one of ', 1)}, drawn at reset" if len(places) > 1 else at
                 where.setdefault(mark, []).append(f"{spoken([name])} {at}")

@@ -122,8 +122,7 @@ def _in_cells(
         # Without a state, the picture has no other mark of the first one.
         robots.insert(0, (0, level.starts[0]))
     for number, (x, y) in robots:
-        name = level.robots[number].name[0].upper()
-        yield x, y, TextMark(name, robot_color(level, number))
+        yield x, y, TextMark(level.robots[number].name[0].upper(), robot_color(level, number))
     targets = {target.at for target in level.targets}
     for x, y in situation.boxes:
         mark = ON_TARGET if (x, y) in targets else BOX
@@ -419,8 +418,7 @@ class Palette:
     def _parts(self, text: str, row: int) -> Iterator[str]:
         last: Style | None = None
         for column, character in enumerate(text):
-            style = self.style(row, column, character)
-            if style != last:
+            if (style := self.style(row, column, character)) != last:
                 yield escape(*style, self.count)
                 last = style
             yield character

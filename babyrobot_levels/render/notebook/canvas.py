@@ -123,8 +123,7 @@ class _Brush:
         if not filled:
             self._trace(path.commands)
         self._use(line_width=round(path.width, 2), line_cap=path.cap)
-        dash = path.dash or ()
-        if dash != self._dash:
+        if (dash := path.dash or ()) != self._dash:
             self._canvas.set_line_dash(_rounded(*dash))
             self._dash = dash
         self._canvas.stroke()
@@ -188,8 +187,7 @@ class LayeredCanvas:
             layers: all layers, by their original names.
         """
         self._wanted = dict(layers)
-        size = _size(self._wanted)
-        if size != (self.widget.width, self.widget.height):
+        if (size := _size(self._wanted)) != (self.widget.width, self.widget.height):
             self._painted.clear()
             self.widget.width, self.widget.height = size
         stale = {

@@ -154,8 +154,7 @@ def thumbnail_of(scene: Scene, width: float) -> Picture:
     scale = min(1.0, width / max(scene.width, scene.height))
     size = scale * scene.width, scale * scene.height
     pixels = round(2 * size[0]) or 1, round(2 * size[1]) or 1
-    data = to_png(scene, pixels, colors=PNG_COLORS)
-    return Picture(data, "image/png", *size, scene.title)
+    return Picture(to_png(scene, pixels, colors=PNG_COLORS), "image/png", *size, scene.title)
 
 
 def strip(pictures: Sequence[tuple[Picture, str]], columns: int | None = None) -> str:

@@ -222,8 +222,7 @@ class LevelView:
         level, layout = self._level, self._layout
         layers: dict[str, tuple[Shape, ...]] = {}
         if level.has_things:
-            situation = situation_of(level, place.configuration)
-            still = pieces(level, layout, situation, self._slots)
+            still = pieces(level, layout, situation_of(level, place.configuration), self._slots)
             layers["things"] = tuple(shape for piece in still for shape in piece.shapes)
             moving = (figure for _, figure in self._movers(place))
             layers["movers"] = tuple(shape for figure in moving for shape in figure)

@@ -141,8 +141,7 @@ def build_layers(
     cell = cell if shown.get("robot", True) else None
     if cell is not None:
         corner = layout.corner(*cell)
-        small = slots.is_crowded
-        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose, small=small)
+        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose, small=slots.is_crowded)
     situation = situation_of(level, configuration)
     placed = pieces(level, layout, situation, slots)
     layers["things"] = tuple(counted(shape for piece in placed for shape in piece.shapes))

@@ -161,8 +161,7 @@ def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:
     columns, rows = layout.columns, layout.rows
     for y in range(1, rows):
         above = blocked[(y - 1) * columns : y * columns]
-        below = blocked[y * columns : (y + 1) * columns]
-        for x, length in runs(map(or_, above, below), 0):
+        for x, length in runs(map(or_, above, blocked[y * columns : (y + 1) * columns]), 0):
             yield from _line(layout, (x + inset, y), (x + length - inset, y))
     for x in range(1, columns):
         left, right = blocked[x - 1 :: columns], blocked[x::columns]
@@ -249,8 +248,7 @@ def shore_shapes(
     """
     fill = level.resolved_theme.colors.puddle
     for puddle in level.puddles:
-        faint = [each for each in grounds(puddle.at) if contrast(fill, each) < GRAPHICS]
-        if faint:
+        if faint := [each for each in grounds(puddle.at) if contrast(fill, each) < GRAPHICS]:
             x, y, radius = _puddle_place(layout, slots, puddle)
             outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
             points = [(x + dx, y + dy) for dx, dy in outline]

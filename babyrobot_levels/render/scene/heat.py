@@ -249,8 +249,7 @@ class Heat:
     @cached_property
     def visits(self) -> dict[Cell, float]:
         """The counts that are shown."""
-        found = each_cell(self.overlay.visits, self.layout)
-        return {cell: count for cell, count in found if count}
+        return {cell: count for cell, count in each_cell(self.overlay.visits, self.layout) if count}
 
     @cached_property
     def action_values(self) -> dict[Cell, Sequence[float | None]]:
@@ -287,10 +286,9 @@ class Heat:
 
     def beside(self, cell: Cell, side: str) -> str:
         """Return the colour at a side `N`, `E`, `S` or `W` of a cell."""
-        if cell in self.action_values:
-            value = self.action_values[cell][_MOVES[side]]
-            if value is not None:
-                return self.scale.color(value)
+        value = self.action_values[cell][_MOVES[side]] if cell in self.action_values else None
+        if value is not None:
+            return self.scale.color(value)
         return self.tiles.get(cell) or self._grounds[cell]
 
     def colors_of(self, cell: Cell) -> tuple[str, ...]:
@@ -324,8 +322,7 @@ class Heat:
         yield from self._triangles()
         yield from self.edges
         if self.layout.legend:
-            numbers = (self.scale.low, self.scale.high)
-            form = form_of(numbers, self.overlay.precision)
+            form = form_of((self.scale.low, self.scale.high), self.overlay.precision)
             yield from legend_shapes(self.level, self.layout, self.scale, form)
 
     @property
@@ -345,8 +342,7 @@ class Heat:
             ]
             middle = self.layout.corner(cell[0] + 0.5, cell[1] + 0.5)
             for index, action in enumerate(MOVES):
-                value = values[action]
-                if value is not None:
+                if (value := values[action]) is not None:
                     outer = corners[index], corners[(index + 1) % 4]
                     parts[self.scale.color(value)] += polygon([*outer, middle])
         for color, commands in parts.items():
@@ -389,8 +385,7 @@ def legend_texts(level: GridWorld, layout: Layout, scale: Scale, form: Form) -> 
     """Yield what is at the legend's bar: the ends, and zero between them."""
     top, times = layout.legend_top, layout.times
     form, ink = replace(form, size=_LEGEND_SIZE), level.resolved_theme.colors.text_fg
-    shapes = _legend(layout.left_width / times, top, scale, form, ink)
-    yield from scaled(shapes, times, 0, top)
+    yield from scaled(_legend(layout.left_width / times, top, scale, form, ink), times, 0, top)
 
 
 def _legend(width: float, top: float, scale: Scale, form: Form, ink: str) -> Iterator[Shape]:

@@ -140,16 +140,14 @@ def _key(color: str, spot: Spot) -> Iterator[Shape]:
     teeth = (*polyline([(7, 7), (12, 2)]), *polyline([(13.5, 13.5), (18.0, 9.0)]))
     yield from spot.wire((*bow, *shaft, *teeth), color, 5.4)
     yield spot.fill(circle(-6.5, -6.5, 4.0), INK)
-    shine = curve((-13.2, -8.0), (-12.0, -12.0), (-8.0, -13.2))
-    yield spot.line(shine, WHITE, 1.8, 0.85)
+    yield spot.line(curve((-13.2, -8.0), (-12.0, -12.0), (-8.0, -13.2)), WHITE, 1.8, 0.85)
 
 
 def _coin(color: str, spot: Spot) -> Iterator[Shape]:
     yield from spot.body(circle(0, 0, 14.5), color)
     yield spot.line(circle(0, 0, 9.8), BLACK, 1.8, 0.28)
     yield spot.line(polyline([(0, -4.2), (0, 4.2)]), BLACK, 3.6, 0.55)
-    shine = curve((-11.6, -3.6), (-9.6, -9.6), (-3.6, -11.6))
-    yield spot.line(shine, WHITE, 2.2, 0.9)
+    yield spot.line(curve((-11.6, -3.6), (-9.6, -9.6), (-3.6, -11.6)), WHITE, 2.2, 0.9)
 
 
 def _gem(color: str, spot: Spot) -> Iterator[Shape]:
@@ -171,8 +169,7 @@ def _star(color: str, spot: Spot) -> Iterator[Shape]:
     ]
     yield from spot.body(polygon(points), color)
     # The facets that look to the lower right lie in the shade.
-    shade = [(0.0, 1.4), *points[2:6]]
-    yield spot.fill(polygon(shade), BLACK, 0.16)
+    yield spot.fill(polygon([(0.0, 1.4), *points[2:6]]), BLACK, 0.16)
 
 
 def _box(color: str, spot: Spot) -> Iterator[Shape]:
@@ -199,8 +196,7 @@ def crate_shapes(color: str, spot: Spot, covers: str | None = None) -> Iterator[
         spot: where.
         covers: the colour of the target that it covers, None for none.
     """
-    side = rounded(-22, -22, 44, 44, 4)
-    yield from spot.body(side, color)
+    yield from spot.body(rounded(-22, -22, 44, 44, 4), color)
     for x in (-7.5, 7.5):
         yield spot.line(polyline([(x, -16), (x, 16)]), BLACK, 2.0, 0.35)
     yield spot.line(polyline([(-15, 15), (15, -15)]), BLACK, 6.5, 0.3)
@@ -235,12 +231,10 @@ def _guard(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
         yield from spot.body(rounded(9.5 * side - 5.5, 9, 11, 9, 3.5), INK)
     yield from spot.body(rounded(-16, -16, 32, 29, 9), color)
     yield spot.line(polyline([(-13, 8), (13, 8)]), BLACK, 2.4, 0.35)
-    shine = curve((-12.4, -6.0), (-12.4, -12.4), (-6.0, -12.4))
-    yield spot.line(shine, WHITE, 2.2, 0.6)
+    yield spot.line(curve((-12.4, -6.0), (-12.4, -12.4), (-6.0, -12.4)), WHITE, 2.2, 0.6)
     yield spot.fill(rounded(-12.5, -8, 25, 12, 6), INK)
     for side in (-1, 1):
-        eye = circle(5.2 * side + 3.0 * look[0], -2 + 1.8 * look[1], 2.5, 3.2)
-        yield spot.fill(eye, WHITE)
+        yield spot.fill(circle(5.2 * side + 3.0 * look[0], -2 + 1.8 * look[1], 2.5, 3.2), WHITE)
 
 
 def _wanderer(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
@@ -261,8 +255,7 @@ def _wanderer(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
         for side in (-1, 1)
         for command in polygon([(10 * side, -4), (8.5 * side, -16), (2.5 * side, -9)])
     ]
-    figure = (*wings, *ears, *head)
-    yield from spot.body(figure, color)
+    yield from spot.body((*wings, *ears, *head), color)
     yield spot.fill(wings, BLACK, 0.3)
     yield spot.line(circle(0, 1, 11.5, 11.5), INK, 1.8)
     yield spot.fill(head, color)

@@ -315,8 +315,7 @@ def cells_of(given: Any, key: str, level: GridWorld, *, deep: bool = False) -> l
     width, height = level.size
     counts = (1 + level.moves, level.moves)
     expected = [(height, width, count) for count in counts] if deep else [(height, width)]
-    shape = shape_of(given, len(expected[0]))
-    if shape not in expected:
+    if (shape := shape_of(given, len(expected[0]))) not in expected:
         raise ValueError(_shape_message(key, shape, expected) + _of_things(level))
     return given.tolist() if hasattr(given, "tolist") else [*map(list, given)]
 
@@ -500,8 +499,7 @@ def _weights(policy: NDArray[Any]) -> NDArray[np.float64]:
     """Return a policy of turns as the weight of each turn, `[4, height, width, 3]`."""
     if policy.ndim == 4:
         return np.asarray(policy, np.float64)
-    weights = policy[..., np.newaxis] == np.arange(len(Turn))
-    return np.asarray(weights, np.float64)
+    return np.asarray(policy[..., np.newaxis] == np.arange(len(Turn)), np.float64)
 
 
 def _moves(table: NDArray[Any], heading: int | None) -> NDArray[np.float64]:

@@ -101,8 +101,7 @@ class Overlay:
     @property
     def has_colors(self) -> bool:
         """Whether numbers are shown as colours, which need a legend."""
-        shown = self.values, self.action_values, self.visits
-        return any(rows is not None for rows in shown)
+        return any(rows is not None for rows in (self.values, self.action_values, self.visits))
 
     @property
     def words(self) -> str:

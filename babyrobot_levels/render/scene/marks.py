@@ -218,8 +218,7 @@ def _grain_ink(ground: str, preferred: str) -> str:
     """Return the colour of grains: that of their kind, or a shade of the ground that is seen."""
     rim = rim_on([ground])
     shades = (mixed(rim, ground, share) for share in (0.5, 0.6, 0.7, 0.8))
-    inks = (preferred, *shades)
-    return next((ink for ink in inks if contrast(ink, ground) >= GRAPHICS), rim)
+    return next((ink for ink in (preferred, *shades) if contrast(ink, ground) >= GRAPHICS), rim)
 
 
 def _grained(level: GridWorld, slots: Slots, effects: Effects) -> dict[Cell, bool]:

@@ -113,8 +113,7 @@ def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
         panel = display.side_panel if room.where == "side" else display.bottom_panel
         ink = _text_color(panel, colors)
     rows = [SampledRule(level, rule.sample, rule.text) for rule in rules_of(level)]
-    scale = scale_for([rule.text for rule in rows], room.width, room.height)
-    if scale is not None:
+    if (scale := scale_for([rule.text for rule in rows], room.width, room.height)) is not None:
         shapes = rule_shapes(rows, room.width / scale, room.height / scale, ink)
         yield from shifted(scaled(shapes, scale), room.left, room.top)
 
@@ -143,8 +142,7 @@ def rule_shapes(
         yield from toned(shifted(sample, left, top), rule.level.resolved_theme.colors)
         if sample:
             # A sample may have the colour of the panel.
-            frame = rounded(left, top, SAMPLE, SAMPLE, 0)
-            yield Path(frame, stroke=ink, width=1, opacity=0.5)
+            yield Path(rounded(left, top, SAMPLE, SAMPLE, 0), stroke=ink, width=1, opacity=0.5)
         # A single line stands beside the middle of its sample.
         top += max(0.0, (SAMPLE - RULE_LINE * len(row.lines)) / 2)
         for number, line in enumerate(row.lines):
@@ -233,8 +231,7 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
         yield from _effects(small, effects_of(small))
     elif kind == "item":
         item = next(item for item in level.items if item.name == what)
-        color = thing_color(item, level.resolved_theme.colors)
-        yield from item_shapes(item.picture, color, _SPOT)
+        yield from item_shapes(item.picture, thing_color(item, level.resolved_theme.colors), _SPOT)
     elif kind == "box":
         yield from crate_shapes(default_color("box", level.resolved_theme.colors), _SPOT)
     elif kind in KIND and KIND[kind].need.met in ("on", "covered"):

@@ -195,8 +195,7 @@ def _mouth(figure: Figure, mood: Mood, x: float, y: float) -> Iterator[Shape]:
     elif mood is Mood.SLIP:
         yield figure.disc(x, y + 2.2, 1.9, 2.1, GLOW)
     else:
-        smile = curve((x - 2.5, y), (x, y + 2.8), (x + 2.5, y))
-        yield figure.line(smile, GLOW, 1.6)
+        yield figure.line(curve((x - 2.5, y), (x, y + 2.8), (x + 2.5, y)), GLOW, 1.6)
 
 
 def _splash(ground: Figure, water: str) -> Iterator[Shape]:
@@ -251,16 +250,14 @@ class Figure:
         if self.lean:
             outline = mapped(rounded(x, y, width, height, radius), self.at)
             return Path(outline, fill=fill, opacity=opacity)
-        corner = self.at(x, y)
-        return Rect(*corner, _SCALE * width, _SCALE * height, fill, _SCALE * radius, opacity)
+        return Rect(*self.at(x, y), _SCALE * width, _SCALE * height, fill, _SCALE * radius, opacity)
 
     def disc(
         self, x: float, y: float, rx: float, ry: float, fill: str, opacity: float = 1.0
     ) -> Ellipse | Path:
         """Return an ellipse; `x`, `y` is its centre."""
         if self.lean and rx != ry:
-            outline = mapped(circle(x, y, rx, ry), self.at)
-            return Path(outline, fill=fill, opacity=opacity)
+            return Path(mapped(circle(x, y, rx, ry), self.at), fill=fill, opacity=opacity)
         return Ellipse(*self.at(x, y), _SCALE * rx, _SCALE * ry, fill, opacity)
 
     def line(self, commands: Iterable[Command], stroke: str, width: float) -> Path:

@@ -261,8 +261,7 @@ def _door(
     if closed:
         yield from spot.body(bar(-24, 24, thick, 2), color)
         for along in (-12.5, 12.5):
-            line = polyline([at(along, -thick / 2), at(along, thick / 2)])
-            yield spot.line(line, INK, 1.8, 0.7)
+            yield spot.line(polyline([at(along, -thick / 2), at(along, thick / 2)]), INK, 1.8, 0.7)
         if not {item.name for item in level.items}.isdisjoint(door.keys):
             yield spot.fill(circle(0, 0, 5.2), INK)
             yield spot.fill(circle(0, 0, 2.0), WHITE)
@@ -315,8 +314,7 @@ def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> It
 def _lock(level: GridWorld, layout: Layout, cell: Cell) -> Iterator[Shape]:
     """Yield the hatch that covers the flag of an exit whose needs are not met."""
     colors, (x, y) = level.resolved_theme.colors, _centre(layout, cell)
-    spot = Spot(x, y - 5)
-    yield from spot.body(rounded(-20, -20, 40, 38, 6), mixed(colors.exit, INK, 0.3))
+    yield from Spot(x, y - 5).body(rounded(-20, -20, 40, 38, 6), mixed(colors.exit, INK, 0.3))
     yield from padlock_shapes(default_color("key", colors), Spot(x, y - 5, 0.9))
 
 
@@ -401,8 +399,7 @@ def mover_shapes(
         look: where it looks, `(dx, dy)`.
         arrived: for each of several robots, whether it has arrived.
     """
-    mate = number - len(level.movers) + 1
-    if mate > 0:
+    if (mate := number - len(level.movers) + 1) > 0:
         yield from teammate_shapes(level, mate, spot, arrived=arrived[mate])
         return
     mover = level.movers[number]

@@ -298,7 +298,6 @@ def _met_at_exits(level: GridWorld) -> frozenset[str]:
     # Episodes do not go on from terminal states, among which are all that none reaches.
     happens = (mdp.probability > 0) & mdp.terminal & ~mdp.is_terminal[:, None, None]
     reached = np.unique(mdp.next_state[happens & is_exit[mdp.next_state % mdp.cells]])
-    numbers = np.unique(reached // mdp.cells)
-    values = mdp.configurations[numbers].tolist()
+    values = mdp.configurations[np.unique(reached // mdp.cells)].tolist()
     met = [things.met(each) for each in values if things.exit_is_open(each)]
     return frozenset.intersection(*met) if met else frozenset()

@@ -64,8 +64,7 @@ def reward(value: float | RandomReward) -> str:
     if isinstance(value, RandomReward):
         if len(value.values) > MOST_WEIGHED:
             return f"{rewards(value.values)}, by chance"
-        told = [f"{reward(each)} ({chance(share)})" for each, share in value.chances]
-        return listed(told, "or")
+        return listed([f"{reward(each)} ({chance(share)})" for each, share in value.chances], "or")
     return f"{'costs' if value < 0 else 'pays'} {amount(value)}"
 
 

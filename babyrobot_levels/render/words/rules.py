@@ -94,8 +94,7 @@ def grounds_of(level: GridWorld) -> Iterator[Ground]:
     for ((*areas, last), puddle), found in places.items():
         ground = _ground(level, tuple(found), areas, last, told)
         if puddle:
-            reward = getattr(level.puddle_types, puddle).reward
-            ground = replace(ground, reward=reward, skid=None)
+            ground = replace(ground, reward=getattr(level.puddle_types, puddle).reward, skid=None)
         if ground.end or ground.warp or not puddle:
             yield ground
 
@@ -309,8 +308,7 @@ def _grounds(level: GridWorld, grounds: list[Ground], drawn: bool) -> Rules:
     arrows = drawn and sum(ground.name == "warp" for ground in grounds) > 1
     told: dict[str, list[int]] = defaultdict(list)
     for ground in grounds:
-        effects = list(_effects(level, ground, arrows=arrows))
-        if effects:
+        if effects := list(_effects(level, ground, arrows=arrows)):
             told[f"{ground.name}: {', '.join(effects)}"] += ground.cells
     kinds = iter(told.items())
     for text, cells in islice(kinds, _MOST_GROUNDS if drawn else None):
