@@ -289,8 +289,7 @@ def _rllib_module(module: Any, num_actions: int, deterministic: bool) -> Chooser
         with torch.no_grad():
             logits = module.forward_inference({"obs": given})["action_dist_inputs"]
             if deterministic:
-                actions = logits.argmax(dim=1).numpy()
-                return as_probabilities(actions, num_actions, len(masks))
+                return as_probabilities(logits.argmax(dim=1).numpy(), num_actions, len(masks))
             return np.asarray(logits.softmax(dim=1).double().numpy(), np.float64)
 
     return choose

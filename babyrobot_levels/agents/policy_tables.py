@@ -115,8 +115,7 @@ def policy_of(
             policy for another limit.
     """
     if isinstance(agent, Table):
-        policy = agent.of(space.level.name, space.level.digest)
-        return weights_by_step(policy, space, limit)
+        return weights_by_step(agent.of(space.level.name, space.level.digest), space, limit)
     mdp, first = space.mdp, space.first_action
     states = np.flatnonzero(~mdp.is_terminal & ~space.without_value)
     table = np.zeros((mdp.num_states, mdp.num_actions - first))

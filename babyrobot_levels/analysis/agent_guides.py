@@ -72,8 +72,7 @@ def page_agent(
     weights, known = _known(level, policy)
     if solution is None:
         weights[~known] = 0.0
-        overlay = _overlay(level, space, policy=weights)
-        return PageAgent(weights.tolist(), overlay)
+        return PageAgent(weights.tolist(), _overlay(level, space, policy=weights))
     weights[~known] = np.eye(weights.shape[1])[solution.policy.ravel()[~known]]
     return _beside(space, weights, solution, best)
 

@@ -329,8 +329,7 @@ class _Named:
 
     def action(self, action: int) -> str:
         """Return the name of an action."""
-        names = "turns" if self.mdp.headings > 1 else "all"
-        return action_names(names, self.mdp)[action]
+        return action_names("turns" if self.mdp.headings > 1 else "all", self.mdp)[action]
 
 
 def _difference_of_shape(mdp: Mdp, other: _Tables) -> str | None:

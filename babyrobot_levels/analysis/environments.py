@@ -170,8 +170,7 @@ def certify(level: GridWorld, env: Any) -> Certificate:
 
 def _refuse_objects(env: Any) -> None:
     kinds = dict.fromkeys(each.type for each in env.grid.grid if each is not None)
-    objects = ", ".join(kind for kind in kinds if kind not in _GROUND)
-    if objects:
+    if objects := ", ".join(kind for kind in kinds if kind not in _GROUND):
         raise ComparisonError(
             f"the grid has objects ({objects}), which MiniGrid's own actions carry and open; only "
             "grids of walls, lava and goals are compared"
@@ -241,8 +240,7 @@ class _Pair:
         """Return which other action of MiniGrid changes anything, None if none does."""
         before = _Step(self.mdp.cell(state), SIDES[self.mdp.heading(state)], False, False)
         for action in range(len(Turn), int(self.env.action_space.n)):
-            after = self._stepped(state, action)
-            if after != before:
+            if (after := self._stepped(state, action)) != before:
                 return f"{self._where(state)}, action {action} of MiniGrid: {after}"
         return None
 

@@ -46,8 +46,7 @@ def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
         given["policy"] = True
     elif isinstance(policy, str | PathLike) or is_agent(policy):
         given["policy"] = mdp.public("policy_table")(level, policy)
-    asked = [key for key, value in given.items() if value is True]
-    if asked:
+    if asked := [key for key, value in given.items() if value is True]:
         from babyrobot_levels.analysis.solver.optimum import solve
 
         given |= dict.fromkeys(asked, solve(level))

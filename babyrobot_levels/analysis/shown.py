@@ -32,8 +32,7 @@ def actions_shown(solution: Any, configuration: int | None) -> Rows[tuple[int, .
     if solution.level is not None and solution.level.robots:
         # Pictures show the actions of the first robot.
         policy = solution.level.compile().robot_actions(policy)[..., 0]
-    rows = policy.tolist()
-    return [[(action + first,) if action >= 0 else () for action in row] for row in rows]
+    return [[(action + first,) if action >= 0 else () for action in row] for row in policy.tolist()]
 
 
 def _going_on(level: GridWorld, key: str, given: Any) -> Any:

@@ -179,8 +179,7 @@ class PrioritizedSampler(Telling, public=True):
         if is_new.all() or not is_new.any():
             unseen = float(is_new.all())
         chances = np.where(is_new, unseen / max(1, int(is_new.sum())), 0.0)
-        known = np.flatnonzero(~is_new)
-        if known.size:
+        if (known := np.flatnonzero(~is_new)).size:
             age = (self._episodes - self._drawn_at[known]).astype(np.float64)
             share = self._staleness if age.any() else 0.0
             replayed = (1 - share) * _normalised(self._priorities(self.scores[known]))

@@ -163,8 +163,7 @@ class BatchTeamActions(spaces.Box):
 
     def __init__(self, num_robots: int, envs: EnvStates) -> None:
         """Make the space of so many robots in environments."""
-        shape = envs.state.size, num_robots
-        super().__init__(0, NUM_ACTIONS - 1, shape, np.int64)
+        super().__init__(0, NUM_ACTIONS - 1, (envs.state.size, num_robots), np.int64)
         self._envs = envs
 
     def sample(self, mask: Any = None, probability: Any = None) -> NDArray[Any]:

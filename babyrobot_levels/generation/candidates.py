@@ -452,8 +452,7 @@ def _draw_puddles(
     """Return the cells of puddles, sorted, and their sizes."""
     if not count:
         return []
-    free = [cell for cell in range(cells) if cell not in taken]
-    chosen = _some(rng, count, free)
+    chosen = _some(rng, count, [cell for cell in range(cells) if cell not in taken])
     return [(cell, "large" if rng.getrandbits(1) else "small") for cell in chosen]
 
 

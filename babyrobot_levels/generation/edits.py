@@ -215,8 +215,7 @@ class Edits:
         needed = [each["name"] for each in entries if each.get("name") is not None]
         doors, exits = self.fields.get("doors", []), self.fields.get("exit_needs", ())
         used = str([doors, exits])
-        free = [name for name in needed if f"'{name}'" not in used]
-        if free:
+        if free := [name for name in needed if f"'{name}'" not in used]:
             return self._added("door", {**self._side(), "needs": self._one_of(free)})
         color = [*KEY_COLORS.values()][len(doors) % len(KEY_COLORS)]
         name = self._unused("key")

@@ -151,8 +151,7 @@ class Placer:
 
     def _reached(self) -> set[int]:
         """Return the cells that can be reached while all doors are closed."""
-        closed = {frozenset(door[:2]) for door in self.doors}
-        return _flood(self.ahead, self.start, closed)
+        return _flood(self.ahead, self.start, {frozenset(door[:2]) for door in self.doors})
 
     def _bridges(self, targets: Sequence[int], within: set[int]) -> list[tuple[int, int]]:
         """Return the bridges on ways from the start to some cells, in part of the maze."""

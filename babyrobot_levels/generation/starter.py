@@ -137,8 +137,7 @@ def _fields(options: StarterOptions) -> str:
         if options.loops:
             parts.append(f"loops: {scalar(options.loops)}")
         maze = f"maze: {{{', '.join(parts)}}}  # the same seed grows the same maze\n"
-    cells = _free_cells(width, height, [(0, 0), exit_])
-    wet = _puddle_cells(options, cells)
+    wet = _puddle_cells(options, _free_cells(width, height, [(0, 0), exit_]))
     puddles = _puddle_lines(wet)
     walls = _wall_lines(options) if options.key and seed is None else _WALLS if roomy else ""
     ground = f"""\
@@ -187,8 +186,7 @@ def _thing_lines(options: StarterOptions, ground: str, wet: Sequence[tuple[int, 
     level = loads(f"version: 1\n{ground}")
     (width, _), (x, y) = level.size, level.exits[0]
     taken = {y * width + x for x, y in wet}
-    rng = random.Random(options.maze_seed or 0)
-    placer = Placer(level.grid(), 0, y * width + x, rng, taken)
+    placer = Placer(level.grid(), 0, y * width + x, random.Random(options.maze_seed or 0), taken)
     keys = int(options.key)
     fields = placer.fields(Counts(keys, keys, options.coins))
     if fields is None:

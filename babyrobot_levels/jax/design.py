@@ -98,8 +98,7 @@ def designs(
     first = jax.tree.map(
         lambda array: jnp.broadcast_to(array, (count, *array.shape)), made.layout(base)
     )
-    loaded = LevelEnvironment(made.params(first), env._loader, room, f"{count:,} designs")
-    return loaded, made
+    return LevelEnvironment(made.params(first), env._loader, room, f"{count:,} designs"), made
 
 
 class Designs:
@@ -508,6 +507,5 @@ def _check(level: Level) -> None:
         "an exit that pays what its cell does": isinstance(level.rewards.exit, str),
         "rewards that are drawn": build_ground(level).random,
     }
-    found = [name for name, there in more.items() if there]
-    if found:
+    if found := [name for name, there in more.items() if there]:
         raise ValueError(f"{level!r} has {found[0]}, of which no tables are made in compiled code")

@@ -226,8 +226,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
             LevelError: a level is not valid.
             ValueError: the levels do not fit into the spaces or the arrays.
         """
-        weighted = self._params.weights is not None
-        return self._loader.load(levels, self._room, weighted=weighted)
+        return self._loader.load(levels, self._room, weighted=self._params.weights is not None)
 
     @partial(jax.jit, static_argnames=("self",))
     def observations(self, params: EnvParams | None = None) -> Any:

@@ -126,8 +126,7 @@ class Loader:
                 )
             )
         arrays, needed = self._read(self._fitting(given), len(given))
-        problem = room.misfit(needed)
-        if problem is not None:
+        if (problem := room.misfit(needed)) is not None:
             raise ValueError(f"the levels do not fit: {problem}; {_MORE_ROOM}")
         params = self._build(given, arrays, room)
         if weighted and params.weights is None:
@@ -151,8 +150,7 @@ class Loader:
             room = room.and_level(*self._size(part, level))
             # Before the observations are made, which take the most.
             self._check(room, f"{number:,} of {count:,} levels")
-            states = part.state_info.size
-            observations = tables_of(level, states, self.observation, self.extent)
+            observations = tables_of(level, part.state_info.size, self.observation, self.extent)
             limit = limits_of([level], self.max_episode_steps)[0]
             exits = exit_states(level, self.actions.tables(level))
             arrays.append(arrays_of(part, exits, limit, level.discount, observations))
@@ -346,8 +344,7 @@ def arrays_of(
 
 def _outcomes(part: Part, exits: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Return outcomes as sums of `TERMINAL`, `HIT`, `REACHED`, `SKIDDED` and `EXIT`."""
-    num_actions = part.count.size // part.state_info.size
-    infos = part.columns["outcome_info"].view(info_dtype(num_actions))
+    infos = part.columns["outcome_info"].view(info_dtype(part.count.size // part.state_info.size))
     told: NDArray[np.uint8] = infos["end"] + REACHED * infos["reached"].view(np.uint8)
     told += SKIDDED * infos["skidded"].view(np.uint8)
     told += EXIT * (exits[part.columns["next_state"]] & ((told & TERMINAL) > 0)).view(np.uint8)

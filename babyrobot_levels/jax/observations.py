@@ -137,8 +137,7 @@ class RowTable:
 
     def take(self, level: Array, base: Array, states: int) -> RowTable:
         """Return the rows of a level, which begin at `base`."""
-        rows = self.rows.at[base + jnp.arange(states)].get(mode="clip")
-        return replace(self, rows=rows)
+        return replace(self, rows=self.rows.at[base + jnp.arange(states)].get(mode="clip"))
 
     @classmethod
     def join(cls, parts: Sequence[Self], room: Room) -> RowTable:

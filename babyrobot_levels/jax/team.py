@@ -119,8 +119,7 @@ class TeamEnvironment(LevelEnvironment):
         joint = (each * powers).sum(-1, dtype=jnp.int32)
         after, reward, terminated, info = super().transition(words, state, joint, params)
         assert isinstance(params, TeamParams)
-        entry = self._entry(words, state, joint, params)
-        info["rewards"] = look_up(params.shares, entry)
+        info["rewards"] = look_up(params.shares, self._entry(words, state, joint, params))
         return after, reward, terminated, info
 
     def action_mask(self, state: EnvState, params: EnvParams | None = None) -> Array:

@@ -134,8 +134,7 @@ def _worker(wanted: str | None) -> Callable[[bytes], Any]:
             from babyrobot_levels.parallel.executor import work_on
             from babyrobot_levels.parallel.on_ray import installed
 
-            here = installed()
-            if here != wanted:
+            if (here := installed()) != wanted:
                 return f"the node {platform.node()} has babyrobot-levels {here}, not {wanted}"
             function, chunk = pickle.loads(sent)
         except ImportError as error:

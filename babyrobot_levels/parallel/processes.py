@@ -143,8 +143,7 @@ def _begin(stop: Event) -> None:
 
 def _end_with_parent() -> None:
     """End when the process that takes the results is killed: nobody would tell this one to."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
+    if (parent := multiprocessing.parent_process()) is not None:
         parent.join()
         os._exit(1)  # noqa: TID251  (this process is ours, and `sys.exit` ends its thread only)
 

@@ -97,8 +97,7 @@ def open_suite(path: Path) -> OpenedSuite:
         LevelError: it is not valid, or something that it lists is not.
     """
     document = open_document(path)
-    fields = check_suite(document, path).valid()
-    opened, issues = _Opener(path).suite(fields, path.parent)
+    opened, issues = _Opener(path).suite(check_suite(document, path).valid(), path.parent)
     if issues:
         raise LevelError([document.diagnostic(issue) for issue in issues])
     return opened
@@ -110,8 +109,7 @@ def suite_of_mapping(data: Mapping[str, Any]) -> OpenedSuite:
     Raises:
         LevelError: it is not valid, or something that it lists is not.
     """
-    fields = suite_from_mapping(data)
-    opened, issues = _Opener().suite(fields, None)
+    opened, issues = _Opener().suite(suite_from_mapping(data), None)
     if issues:
         raise error_in_mapping(data, issues)
     return opened
@@ -167,8 +165,7 @@ class _Opener:
             try:
                 members.append(self._member(entry, folder or Path(), own))
             except _UnusableError as error:
-                route = _route(fields, number)
-                issues.append(Issue(error.code, route, error.message, error.help))
+                issues.append(Issue(error.code, _route(fields, number), error.message, error.help))
                 if len(issues) == MAX_PROBLEMS or self.left < 0:
                     break
         opened = OpenedSuite(fields, folder, tuple(members))
@@ -275,8 +272,7 @@ class _Opener:
             path = self._found(find_suite, name, own)
         for number, other in enumerate(self._around):
             if _is_same(path, other):
-                circle = [*self._around[number:], path]
-                names = " → ".join(f"`{each.name}`" for each in circle)
+                names = " → ".join(f"`{each.name}`" for each in [*self._around[number:], path])
                 raise _UnusableError("BR209", f"the suite lists itself: {names}")
         with _explained(f"`{shortened(name)}`"):
             fields = check_suite(open_document(path), path).valid()

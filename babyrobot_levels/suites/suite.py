@@ -151,8 +151,7 @@ class Suite(Telling, Sequence[Level], public=True):
         Raises:
             ValueError: the suite has no such split, or no level is in it.
         """
-        parts = self.splits
-        if name not in parts:
+        if name not in (parts := self.splits):
             if not parts:
                 raise ValueError(f"there is no split {name!r}: the suite has none")
             known = ", ".join(map(repr, parts))
@@ -298,8 +297,7 @@ class ListedLevels:
         ends = [*accumulate(self._fields.splits.values())][:-1]
         found: dict[str, list[int]] = {name: [] for name in names}
         for number in range(self.count):
-            place = digest_share(self.level(number).digest)
-            found[names[bisect_right(ends, place)]].append(number)
+            found[names[bisect_right(ends, digest_share(self.level(number).digest))]].append(number)
         return {name: tuple(numbers) for name, numbers in found.items()}
 
     def whole_fields(self) -> dict[str, Any]:

@@ -155,8 +155,7 @@ class OwnDraws:
             row, used = self.memory[number], int(column[number])
             left = 2 + width - used
             row[2:left] = row[used:].copy()
-            words = self._sources[number].bit_generator.random_raw(width - left)
-            row[left:] = words.view(np.int64)
+            row[left:] = self._sources[number].bit_generator.random_raw(width - left).view(np.int64)
             row[0] = 2
         self._steps_left = (width - int(column.max())) // MOST_WORDS - 1
 

@@ -143,8 +143,7 @@ class PlainEngine:
             record.terminations[row] = results.terminated
             record.truncations[row] = results.truncated
             record.next_observations[row] = state - base
-            done = envs.done.nonzero()[0]
-            if done.size:
+            if (done := envs.done.nonzero()[0]).size:
                 reset(tables, envs, done, draws)
 
     def _act(
@@ -160,8 +159,7 @@ class PlainEngine:
             results: where to write.
         """
         tables, words, state = self._tables, self._words, envs.state
-        drawing = self._drawing(rows)
-        if drawing.size:
+        if (drawing := self._drawing(rows)).size:
             number = tables.next_state.take(rows.take(drawing))
             threshold = tables.threshold.take(number, axis=0)
             # Repeating is cheaper than comparing arrays of different shapes.

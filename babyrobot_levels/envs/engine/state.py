@@ -39,8 +39,7 @@ class EnvStates:
         self.done.fill(True)
 
     def _divide(self, num_envs: int) -> None:
-        ends = [num_envs, 2 * num_envs, 3 * num_envs]
-        state, level, deadline, over = np.split(self.memory, ends)
+        state, level, deadline, over = np.split(self.memory, [num_envs, 2 * num_envs, 3 * num_envs])
         self.state: Ints = state.view(np.intp)[:num_envs]
         self.level: Ints = level.view(np.intp)[:num_envs]
         self.deadline: NDArray[np.int64] = deadline

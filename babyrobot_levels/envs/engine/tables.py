@@ -63,8 +63,7 @@ def masks_of(words: Words, num_actions: int) -> NDArray[np.int8]:
     """Return the action masks of info words, int8 `[…, actions]`; of up to five actions, a view."""
     masks = words.view(info_dtype(num_actions))["mask"]
     if num_actions > NUM_ACTIONS:
-        bits = masks[..., None] >> np.arange(num_actions, dtype=np.uint16) & 1
-        masks = bits.astype(np.int8)
+        masks = (masks[..., None] >> np.arange(num_actions, dtype=np.uint16) & 1).astype(np.int8)
     found: NDArray[np.int8] = masks
     return found
 
@@ -476,8 +475,7 @@ def write_part(tables: Tables, span: Span, part: Part, limit: int) -> None:
 def _write_starts(tables: Tables, slot: int, starts: Ints) -> None:
     """Put the starts of a level between those of the slots around it."""
     begin, end = tables.first_start[slot : slot + 2].tolist()
-    more = starts.size - (end - begin)
-    if more:
+    if more := starts.size - (end - begin):
         after = tables.starts[end : tables.first_start[-1]].copy()
         tables.starts[end + more : end + more + after.size] = after
         tables.first_start[slot + 1 :] += more

@@ -153,8 +153,7 @@ class BatchDictObserver(BatchObserver):
     def each(self, states: NDArray[np.intp]) -> list[Any]:
         """Return the observation of each state, as a single environment gives it."""
         columns = (observer.each(states) for observer in self._parts.values())
-        rows = zip(*columns, strict=True)
-        return [dict(zip(self._parts, row, strict=True)) for row in rows]
+        return [dict(zip(self._parts, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 DictObserver.many = BatchDictObserver

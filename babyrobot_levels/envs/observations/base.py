@@ -304,8 +304,7 @@ class BatchObserver:
     def _own(self, states: Ints) -> Iterable[tuple[int, int]]:
         """Return the number of the level of each state, and the state in its own numbering."""
         levels = np.searchsorted(self._offset, states, side="right") - 1
-        own = states - self._offset.take(levels)
-        return zip(levels.tolist(), own.tolist(), strict=True)
+        return zip(levels.tolist(), (states - self._offset.take(levels)).tolist(), strict=True)
 
 
 Observer.many = BatchObserver

@@ -122,8 +122,7 @@ class PlaneObserver(Observer):
 
     def at(self, state: int) -> Callable[[], Any]:
         """Return a function that makes a new array."""
-        places = self.robot(np.array([state]))[0]
-        return partial(self._planes, state // self.block, places)
+        return partial(self._planes, state // self.block, self.robot(np.array([state]))[0])
 
     def _planes(self, configuration: int, places: Ints) -> NDArray[Any]:
         planes = self._kept(configuration).copy()

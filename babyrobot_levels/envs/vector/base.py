@@ -327,8 +327,7 @@ class Tiles:
         width, height = extent.picture
         self._columns = _columns(count, width, height)
         self._rows = math.ceil(count / self._columns)
-        cell = _cell(self._columns * width, self._rows * height)
-        self._frames = Frames(extent, cell, count)
+        self._frames = Frames(extent, _cell(self._columns * width, self._rows * height), count)
 
     def picture(self, shown: Iterable[Shown]) -> NDArray[np.uint8]:
         """Return the picture of as many environments as there are tiles."""

@@ -216,8 +216,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         self._observe_start(results, np.arange(self.num_envs))
         is_reset = np.zeros(self.num_envs, np.bool_)
         is_reset[which] = True
-        info = self._infos(results, is_reset)
-        return self._observer.batch(results, envs.state, self._copy), info
+        return self._observer.batch(results, envs.state, self._copy), self._infos(results, is_reset)
 
     def step(self, actions: Any) -> _Step:
         """Take an action in each environment.

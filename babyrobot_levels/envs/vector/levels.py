@@ -200,8 +200,7 @@ def check_fits(level: Level, extent: Extent, num_items: int, *, has_movers: bool
     """Raise a ValueError if a level does not fit into the spaces; see `misfit`."""
     if level.has_random_maze:
         raise ValueError("set_levels: a level with `maze: {seed: random}` has no maze of its own")
-    problem = misfit(level, extent, num_items, has_movers=has_movers)
-    if problem is not None:
+    if (problem := misfit(level, extent, num_items, has_movers=has_movers)) is not None:
         raise ValueError(
             f"{level!r} does not fit: {problem}; make the environment with such a level among "
             "its `levels`, behind those that are played at first"
@@ -327,8 +326,7 @@ class Slots:
     def forget(self, numbers: Iterable[int]) -> None:
         """Empty the slots of levels that are not played and whose numbers stand for others now."""
         for number in numbers:
-            slot = self._slot_of.pop(number, None)
-            if slot is not None:
+            if (slot := self._slot_of.pop(number, None)) is not None:
                 self.levels[slot] = None
 
     def _make_room(self, new: Sequence[Part]) -> bool:
@@ -351,8 +349,7 @@ class Slots:
         most = max(self._num_envs, min(self.family.kept, KEPT_STATES // room.states))
         empty = room.slots - len(self._slot_of)
         if len(new) > empty and room.slots < most:
-            slots = max(room.slots + len(new), 2 * room.slots)
-            room = replace(room, slots=min(slots, most))
+            room = replace(room, slots=min(max(room.slots + len(new), 2 * room.slots), most))
         if room is self._room:
             return False
         self._grow(room)
@@ -361,8 +358,7 @@ class Slots:
     def _grow(self, room: Room) -> None:
         more = room.slots - self._room.slots
         self._room = room
-        num_actions = self._actions.num_actions
-        self.tables = empty_tables(room, num_actions, self._has_movers)
+        self.tables = empty_tables(room, self._actions.num_actions, self._has_movers)
         self._observer.grow(self.tables.offset)
         self.levels += [None] * more
         self.numbers = np.append(self.numbers, np.zeros(more, np.int64))
@@ -477,8 +473,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
     def _level_numbers(self) -> dict[str, NDArray[np.int64]]:
         """Return the numbers of the current levels, under their key in infos."""
         if self._slots is not None:
-            numbers = self._slots.numbers.take(self._envs.level)
-            return {self._slots.family.key: numbers}
+            return {self._slots.family.key: self._slots.numbers.take(self._envs.level)}
         return {"level_index": self._envs.level.copy()} if len(self.levels) > 1 else {}
 
     def _change_levels(self, which: Ints, numbers: Any = None, start: Any = None) -> None:

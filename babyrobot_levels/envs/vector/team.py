@@ -99,8 +99,7 @@ class TeamVectorEnv(LevelVectorEnv):
 
     def _use(self, tables: Tables) -> None:
         """Go over to tables, whose rewards become the numbers of outcomes for the engine."""
-        numbers = np.arange(tables.reward.size, dtype=np.float64)
-        super()._use(replace(tables, reward=numbers))
+        super()._use(replace(tables, reward=np.arange(tables.reward.size, dtype=np.float64)))
         self._reward, self._shares = tables.reward, self._shares_of_outcomes()
 
     def _shares_of_outcomes(self) -> Floats:
