@@ -179,8 +179,7 @@ def _check(text: str, path: Path) -> None:
     except LevelError as error:
         reason = error.diagnostics[0].message
         fail(f"the level is too large for one file: {reason}", "use a smaller --size")
-    diagnostics = errors_of(source, path)
-    if diagnostics:
+    if diagnostics := errors_of(source, path):
         fail(diagnostics[0].message, diagnostics[0].help)
 
 

@@ -204,8 +204,7 @@ def values_text(
     solution: brl.Solution, configuration: int | None, never: Set[tuple[int, int]] = frozenset()
 ) -> str:
     """Return the values in rows and columns, with two decimals."""
-    rows = solution.at(configuration or 0).values.tolist()
-    return _joined(number_lines(rows, 2, never))
+    return _joined(number_lines(solution.at(configuration or 0).values.tolist(), 2, never))
 
 
 def takes_pictures() -> bool:

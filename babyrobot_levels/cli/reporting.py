@@ -122,8 +122,7 @@ def _colored(diagnostic: brl.Diagnostic, width: int | None) -> str:
     _, *rest = diagnostic.shown(width).split("\n")
     lines = [head]
     for line in rest:
-        mark = line.lstrip()
-        word, colon, content = mark.partition(": ")
+        word, colon, content = line.lstrip().partition(": ")
         if colon and word in ("help", "fix"):
             lines.append(f"  {_CYAN}{word}{_RESET}: {content}")
         else:

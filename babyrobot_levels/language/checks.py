@@ -42,8 +42,7 @@ def _common(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
     cells = level.common_starts if field == "start" else level.common_exits
     if field == "exit" and level.exit_one_of is not None:
         return [(cell, ("exit_one_of", index)) for index, cell in enumerate(cells)]
-    value = getattr(level, field)
-    if isinstance(value[0], tuple):
+    if isinstance(getattr(level, field)[0], tuple):
         return [(cell, (field, index)) for index, cell in enumerate(cells)]
     return [(cell, (field,)) for cell in cells]
 
@@ -146,8 +145,7 @@ MAX_PROBLEMS = 200
 
 def issues_of(level: LevelFields) -> list[Issue]:
     """Return the errors between the fields of a level, each of which is valid by itself."""
-    too_much = _check_covered(level)
-    if too_much:
+    if too_much := _check_covered(level):
         return too_much
     issues: list[Issue] = []
     for check in (_check_rectangles, _check_maze, _check_sides, _check_wind, _check_moves):

@@ -181,8 +181,7 @@ def _from_mapping(
     if _fits(fields):
         shown = parse(_written(fields), model, checks).diagnostics
     shown += found
-    message = "; ".join(issue.message for issue in issues[:_MOST])
-    raise LevelError(shown, None if shown else message)
+    raise LevelError(shown, None if shown else "; ".join(issue.message for issue in issues[:_MOST]))
 
 
 def _written(fields: Any) -> SourceFile:

@@ -81,8 +81,7 @@ def parse(text: str, is_known: IsKnown, max_size: int) -> tuple[Drawing | None, 
     Where each mark that is out of place is beside it, the first error has a fix that moves all.
     """
     first, indent, rows = framed(text)
-    drawing = _read(rows, is_known, max_size)
-    if drawing is not None:
+    if (drawing := _read(rows, is_known, max_size)) is not None:
         return drawing, []
     issues = [
         Issue("BR312", Mark(first + row, indent + column, max(length, 1)), message, help_text)
@@ -129,8 +128,7 @@ def _read(rows: list[str], is_known: IsKnown, max_size: int) -> Drawing | None:
 
 def _faults(rows: list[str], is_known: IsKnown, max_size: int) -> Iterator[tuple[int, Fault]]:
     """Yield what is wrong, and in which row."""
-    frame = _frame_fault(rows, max_size)
-    if frame is not None:
+    if (frame := _frame_fault(rows, max_size)) is not None:
         yield frame
         return
     length, above, y = len(rows[0]), "", -1
@@ -313,8 +311,7 @@ def _place(column: int, text: str, y: int, length: int) -> str:
 
 
 def _between(column: int, text: str, y: int, is_known: IsKnown) -> Fault:
-    what = _SIDES.get(text)
-    if what is not None:
+    if (what := _SIDES.get(text)) is not None:
         message = f"`{text}` is in the middle of the cell [{column // 4}, {y}]"
         help_text = f"{what} stands between two cells: move it two columns"
         return Fault(column, 1, message, help_text)

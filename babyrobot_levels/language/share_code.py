@@ -129,8 +129,7 @@ def _packed(code: str) -> bytes:
         is_cut = re.fullmatch("[0-9]*", code.partition(".")[2])
         raise _cut_off("hardly anything of it is there") if is_cut else _damaged("it has no length")
     length, body = int(parts[2]), parts[3]
-    foreign = _FOREIGN.search(body)
-    if foreign:
+    if foreign := _FOREIGN.search(body):
         place = parts.start(3) + foreign.start() + 1
         raise _damaged(f"{foreign[0]!r}, its character {place}, cannot stand in one")
     if len(body) < length:

@@ -131,8 +131,7 @@ class SuiteFields(SuiteTexts):
     def _complete(self) -> Self:
         """Check what only the whole suite shows."""
         errors = [*empty_ranges(self), *empty_ranges(self.maze)]
-        issues = [*(errors or _misfits(self)), *_faulty_splits(self)]
-        if issues:
+        if issues := [*(errors or _misfits(self)), *_faulty_splits(self)]:
             raise InvalidDocument(issues)
         return self
 
@@ -225,8 +224,7 @@ def _with_boxes(suite: SuiteFields) -> Iterator[Issue]:
         message = "there must be a box at least, or none in any level"
         yield Issue("BR205", ("boxes",), message, f"use `1..{most}`")
     cells = suite.largest[0] * suite.largest[1]
-    states = cells * comb(cells, most)
-    if states > MAX_BOXED_STATES:
+    if (states := cells * comb(cells, most)) > MAX_BOXED_STATES:
         message = f"{most} boxes in {cells} cells have {states:,} states, and"
         message += f" {MAX_BOXED_STATES:,} are allowed"
         yield Issue("BR205", ("boxes",), message, "use fewer boxes, or a smaller size")
@@ -260,8 +258,7 @@ def wrong_shares(splits: Mapping[str, float]) -> Iterator[Issue]:
 
 
 def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
-    wrong = [*wrong_shares(suite.splits)]
-    if wrong or not suite.splits:
+    if (wrong := [*wrong_shares(suite.splits)]) or not suite.splits:
         yield from wrong
         return
     for name, part in split_ranges(suite).items():

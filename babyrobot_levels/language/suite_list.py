@@ -90,8 +90,7 @@ class SuiteListFields(SuiteTexts):
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        issues = [*_wrong_entries(self.levels), *wrong_shares(self.splits)]
-        if issues:
+        if issues := [*_wrong_entries(self.levels), *wrong_shares(self.splits)]:
             raise InvalidDocument(issues)
         return self
 

@@ -71,8 +71,7 @@ Part = tuple[str, int, str, *tuple[int, ...]]
 
 def _place(level: LevelFields, field: str, index: int, *more: str | int) -> Location:
     """Return the location of a part of a thing with a name, drawn or written."""
-    drawn = level._drawn.get(field, 0)
-    if index >= drawn:
+    if index >= (drawn := level._drawn.get(field, 0)):
         return (field, index - drawn, *more)
     number = more[-1] if isinstance(more[-1], int) else 0
     return mark_of(level.map or "", *getattr(level, field)[index].places[number])
@@ -188,8 +187,7 @@ MAX_BOXED = 1 << 14
 
 
 def _check_boxes(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
-    cells = level.size[0] * level.size[1]
-    if cells > MAX_BOXED:
+    if (cells := level.size[0] * level.size[1]) > MAX_BOXED:
         message = f"the level has {cells:,} cells; with boxes the limit is {MAX_BOXED:,}"
         yield Issue("BR205", ("boxes",), message, "use a smaller level")
         return
@@ -275,8 +273,7 @@ def _check_mover(
         help_text = "add `path` with the cells that it walks, or `within` with a rectangle"
         yield Issue("BR202", route, "the mover has neither `path` nor `within`", help_text)
     elif mover.path is not None and mover.within is not None:
-        message = "the mover has both `path` and `within`"
-        yield Issue("BR206", route, message, "remove one of them")
+        yield Issue("BR206", route, "the mover has both `path` and `within`", "remove one of them")
     elif mover.path is not None:
         yield from _check_path(level, mover, route, blocked)
     else:
@@ -330,8 +327,7 @@ def _check_region(
         yield off_the_grid(level, "the last cell of the rectangle", last, (*route, "within"))
     else:
         cells = mover.phases
-        inside = next(filter(blocked, cells), None)
-        if inside is not None:
+        if (inside := next(filter(blocked, cells), None)) is not None:
             message = f"the mover's rectangle contains the blocked cell {show_cell(inside)}"
             yield Issue("BR324", (*route, "within"), message, "make it smaller, or move it")
         if mover.start is not None and mover.start not in cells:

@@ -149,8 +149,7 @@ def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
         if detail["type"] == "missing" and _is_misnamed(detail["loc"], misnamed):
             # It is there, by a name that is reported.
             continue
-        whole = _issues_of(detail)
-        if whole:
+        if whole := _issues_of(detail):
             issues += whole
             continue
         route = _route(detail["loc"])

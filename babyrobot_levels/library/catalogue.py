@@ -281,8 +281,7 @@ def level_files() -> Iterator[LevelFile]:
 def files_in(place: Place) -> Iterator[LevelFile]:
     """Yield the level and suite files of one folder, sorted by path."""
     for path in yaml_files(place.folder):
-        stem = slug(path.stem)
-        if stem is not None:
+        if (stem := slug(path.stem)) is not None:
             yield LevelFile(place.named(stem), path, place)
 
 
@@ -292,8 +291,7 @@ def suite_files() -> dict[str, Path]:
     for file in level_files():
         if is_suite_file(file.path):
             own = _stated(file.path, "name")
-            name = file.name if own is None else file.place.named(own)
-            found.setdefault(name, file.path)
+            found.setdefault(file.name if own is None else file.place.named(own), file.path)
     return found
 
 
@@ -396,8 +394,7 @@ def _stated(path: Path, key: str) -> str | None:
     """Return the text that a file has under a key, without validating the file."""
     try:
         source = read_source(path)
-        match = _LINES[key].search(source.text)
-        if match is not None:
+        if (match := _LINES[key].search(source.text)) is not None:
             return match[2]
         # YAML has other forms, which are rare.
         data = read(source).data if key in source.text else None

@@ -46,8 +46,7 @@ def bibtex(level: Level, argument: str = "") -> str:
 
 def cited_name(level: Level, argument: str) -> str:
     """Return the name under which a level is cited, with its pack if it is one of a pack."""
-    pack = pack_in(argument)
-    if pack is not None and level.name is not None:
+    if (pack := pack_in(argument)) is not None and level.name is not None:
         return f"{pack[0]}/{level.name}"
     return level.name or one_line(level.title or "a level without a name")
 

@@ -66,8 +66,7 @@ class Level(Offered, GridWorld):
                 super().__init__(**fields)
                 return
             # Tells what is wrong as of a file; NumPy's numbers and other levels' parts are right.
-            checked = type(self).from_fields(fields)
-            super().__init__(**checked.to_dict())
+            super().__init__(**type(self).from_fields(fields).to_dict())
 
         # pydantic would call it for the levels that it makes, too.
         __init__.__pydantic_base_init__ = True

@@ -76,8 +76,7 @@ def suppressions(document: Document, comments: Iterable[Comment]) -> list[Suppre
     """
     found = []
     for comment in comments:
-        match = _COMMENT.match(comment.text)
-        if match is not None:
+        if (match := _COMMENT.match(comment.text)) is not None:
             words = tuple(filter(None, re.split(r"[,\s]+", match["words"] or "")))
             found.append(Suppression(comment, words, _lines(document, comment)))
     return found
@@ -203,8 +202,7 @@ class LintContext:
         """
         cells, some = self.level.starts, {*states}
         others = {self.cell(state) for state in self.starts if state not in some}
-        whole = [number for number, cell in enumerate(cells) if cell not in others]
-        if whole:
+        if whole := [number for number, cell in enumerate(cells) if cell not in others]:
             text = cells_text([cells[number] for number in whole])
             return whole[0], f"start{'s' * (len(whole) > 1)} {text}"
         cell = self.cell(states[0])
@@ -355,7 +353,6 @@ class LintContext:
 
     def place_of_entry(self, field: str, number: int) -> Location:
         """Return where the file gives a thing, by the field of its kind and its index."""
-        drawn = count_drawn(self.level, field)
-        if number >= drawn:
+        if number >= (drawn := count_drawn(self.level, field)):
             return (field, number - drawn)
         return self.place(self.state(getattr(self.level, field)[number].places[0]))

@@ -213,8 +213,7 @@ def _cut(document: Document, first: int, last: int) -> Edit:
     """Return the edit that removes a part of the text, but for its comments."""
     source = document.source
     span = Span(source.position(first), source.position(last))
-    cut = source.text[first:last]
-    if "#" not in cut:
+    if "#" not in source.text[first:last]:
         return Edit(span, "")
     newline = "\r\n" if "\r\n" in source.text else "\n"
     line = source.line(span.start.line if span.start.column == 1 else span.end.line)

@@ -104,8 +104,7 @@ def settings_for(path: Path) -> Settings:
             file = folder / name
             if is_file(file):
                 status = file.stat()
-                found = _settings_in(file, (status.st_mtime_ns, status.st_size))
-                if found is not None:
+                if (found := _settings_in(file, (status.st_mtime_ns, status.st_size))) is not None:
                     return found
     return Settings()
 

@@ -70,8 +70,7 @@ def endless_loop(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     hits = ends_by_hit(mdp)[states, policy[states]]
     goes_on = happens & ~hits
     origins = np.repeat(states, goes_on.sum(axis=1))
-    targets = mdp.next_state[states, policy[states]][goes_on]
-    ways = Graph(mdp.num_states, origins, targets)
+    ways = Graph(mdp.num_states, origins, mdp.next_state[states, policy[states]][goes_on])
     back = ways.reversed()
     visited = ways.distances(mdp.start.nonzero()[0].tolist()).tolist()
     is_last = mdp.is_terminal.copy()

@@ -232,8 +232,7 @@ def _fixed(
     count, rounds, since = 0, 0, 0
     refused: set[Diagnostic] = set()
     while rounds < MAX_ROUNDS and done.steps < COMMAND.steps:
-        left = [each for each in _fixable(report, unsafe) if each not in refused]
-        batch = _disjoint(left)
+        batch = _disjoint([each for each in _fixable(report, unsafe) if each not in refused])
         if not batch:
             if not refused or since == count:
                 break

@@ -117,8 +117,7 @@ def checked_number(what: str, given: Any, count: int, help_text: str) -> int:
     try:
         number = index(given)
     except TypeError:
-        message = f"{what} must be 0 to {count - 1}, not {given!r}; {help_text}"
-        raise TypeError(message) from None
+        raise TypeError(f"{what} must be 0 to {count - 1}, not {given!r}; {help_text}") from None
     if not 0 <= number < count:
         raise IndexError(f"{what} must be 0 to {count - 1}, not {number}; {help_text}")
     return number

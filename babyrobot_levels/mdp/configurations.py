@@ -75,8 +75,7 @@ class Thing:
 
 
 def _drawn_exit(level: LevelFields) -> Iterator[Thing]:
-    cells = level.exit_one_of
-    if cells is not None:
+    if (cells := level.exit_one_of) is not None:
         yield Thing("exit", None, "", cells, cells, range(len(cells)), usual_name="exit")
 
 
@@ -345,8 +344,7 @@ class Things(Telling, public=True):
     def _robots(self, values: Values) -> tuple[Cell, ...]:
         """Return where the robots but the first are, or were when they left."""
         width, height = self.level.size
-        others = values[self.of_kind("robot")][1:]
-        return tuple((at % width, at // width % height) for at in others)
+        return tuple((at % width, at // width % height) for at in values[self.of_kind("robot")][1:])
 
     def _cells(self, kind: str, values: Values) -> tuple[Cell | None, ...]:
         """Return in which cell each thing of a kind is."""

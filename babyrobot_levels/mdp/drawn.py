@@ -122,8 +122,7 @@ def _edge(side: str, x: int, y: int, grid: Grid) -> tuple[Edge, bool]:
 
 def wall_entries(walls: dict[Edge, Traits]) -> Iterator[dict[str, Any]]:
     """Yield entries of `walls`, those in a line as one: by rows, then by columns."""
-    edges = sorted(walls, key=_position)
-    for line in consecutive(edges, _position):
+    for line in consecutive(sorted(walls, key=_position), _position):
         for traits, alike in groupby(line, walls.__getitem__):
             (side, x, y), *more = alike
             lengths = {"length": 1 + len(more)} if more else {}

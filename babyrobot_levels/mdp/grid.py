@@ -62,8 +62,7 @@ class Grid(Telling, public=True):
         for cell in _ones(self.blocked_cells):
             open_bits[cell] = 0
             for side in SIDES:
-                other = self.neighbour(cell, side)
-                if other is not None:
+                if (other := self.neighbour(cell, side)) is not None:
                     open_bits[other] &= ~BIT[OPPOSITE[side]]
         return bytes(open_bits)
 
@@ -169,8 +168,7 @@ def _blocked(level: LevelFields) -> bytearray:
 def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
     """Return the walls to begin with: those of the maze, or only the one around the level."""
     width, height = level.size
-    maze = level.maze
-    if maze is not None:
+    if (maze := level.maze) is not None:
         if isinstance(maze.seed, str):
             raise RandomMazeError(
                 message="the level grows another maze at each reset (`seed: random`); "
@@ -240,8 +238,7 @@ def door_sides(level: LevelFields, grid: Grid) -> Iterator[tuple[int, str, int]]
         for x, y in sides_of(door):
             cell = y * grid.width + x
             yield cell, door.side, index
-            other = grid.neighbour(cell, door.side)
-            if other is not None:
+            if (other := grid.neighbour(cell, door.side)) is not None:
                 yield other, OPPOSITE[door.side], index
 
 
@@ -301,8 +298,7 @@ def _door_issues(level: LevelFields, grid: Grid, doors: Doors) -> Iterator[Issue
         for x, y in sides_of(door):
             cell = y * grid.width + x
             other = grid.neighbour(cell, door.side)
-            fault = _fault_of(door, cell, other, grid, doors)
-            if fault is not None:
+            if (fault := _fault_of(door, cell, other, grid, doors)) is not None:
                 message, help_text = fault
                 where = f"side {door.side} of {show_cell((x, y))}"
                 yield Issue("BR322", ("doors", index), f"{where} {message}", help_text)
@@ -338,8 +334,7 @@ def _path_issues(level: LevelFields, grid: Grid, doors: Doors) -> Iterator[Issue
         # A loop also goes from its last cell to its first.
         ways = pairwise(cells if mover.back else [*cells, cells[0]])
         for number, (one, two) in enumerate(ways, 1):
-            what = _between(one, two, grid, doors)
-            if what is not None:
+            if (what := _between(one, two, grid, doors)) is not None:
                 at, to = (show_cell((c % grid.width, c // grid.width)) for c in (one, two))
                 route = ("movers", index, "path", number % len(cells))
                 message = f"the path is cut off by {what} between {at} and {to}"

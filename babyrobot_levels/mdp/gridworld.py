@@ -52,10 +52,9 @@ class GridWorld(LevelSpec):
                 as it would be written in a file.
         """
         level = level_from_mapping(fields, cls, name=name, folder=folder)
-        if level.stands_on_grid and not level.has_random_maze:
-            issues = placement_issues(level, level.grid())
-            if issues:
-                raise error_in_mapping(fields, issues)
+        is_fixed = level.stands_on_grid and not level.has_random_maze
+        if is_fixed and (issues := placement_issues(level, level.grid())):
+            raise error_in_mapping(fields, issues)
         return level
 
     def __getstate__(self) -> dict[Any, Any]:
@@ -179,8 +178,7 @@ class GridWorld(LevelSpec):
         if isinstance(seed, bool) or not hasattr(seed, "__index__"):
             raise LevelError(message=f"the seed of a maze must be an integer, not {seed!r}")
         fields = {**self.maze.model_dump(exclude_unset=True), "seed": operator.index(seed)}
-        maze = Maze.model_validate(fields)
-        return changed(self, maze=maze)
+        return changed(self, maze=Maze.model_validate(fields))
 
     def draw(self) -> str:
         """Return the level as the language's ASCII drawing, which a `map` may contain.

@@ -296,8 +296,7 @@ def _replace(path: Path, data: bytes, *, sync: bool) -> None:
         mode = 0o666 & ~_umask()
     with uninterrupted(ENDINGS):
         # A name may be as long as names can be; the temporary one is longer.
-        prefix = f".{path.name[:_MAX_PREFIX]}."
-        descriptor, name = tempfile.mkstemp(prefix=prefix, dir=path.parent)
+        descriptor, name = tempfile.mkstemp(prefix=f".{path.name[:_MAX_PREFIX]}.", dir=path.parent)
         temporary = Path(name)
         try:
             with open(descriptor, "wb") as file:  # noqa: PTH123  (a descriptor, not a path)

@@ -253,8 +253,7 @@ class _Builder:
     def _error(
         self, code: str, span: Span, message: str, help_text: str | None = None
     ) -> LevelError:
-        issue = Issue(code, span, message, help_text)
-        return LevelError([diagnostic_of(issue, span, self.source)])
+        return LevelError([diagnostic_of(Issue(code, span, message, help_text), span, self.source)])
 
     def _span(self, event: Any) -> Span:
         # By index, because the parser ends lines also where editors do not.

@@ -40,7 +40,6 @@ def resolve(text: str) -> Any:
         return int(text, 8 if prefix == "0o" else 16 if prefix == "0x" else 10)
     if _FLOAT.fullmatch(text):
         return float(text)
-    special = _SPECIAL_FLOAT.fullmatch(text)
-    if special:
+    if special := _SPECIAL_FLOAT.fullmatch(text):
         return float("nan") if special[3] else float(special[1] + "inf")
     return text

@@ -130,8 +130,7 @@ class _Splicer:
             above = node.children[max(j - 1, 0)]
             row = self._lines_of(above, above)[1 if j else 0]
             added = values[k + len(pairs) : m]
-            lines = [line for value in added for line in emit_entry(value, indent)]
-            if lines:
+            if lines := [line for value in added for line in emit_entry(value, indent)]:
                 self._changes.append((row, row, lines))
 
     def _change_value(
@@ -226,8 +225,7 @@ class _Splicer:
     def _place_for(self, node: Node, name: str, order: Sequence[str]) -> int:
         """Return the line before which a new field belongs."""
         before = [other for other in order[: order.index(name)] if other in node.keys]
-        lines = [self._lines_of(node.keys[other], node.children[other]) for other in before]
-        if lines:
+        if lines := [self._lines_of(node.keys[other], node.children[other]) for other in before]:
             return max(last for _, last in lines)
         return min(key.span.start.line - 1 for key in node.keys.values())
 
@@ -243,8 +241,7 @@ def _differences(before: list[Any], after: list[Any]) -> Iterator[tuple[int, int
     rest = zip(reversed(before[same:]), reversed(after[same:]), strict=False)
     last = sum(1 for _ in takewhile(_is_pair, rest))
     old, new = ([*map(flow, all_[same : len(all_) - last])] for all_ in (before, after))
-    matcher = SequenceMatcher(None, old, new, autojunk=False)
-    for kind, *numbers in matcher.get_opcodes():
+    for kind, *numbers in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
         if kind != "equal":
             i, j, k, m = (same + number for number in numbers)
             yield i, j, k, m

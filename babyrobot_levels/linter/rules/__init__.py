@@ -155,8 +155,7 @@ def titles() -> dict[str, str]:
 
 def documents() -> dict[str, str]:
     """Return the pages of all codes, by the names of their files in `docs/rules`."""
-    pages = {f"{rule.name}.md": as_markdown(rule) for rule in all_pages()}
-    return {"README.md": index(), **pages}
+    return {"README.md": index(), **{f"{rule.name}.md": as_markdown(rule) for rule in all_pages()}}
 
 
 def as_markdown(rule: Rule) -> str:

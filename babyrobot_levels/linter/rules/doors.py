@@ -77,8 +77,7 @@ def door_never_opens(context: LintContext) -> Iterator[Finding]:
 
 def _why_unmet(context: LintContext, names: Iterable[str]) -> str | None:
     """Return why some names are never all held or on, None if they can be."""
-    never = [name for name in names if not context.things.met[name].any()]
-    if never:
+    if never := [name for name in names if not context.things.met[name].any()]:
         return f"`{never[0]}` is never {'held' if context.things.is_item(never[0]) else 'on'}"
     if not context.things.are_met(names).any():
         return "what it needs is never all held or on at the same time"

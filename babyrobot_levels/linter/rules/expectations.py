@@ -46,8 +46,7 @@ def broken_expectation(context: LintContext) -> Iterator[Finding]:
     if context.level.expect is None:
         return
     if context.too_large:
-        message = f"what is expected cannot be checked: {context.too_large}"
-        yield Finding(Key(("expect",)), message)
+        yield Finding(Key(("expect",)), f"what is expected cannot be checked: {context.too_large}")
         return
     # Most levels state nothing.
     from babyrobot_levels.analysis.expectations import broken_in

@@ -214,8 +214,7 @@ def unused_ignore(context: LintContext) -> Iterator[Finding]:
             for word in suppression.words
             if word not in suppression.used and word.lower() in context.active - {"br699"}
         ]
-        useless = [word for word in suppression.words if word in {*unknown, *idle}]
-        if useless:
+        if useless := [word for word in suppression.words if word in {*unknown, *idle}]:
             words = ", ".join(f"`{word}`" for word in useless)
             what = f"{words} finds nothing here" if idle else f"unknown rule {words}"
             yield Finding(
@@ -228,8 +227,7 @@ def unused_ignore(context: LintContext) -> Iterator[Finding]:
 
 def _without(suppression: Suppression, useless: list[str], context: LintContext) -> Edit:
     comment = suppression.comment
-    kept = [word for word in suppression.words if word not in useless]
-    if kept:
+    if kept := [word for word in suppression.words if word not in useless]:
         before, _, rest = comment.text.partition("[")
         return Edit(comment.span, f"{before}[{', '.join(kept)}]{rest.partition(']')[2]}")
     line = comment.span.start.line

@@ -137,8 +137,7 @@ def unreachable_cells(context: LintContext) -> Iterator[Finding]:
     entered = (warp.at for warp in level.warps if warp.when == "enter")
     is_missed[[context.state(cell) for cell in (*entered, *level.exits)]] = False
     # Where boxes come to stand, the robot need not.
-    boxes = level.things().of_kind("box")
-    is_missed[context.mdp.configurations[:, boxes].ravel()] = False
+    is_missed[context.mdp.configurations[:, level.things().of_kind("box")].ravel()] = False
     missed = np.flatnonzero(is_missed)
     if missed.size and level.wind is not None:
         missed = _still_missed(context, missed, wind=None)
@@ -172,8 +171,7 @@ def _help_for_cells(context: LintContext, missed: Ints) -> str:
     is_open = context.grid.open.reshape(-1, 4)[missed]
     width = context.level.size[0]
     others = np.where(is_open, missed[:, None] + np.array([-width, 1, width, -1]), missed[:, None])
-    blocking = others[is_open & ends[others]]
-    if blocking.size:
+    if (blocking := others[is_open & ends[others]]).size:
         x, y = context.cell(int(blocking[0]))
         return f"the episode ends on [{x}, {y}], which blocks the path there"
     if context.level.map is not None:
@@ -345,8 +343,7 @@ def unbounded_return(context: LintContext) -> Iterator[Finding]:
         return
     if surely_terminates(context.mdp, level.discount) or context.solution is None:
         return
-    states = endless_loop(context.mdp, reach, context.solution)
-    if states:
+    if states := endless_loop(context.mdp, reach, context.solution):
         cells = [*dict.fromkeys(context.cell(state) for state in states)]
         location = context.place(states[0])
         source = _source_of_reward(context, {*cells})

@@ -57,8 +57,7 @@ def reward_without_effect(context: LintContext) -> Iterator[Finding]:
 
     The fix removes the reward. It is safe: the transition tables stay the same.
     """
-    given = context.level.rewards.model_fields_set - {"step"}
-    for name in sorted(given):
+    for name in sorted(context.level.rewards.model_fields_set - {"step"}):
         if getattr(context.level.rewards, name) is not None and not _is_given(context, name):
             yield Finding(
                 Key(("rewards", name)),

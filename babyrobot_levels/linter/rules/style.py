@@ -335,8 +335,7 @@ def low_contrast(context: LintContext) -> Iterator[Finding]:
     for name in ("start", "exit", "robot", "walls", "puddle"):
         if not given & {name, "base"}:
             continue
-        ratio = contrast(getattr(colors, name), colors.base)
-        if ratio < MIN_CONTRAST:
+        if (ratio := contrast(getattr(colors, name), colors.base)) < MIN_CONTRAST:
             setting = name if name in given else "base"
             yield Finding(
                 ("theme", "colors", setting),
@@ -381,8 +380,7 @@ def side_spelling(context: LintContext) -> Iterator[Finding]:
     for field in (kind.field for kind in _SIDES):
         for number, entry in enumerate(context.data.get(field) or []):
             side = entry["side"]
-            letter = side[:1].upper()
-            if side != letter:
+            if side != (letter := side[:1].upper()):
                 route = (field, number, "side")
                 yield Finding(
                     route,

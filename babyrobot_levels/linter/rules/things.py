@@ -81,10 +81,8 @@ def _help_for_item(context: LintContext, name: str, cells: list[tuple[int, int]]
     if all(context.reached_cells[number] for number in numbers):
         return "move it: the robot gets there only while it lies elsewhere"
     doors = tuple(door for door in level.doors if name not in door.keys)
-    if len(doors) < len(level.doors):
-        reached = cells_reached(level, doors=doors)
-        if reached[numbers].all():
-            return "move it, or the door: it lies behind a door that it opens"
+    if len(doors) < len(level.doors) and cells_reached(level, doors=doors)[numbers].all():
+        return "move it, or the door: it lies behind a door that it opens"
     return "open a path to it, or move it"
 
 

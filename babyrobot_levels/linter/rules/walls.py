@@ -252,8 +252,7 @@ def glass_without_pass(context: LintContext) -> Iterator[Finding]:
         # Beside a blocked cell, glass behaves like any other wall.
         if blocked((x, y)) or blocked((x + (side == "E"), y + (side == "S"))):
             known.add((side, x, y))
-    unknown = [part for wall in glass for part in _parts(wall, known)]
-    if unknown:
+    if unknown := [part for wall in glass for part in _parts(wall, known)]:
         entries = [_entry(part) for part in unknown]
         edit = append(context.document, "walls", entries, ("map", "legend", "maze"))
         count = len(unknown)
@@ -330,8 +329,7 @@ def loops_without_effect(context: LintContext) -> Iterator[Finding]:
     # A maze without loops is a tree: it has fewer passages than cells.
     if int.from_bytes(grid.open_bits).bit_count() // 2 >= grid.blocked_cells.count(0):
         return
-    plain = maze.model_copy(update={"loops": 0.0})
-    bare = {"walls": (), "openings": (), "maze": plain}
+    bare = {"walls": (), "openings": (), "maze": maze.model_copy(update={"loops": 0.0})}
     if build_grid(level.model_copy(update=bare)).wall_bits == grid.wall_bits:
         yield Finding(
             Key(("maze", "loops")),
