@@ -12,7 +12,7 @@ from babyrobot_levels.language.cells import Puddle, PuddleType, RandomReward
 from babyrobot_levels.language.kinds import KINDS, THINGS
 from babyrobot_levels.language.looks import COLOR_CHECK, NAMES, THEME_NAME
 from babyrobot_levels.language.names import FUNCTION, SLUG, VERSION, slug
-from babyrobot_levels.language.rewriting import LONGEST, rewritten, takes
+from babyrobot_levels.language.rewriting import LONGEST, number_in, rewritten, takes
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.scalars import is_plain_string
 from babyrobot_levels.text.words import SHORT, did_you_mean, nearest, shortened, words_beside
@@ -230,6 +230,8 @@ def _unknown(
             "its fields stand at the top: remove this line, and their indentation",
         )
     if other is None and model is not None:
+        if _is_cell(value) and "name" in fields and (place := {"at", "start"} & fields.keys()):
+            return "BR201", message, f"write `{{name: {word}, {min(place)}: {flow(value)}}}`"
         if chosen := next((each for each in fields if word in _chosen(fields[each])), None):
             return "BR201", message, f"write `{chosen}: {word}`"
         if model is not whole and (text := _outside(word, value, _fields(whole))):
@@ -364,7 +366,8 @@ def _form_help(error: Any, model: type[BaseModel]) -> str | None:
     info = {} if around is None else _fields(around)
     special = _special_help(field, names, value, info)
     if special is not None or around is None or field not in info:
-        return special
+        number = number_in(value) if error["type"] in NUMERIC else None
+        return special or (None if number is None else f"write `{field}: {number:g}`")
     is_entry = isinstance(error["loc"][-1], int)
     meant = rewritten(value, field, around, is_entry)
     if meant is not None:
@@ -435,7 +438,9 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
         names += SIDE_NAMES
     guess = guessed(value, names)
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
-    help_text = _each_side(value) if field == "side" else None
+    help_text = _words("instead").get(f"{field} {str(value).lower()}")
+    if field == "side":
+        help_text = _each_side(value)
     if isinstance(value, list) and len(value) == 1:
         help_text = f"write `{field}: {shortened(value[0])}`"
     return "BR204", f"must be {shown}, not {show(value)}{'' if help_text else guess}", help_text
@@ -466,7 +471,7 @@ def _between(info: Any) -> str:
     low, above, high = map(bounds.get, ("ge", "gt", "le"))
     is_known = high is not None and high < MANY
     if above is not None:
-        return f" above {above:g}" + f" and at most {high:g}" * is_known
+        return f" above {above:g}" + (f" and at most {high:g}" if is_known else "")
     return "" if low is None else f" from {low:g} " + (f"to {high:g}" if is_known else "on")
 
 

@@ -48,6 +48,11 @@ def takes(model: type[BaseModel], field: str, value: Any) -> bool:
     return True
 
 
+def number_in(value: Any) -> float | None:
+    """Return the number that a value is meant to be, None if nobody knows."""
+    return next((each for each in _readings(value) if type(each) in (int, float)), None)
+
+
 def _readings(value: Any) -> Iterator[Any]:
     """Yield what a value may be meant to be, in forms that fields have, the likeliest first."""
     if isinstance(value, bool):
@@ -90,7 +95,8 @@ def _of_text(text: str) -> Iterator[Any]:
     if text.lower() in _SWITCHED:
         yield _SWITCHED[text.lower()]
     words = re.split(r"(?:[,;&+\s]|\band\b)+", text)
-    yield from (words, {"seed": text.lower()}, {"seed": 1, "algorithm": text.lower()})
+    yield from (words, {"seed": text.lower()})
+    yield from ({"seed": 1, "algorithm": text.lower()}, {"algorithm": text.lower()})
 
 
 def _of_list(items: list[Any]) -> Iterator[Any]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pydantic import BaseModel
 from support.each import for_each
 from support.reading import read_level
 from support.reports import BAD, GOOD, read, report
@@ -13,7 +17,9 @@ from support.work import counted_calls
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.kinds import LISTED
-from babyrobot_levels.language.validation import parse
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import PackFields, SuiteListFields
+from babyrobot_levels.language.validation import parse, validate
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp import configurations
 from babyrobot_levels.mdp.compiler import layers
@@ -310,6 +316,39 @@ def test_names_that_others_use_are_understood(name: str, meant: str) -> None:
 def test_a_number_is_not_asked_to_be_true_or_false() -> None:
     (found,) = diagnose("version: 1\nskid: yes\n")
     assert "`true`" not in f"{found.help}"
+
+
+def places(schema: Any, part: Any, *, deep: int = 4) -> Iterator[tuple[str | int, ...]]:
+    """Yield the ways to all places of a schema in which a value may stand."""
+    if "$ref" in part:
+        part = schema["$defs"][part["$ref"].rpartition("/")[2]]
+    for other in (*part.get("anyOf", ()), *part.get("oneOf", ())):
+        yield from places(schema, other, deep=deep)
+    inner: dict[str | int, Any] = {**part.get("properties", {})}
+    inner |= {"other": part.get("additionalProperties"), 0: part.get("items")}
+    for name, each in inner.items() if deep else ():
+        if isinstance(each, dict):
+            yield (name,)
+            yield from ((name, *way) for way in places(schema, each, deep=deep - 1))
+
+
+def put(value: Any, way: tuple[str | int, ...]) -> Any:
+    """Return a value inside of mappings and lists."""
+    for name in reversed(way):
+        value = {name: value} if isinstance(name, str) else [value]
+    return value
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", [LevelFields, SuiteFields, SuiteListFields, PackFields])
+def test_whatever_stands_anywhere_something_is_told(model: type[BaseModel]) -> None:
+    schema = model.model_json_schema(mode="validation")
+    ways = [*dict.fromkeys(places(schema, schema))]
+    assert len(ways) > len(model.model_fields)
+    wrong = ["heavy", "80%", -1, 2.5, [], {"a": 1}, [[1, 1]]]
+    for way, value in itertools.product(ways, wrong):
+        _, issues = validate({"version": 1, **put(value, way)}, model)
+        assert all(each.message for each in issues), (way, value)
 
 
 # -- limits ------------------------------------------------------------------------------------
