@@ -230,7 +230,8 @@ def _unknown(
             "its fields stand at the top: remove this line, and their indentation",
         )
     if other is None and model is not None:
-        if _is_cell(value) and "name" in fields and (place := {"at", "start"} & fields.keys()):
+        is_name = model is not whole and "name" in fields and not nearest(field, fields, 1, 0.75)
+        if is_name and _is_cell(value) and (place := {"at", "start"} & fields.keys()):
             return "BR201", message, f"write `{{name: {word}, {min(place)}: {flow(value)}}}`"
         if chosen := next((each for each in fields if word in _chosen(fields[each])), None):
             return "BR201", message, f"write `{chosen}: {word}`"
