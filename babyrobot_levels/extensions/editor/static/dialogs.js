@@ -5,6 +5,7 @@ import { button, finder } from "./html.js";
 
 /** Save the text as a file of the browser's downloads. Returns whether that is known to Python. */
 async function download(editor) {
+  await editor.last; // What was typed is in the state once it is answered.
   const { path, name, text } = editor.state;
   const file = path ?? `${name ?? "level"}.yaml`;
   saveFile(file, text);
