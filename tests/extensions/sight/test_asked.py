@@ -171,7 +171,7 @@ def test_a_score_of_a_reader_is_set_beside_what_its_texts_tell() -> None:
 @pytest.mark.slow
 @pytest.mark.beside("scoring")
 def test_what_can_be_known_in_one_of_several_levels_is_less_than_in_each() -> None:
-    mazes = brl.load_suite("small-mazes").split("test")[:10]
+    mazes = brl.load_suite("small-mazes").split("test")[:4]
     how: Any = {"actions": "moves", "within": 40}
     best = brl.solve(list(mazes), sight="position", **how)
     scores = brl.score(mazes, best.policy(), episodes=100, knowable="suite", **how)
@@ -179,8 +179,8 @@ def test_what_can_be_known_in_one_of_several_levels_is_less_than_in_each() -> No
     assert pooled is not None
     assert pooled.knowable == pytest.approx(best.upper)
     assert pooled.expected_return == pytest.approx(pooled.knowable)
-    assert pooled.knowable < pooled.optimum - 0.5
-    assert pooled.share < 0.998
+    assert pooled.knowable < pooled.optimum - 0.4
+    assert pooled.share < 0.99
     assert pooled.knowable_share == pytest.approx(1)
     assert scores.to_dict()["pooled"]["knowable"] == pooled.knowable
     assert brl.score(mazes, best.policy(), episodes=100, **how).pooled is None
