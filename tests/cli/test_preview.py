@@ -138,7 +138,7 @@ def test_the_seed_is_0_if_none_is_given() -> None:
     assert first == again != made("frozen-lake", "--seed", "1", "c.gif")
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_a_film_shows_values_and_coordinates() -> None:
     plain, values, coordinates = (
         film(made("maze", "--cell", "64", *options, f"{number}.gif"))[0].astype(int)

@@ -55,6 +55,7 @@ def test_value_iteration_on_data_finds_the_best_policy(tmp_path: Path) -> None:
     assert table["learned, greedy"][1] > 99.9
 
 
+@pytest.mark.sweep
 def test_learned_values_are_shown_above_exact_ones(tmp_path: Path) -> None:
     text = printed_by("q_learning", "--num-envs", 512, "--steps", 1_000_000, cwd=tmp_path)
     table = table_of(text)

@@ -14,11 +14,14 @@ from typing import Any
 
 import pytest
 import yaml
+from support.combinations import swept
 from support.places import ROOT
 
 MANIFEST = ROOT / ".pre-commit-hooks.yaml"
 HOOKS: list[dict[str, Any]] = yaml.safe_load(MANIFEST.read_text("utf-8"))
 IDS = [hook["id"] for hook in HOOKS]
+
+each_hook = pytest.mark.parametrize("hook", swept(["babyrobot-lint"], IDS))
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,7 @@ def test_the_manifest_is_valid_and_makes_environments_of_its_own() -> None:
     assert {hook["language"] for hook in HOOKS} == {"python"}
 
 
-@pytest.mark.parametrize("hook", IDS)
+@each_hook
 def test_good_levels_pass_and_what_is_no_level_is_left_alone(hook: str, project: Project) -> None:
     for name in (
         *("levels/themes/mine.yaml", "levels/pack.yaml", "levels/.hidden.yaml"),
@@ -93,7 +96,7 @@ def test_good_levels_pass_and_what_is_no_level_is_left_alone(hook: str, project:
     assert (status, "Passed" in output) == (0, True), output
 
 
-@pytest.mark.parametrize("hook", IDS)
+@each_hook
 def test_bad_levels_fail(hook: str, project: Project) -> None:
     name = "levels/bad.yaml" if hook == IDS[0] else "deep/levels/pack/bad.yml"
     project.write(name, "version: 1\nsize: [3, x]\n")

@@ -191,10 +191,10 @@ def names_in(module: Any) -> list[str]:
 
 
 def cases_in(module: Any) -> list[Any]:
-    """Return these names as parameters; writing films takes long."""
-    slow = {"RecordVideo"}
+    """Return these names as parameters; what draws each frame of all cases takes long."""
+    long = {"AddRenderObservation", "RecordVideo"}
     return [
-        pytest.param(name, marks=pytest.mark.slow if name in slow else ())
+        pytest.param(name, marks=pytest.mark.sweep if name in long else ())
         for name in names_in(module)
     ]
 

@@ -149,11 +149,13 @@ def test_small_files_are_formatted_quickly() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "version: 1\n" + "\n" * 200_000,
-        "version: 1\n" + "# c\n" * 20_000,
+        pytest.param("version: 1\n" + "\n" * 200_000, marks=pytest.mark.sweep),
+        pytest.param("version: 1\n" + "# c\n" * 20_000, marks=pytest.mark.sweep),
         "version: 1\ntags: [\n" + "a, # c\n" * 4_000 + "]\n",
         "version: 1\nsize: [3, 3]\nstart: [" + "[0, 0],\n" * 10_000 + "]\n",
-        "version: 1\ndescription: '" + "word\n  " * 40_000 + "'\n",
+        pytest.param(
+            "version: 1\ndescription: '" + "word\n  " * 40_000 + "'\n", marks=pytest.mark.sweep
+        ),
         "version: 1\ndescription: |\n" + " # no comment\n" * 30_000,
     ],
     ids=["blank lines", "comments", "comments in brackets", "entries", "quoted", "literal"],

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from limits.drawn import LISTS, hostile
-from support.combinations import combined
+from support.combinations import combined, selected
 from support.work import counted_calls
 
 import babyrobot_levels as brl
@@ -103,7 +103,11 @@ def test_the_measure_sees_what_is_quadratic() -> None:
     assert look(TIMES * 200) > 1.5 * TIMES * look(200) + 20_000
 
 
-@combined(1, field=PRODUCTS, look=["validate", "lint", "show"])
+@selected(
+    [("items", "lint"), ("switches", "show"), ("movers", "validate")],
+    field=PRODUCTS,
+    look=["validate", "lint", "show"],
+)
 def test_products_are_bounded(field: str, look: str) -> None:
     with counted_calls() as work:
         LOOKS[look](hostile(field, 10 * FEW, 0))

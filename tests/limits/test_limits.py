@@ -127,7 +127,9 @@ def test_the_measure_sees_what_is_slow_and_large(tmp_path: Path, babyrobot: Baby
     assert 10 * MIB < small.memory < large.memory - 10 * MIB
 
 
-@pytest.mark.parametrize("name", ["tags", "a bomb of aliases", "unknown fields", "brackets"])
+@pytest.mark.parametrize(
+    "name", swept(["a bomb of aliases", "unknown fields", "brackets"], ["tags"])
+)
 def test_reports_for_people_are_short_too(name: str, tmp_path: Path, babyrobot: Babyrobot) -> None:
     answer = babyrobot("validate", str(write(tmp_path, BROKEN[name][1]())))
     assert (answer.status, answer.err) == (1, "")

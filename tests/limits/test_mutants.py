@@ -82,6 +82,7 @@ def test_mutants_of_good_files(seed: int) -> None:
     assert IN_A_CHUNK * 0.05 < levels < IN_A_CHUNK * 0.6
 
 
+@pytest.mark.sweep
 def test_the_parents_are_what_they_should_be() -> None:
     assert all(map(hold, WHOLE))
     assert not any(map(hold, BROKEN))

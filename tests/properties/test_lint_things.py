@@ -232,6 +232,7 @@ def is_avoidable(level: Reference, start: Pair, movers: Iterable[int]) -> bool:
     return False
 
 
+@pytest.mark.sweep
 @untimed
 @given(worlds.filter(lambda world: "movers" in world))
 def test_movers_that_nobody_meets_or_avoids(world: dict[str, Any]) -> None:

@@ -46,7 +46,7 @@ def test_what_they_import_of_one_another_is_what_they_need() -> None:
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_without_the_others_their_tests_pass(tmp_path: Path) -> None:
     done = python(ROOT / "scripts" / "alone.py", "expect", cwd=tmp_path, timeout=120)
     assert done.stdout.splitlines()[0] == "expect, with no other"

@@ -133,8 +133,19 @@ def test_levels_of_the_gallery(path: Path, font: Font) -> None:
     assert difference(build_scene(level), font) < SHARE * (1.5 if level.display.side_panel else 1)
 
 
-@pytest.mark.parametrize("theme", BUILTIN_THEMES)
-@pytest.mark.parametrize("info", list(overlays()), ids=lambda info: "-".join(info))
+@pytest.mark.parametrize(
+    ("info", "theme"),
+    [
+        pytest.param(
+            info,
+            theme,
+            id=f"{'-'.join(info)}-{theme}",
+            marks=() if theme == shown else pytest.mark.sweep,
+        )
+        for shown, info in zip(BUILTIN_THEMES, overlays(), strict=False)
+        for theme in BUILTIN_THEMES
+    ],
+)
 def test_themes_and_overlays(theme: str, info: dict[str, Any], font: Font) -> None:
     level = little_of_all(theme)
     scene = build_scene(level, state=14, overlay=overlay_from(info, level))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.combinations import swept
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
@@ -157,7 +158,7 @@ def test_every_level_is_in_one_split(count: int) -> None:
 # -- conditions ------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_conditions_hold_and_starve_aloud() -> None:
     fields = {**FIELDS, "size": [6, 6], "splits": {}, "exit": "corner"}
     del fields["max_steps"]
@@ -209,7 +210,7 @@ def test_all_levels_are_as_a_suite_expects() -> None:
     assert [level.digest for level in free] != [level.digest for level in suite]
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_success_is_expected_unless_a_suite_asks_for_less() -> None:
     risky = {**EXPECTING, "keys": 0, "guards": 1, "hit": {"reward": -1}, "count": 12}
     won = {brl.metrics(level).success for level in load_suite(risky)}
@@ -232,9 +233,17 @@ def test_needs_are_names() -> None:
 @pytest.mark.parametrize(
     ("expect", "message"),
     [
-        ({"best_steps": "90.."}, r"expect best_steps 90\.\.: the largest of 40 candidates was \d"),
+        pytest.param(
+            {"best_steps": "90.."},
+            r"expect best_steps 90\.\.: the largest of 40 candidates was \d",
+            marks=pytest.mark.sweep,
+        ),
         ({"needs": ["lever"]}, r"expect needs \[lever\]: none of 40 candidates has these"),
-        ({"success": 0.5}, r"expect success 0.5: the smallest of \d+ candidates was 1"),
+        pytest.param(
+            {"success": 0.5},
+            r"expect success 0.5: the smallest of \d+ candidates was 1",
+            marks=pytest.mark.sweep,
+        ),
         pytest.param(
             {"turns": {"max": 0}},
             r"expect turns \.\.0: the smallest of \d+ candidates was \d",
@@ -263,10 +272,7 @@ def test_large_tables_are_not_compiled_again_and_again(monkeypatch: pytest.Monke
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=pytest.mark.sweep if name in WITH_DOORS else ()) for name in SHIPPED],
-)
+@pytest.mark.parametrize("name", swept(["classics", "long-ways", "small-mazes"], SHIPPED))
 def test_the_shipped_suites(name: str) -> None:
     suite = load_suite(name)
     assert suite.name == name

@@ -25,13 +25,18 @@ def combined(strength: int, **parameters: Collection[Any]) -> pytest.MarkDecorat
             every value of each parameter; with 2, every pair of values of two parameters.
         parameters: the values of each parameter.
     """
-    names = tuple(parameters)
-    fast = covering([list(values) for values in parameters.values()], strength)
+    return selected(covering([*map(list, parameters.values())], strength), **parameters)
+
+
+def selected(
+    some: Collection[tuple[Any, ...]], **parameters: Collection[Any]
+) -> pytest.MarkDecorator:
+    """Parametrise a test by the product of parameters, all but some combinations as a sweep."""
     cases = [
-        pytest.param(*case, marks=[] if case in fast else pytest.mark.sweep)
+        pytest.param(*case, marks=[] if case in some else pytest.mark.sweep)
         for case in product(*parameters.values())
     ]
-    return pytest.mark.parametrize(names, cases)
+    return pytest.mark.parametrize(tuple(parameters), cases)
 
 
 def covering(parameters: Sequence[Sequence[Any]], strength: int) -> list[tuple[Any, ...]]:

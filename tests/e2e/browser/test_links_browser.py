@@ -74,7 +74,7 @@ def notice(ground: Playground) -> str:
 # -- the level of the link -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", SOME)
+@pytest.mark.parametrize("name", swept(SOME[::2], SOME))
 def test_a_link_shows_what_the_levels_own_page_shows(
     name: str, ground: Playground, tmp_path: Path
 ) -> None:

@@ -61,8 +61,19 @@ def swipe(ground: Playground, dx: float, dy: float) -> None:
 # -- what is seen at once ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("size", [PORTRAIT, LANDSCAPE])
-@pytest.mark.parametrize("name", ["windy-gridworld", "treasure-chests"])
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [
+        pytest.param("windy-gridworld", PORTRAIT, id="windy-gridworld-size0"),
+        pytest.param(
+            "windy-gridworld", LANDSCAPE, id="windy-gridworld-size1", marks=pytest.mark.sweep
+        ),
+        pytest.param(
+            "treasure-chests", PORTRAIT, id="treasure-chests-size0", marks=pytest.mark.sweep
+        ),
+        pytest.param("treasure-chests", LANDSCAPE, id="treasure-chests-size1"),
+    ],
+)
 def test_a_phone_shows_all_that_is_needed(
     name: str, size: tuple[int, int], browser: Browser, tmp_path: Path
 ) -> None:

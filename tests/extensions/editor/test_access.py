@@ -133,7 +133,10 @@ WINDOWS = [(1280, 800), (900, 672), (390, 844)]
 """A laptop, the cell of a notebook, and a phone."""
 
 
-@pytest.mark.parametrize(("width", "height"), WINDOWS)
+@pytest.mark.parametrize(
+    ("width", "height"),
+    [*(pytest.param(*size, marks=pytest.mark.sweep) for size in WINDOWS[:2]), WINDOWS[2]],
+)
 def test_everything_is_in_reach(editor_page: OpenEditor, width: int, height: int) -> None:
     page = editor_page(
         "version: 1\nsize: [8, 5]\n", viewport={"width": width, "height": height}

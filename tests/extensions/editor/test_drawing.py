@@ -28,7 +28,7 @@ items:
 """
 
 
-@pytest.mark.parametrize("kind", swept([Keys, Finger], [Mouse]))
+@pytest.mark.parametrize("kind", swept([Finger], [Keys, Mouse]))
 def test_the_final_maze_is_drawn_from_an_empty_grid(
     kind: type[Hand], editor_page: OpenEditor, tmp_path: Path
 ) -> None:

@@ -121,7 +121,7 @@ def test_several_robots_are_refused(name: str) -> None:
 
 
 @pytest.mark.slow
-@each_kind_of_format
+@pytest.mark.parametrize("name", swept(["tiled"], WRITTEN))
 def test_what_is_lost_is_told_whatever_else_is(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = {"version": 1, "size": [4, 3], "start": [0, 0], "exit": [3, 2]}
     write = FORMATS[name].write
@@ -154,7 +154,7 @@ OTHER_LEVELS = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("level", [*CAUSES, *OTHER_LEVELS])
+@pytest.mark.parametrize("level", [*swept(CAUSES[::2], CAUSES), *OTHER_LEVELS])
 def test_levels_come_back_as_files(level: str) -> None:
     for name in WRITTEN:
         assert_comes_back_as_a_file(name, brl.load(level))

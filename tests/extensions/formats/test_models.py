@@ -22,7 +22,7 @@ LEVELS = [
     "four-corners",
     "night-watch",
     "shell-game",
-    "three-gems",
+    pytest.param("three-gems", marks=pytest.mark.sweep),
     "russell-norvig-4x3",
 ]
 """With skids, thirds, starts, hits that end the episode, drawn exits and items, a switch, holes."""

@@ -85,7 +85,13 @@ def cells(level: brl.Level) -> list[tuple[int, int]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("order", [VARIED, REWARDED], ids=["varied", "rewarded"])
+@pytest.mark.parametrize(
+    "order",
+    [
+        pytest.param(VARIED, id="varied"),
+        pytest.param(REWARDED, id="rewarded", marks=pytest.mark.sweep),
+    ],
+)
 def test_the_call_in_a_file_makes_the_file(order: tuple[str, ...]) -> None:
     babyrobot("generate", "--count", "20", *order, "-o", "one")
     (file,) = Path("one").rglob("level-00015.yaml")

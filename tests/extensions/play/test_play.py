@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.combinations import swept
 from support.games import COMMAND, DOWN, LEFT, RIGHT, UP, Game, pty, termios
 from support.sessions import environment
 
@@ -132,7 +133,9 @@ def test_a_play_without_what_was_undone_is_valid(tmp_path: Path) -> None:
     assert all(verify_play(play).is_valid for play in plays)
 
 
-@pytest.mark.parametrize(("leave", "status"), [(b"q", 0), (b"\x03", 130)])
+@pytest.mark.parametrize(
+    ("leave", "status"), [pytest.param(b"q", 0, marks=pytest.mark.sweep), (b"\x03", 130)]
+)
 def test_each_episode_is_recorded(tmp_path: Path, leave: bytes, status: int) -> None:
     (tmp_path / "yard.yaml").write_text(LEVEL, encoding="utf-8")
     with Game(tmp_path, "yard.yaml", "--seed", "1", "--record", "ada.brlplay") as game:
@@ -165,7 +168,14 @@ def test_a_file_that_cannot_be_recorded_into_is_told_at_once(tmp_path: Path) -> 
         assert f"error: {message}" in re.sub(r"\x1b\[[0-9;]*m", "", told)
 
 
-@pytest.mark.parametrize(("key", "status"), [(b"Q", 0), (b"\x04", 0), (b"\x03", 130)])
+@pytest.mark.parametrize(
+    ("key", "status"),
+    [
+        pytest.param(b"Q", 0, marks=pytest.mark.sweep),
+        pytest.param(b"\x04", 0, marks=pytest.mark.sweep),
+        (b"\x03", 130),
+    ],
+)
 def test_keys_that_quit(yard: Game, key: bytes, status: int) -> None:
     yard.press(key)
     found, told = yard.ended()
@@ -174,7 +184,7 @@ def test_keys_that_quit(yard: Game, key: bytes, status: int) -> None:
     assert yard.is_restored
 
 
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+@pytest.mark.parametrize("name", swept(["SIGTERM"], ["SIGHUP", "SIGINT"]))
 def test_signals_restore_the_terminal(yard: Game, name: str) -> None:
     number = getattr(signal, name)
     yard.process.send_signal(number)
@@ -252,6 +262,7 @@ def test_a_large_level_is_seen_through_a_window(tmp_path: Path) -> None:
         assert 15 <= next(line for line in screen.splitlines() if "☻" in line).index("☻") <= 25
 
 
+@pytest.mark.sweep
 def test_the_seed_decides_about_luck(tmp_path: Path) -> None:
     seen = []
     for seed in ("3", "3", "5"):

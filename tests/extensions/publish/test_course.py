@@ -197,6 +197,7 @@ def test_an_autograder_installs_by_no_module_of_the_student(built: Path, tmp_pat
     assert [each.name for each in student.iterdir()] == ["pip.py"]
 
 
+@pytest.mark.sweep
 def test_the_autograder_runs_as_classroom50_runs_it(built: Path, tmp_path: Path) -> None:
     """From the folder of the student, with what the runner tells."""
     unpacked(built, "classroom50.zip", tmp_path / "bundle")

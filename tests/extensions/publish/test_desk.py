@@ -73,7 +73,7 @@ def test_values_are_right_if_each_is_near_the_right_one(name: str, data: st.Data
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", swept(LEVELS[:2], LEVELS))
+@pytest.mark.parametrize("name", swept(LEVELS[1:2], LEVELS))
 def test_policies_are_right_as_elsewhere(name: str) -> None:
     best = brl.solve(name).policy
     assert hashed.graded(best, "policy", DATA[name]) == "the policy is optimal"

@@ -13,7 +13,7 @@ import numpy as np
 import pypdfium2 as pdfium
 import pytest
 from playwright.sync_api import Page
-from support.combinations import combined, swept
+from support.combinations import combined, selected
 from support.markup import Reader
 from support.scenes import bounds
 
@@ -115,9 +115,12 @@ def test_nothing_leaves_the_page(per_page: int, paper: str, landscape: bool) -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", [False, True])
-@pytest.mark.parametrize("landscape", [False, True])
-@pytest.mark.parametrize("per_page", swept([6], [2, 6, 24]))
+@selected(
+    [(6, False, False), (6, True, True)],
+    per_page=[2, 6, 24],
+    landscape=[False, True],
+    key=[False, True],
+)
 def test_levels_do_not_overlap(per_page: int, landscape: bool, key: bool) -> None:
     """Each ends, with its name, above what is next in its column, the rules and the foot."""
     long = brl.load("glass-wall").replace(title="A title of many words " * 7)

@@ -56,8 +56,10 @@ def test_it_earns_the_lower_bound(sight: Any) -> None:
     ("level", "options"),
     [
         ("shell-game", {"view_radius": 1}),
-        ("treasure-chests", {"view_radius": 1, "actions": "moves"}),
-        ("bat-cave", {"view_radius": 1}),
+        pytest.param(
+            "treasure-chests", {"view_radius": 1, "actions": "moves"}, marks=pytest.mark.sweep
+        ),
+        pytest.param("bat-cave", {"view_radius": 1}, marks=pytest.mark.sweep),
     ],
 )
 def test_scores_find_that_it_earns_the_lower_bound(level: str, options: dict[str, Any]) -> None:

@@ -8,7 +8,6 @@ from random import Random
 import pytest
 from extensions.sight.by_fractions import Beliefs
 from extensions.sight.cases import levels_of, sight_of, slow_solver
-from support.combinations import swept
 
 from babyrobot_levels.extensions.sight.solve import SightSolution, solve_sight
 
@@ -53,8 +52,8 @@ def check_bounds(found: SightSolution, slow: Beliefs) -> None:
     assert found.upper >= earned + rest * min(rewards) - 1e-9
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("part", swept([0], range(28)))
+@pytest.mark.sweep
+@pytest.mark.parametrize("part", range(28))
 def test_optima_are_those_of_the_slow_solver(part: int) -> None:
     for seed in range(11 * part, 11 * part + 11):
         check(seed)
