@@ -15,7 +15,7 @@ from typing import IO, Annotated, Any, NoReturn
 
 import typer
 
-from babyrobot_levels.render.terminal import moves_cursor
+from babyrobot_levels.render.terminal import moves_cursor, room_of
 from babyrobot_levels.render.terminal import speaks_unicode as speaks_unicode
 from babyrobot_levels.render.terminal import wants_color as wants_color
 from babyrobot_levels.text.diagnostics import one_line
@@ -90,8 +90,6 @@ ForceOption = Annotated[bool, flag("--force", "Overwrite existing files.")]
 
 def width_of(stream: IO[str]) -> int | None:
     """Return the columns to which texts are cut; None for none, where it is no terminal."""
-    from babyrobot_levels.render.terminal import room_of
-
     return room_of(stream).columns if stream.isatty() and speaks_unicode(stream) else None
 
 

@@ -24,7 +24,7 @@ from babyrobot_levels.cli.inputs import check_name, is_folder
 from babyrobot_levels.language.cells import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.files import schema_for
+from babyrobot_levels.text.files import schema_for, source_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.generation.starter import StarterOptions
@@ -172,7 +172,6 @@ def _size(text: str) -> tuple[int, int]:
 def _check(text: str, path: Path) -> None:
     """Check that the file is valid before it is written: a theme may be unknown."""
     from babyrobot_levels.suites.checking import errors_of
-    from babyrobot_levels.text.files import source_of
 
     try:
         source = source_of(text.encode("utf-8"), str(path))

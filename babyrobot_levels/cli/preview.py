@@ -24,6 +24,7 @@ from babyrobot_levels.analysis.pictures import MAX_SCALE, dressed
 from babyrobot_levels.cli.agents import PLAYS, blamed, named_agent, table_of
 from babyrobot_levels.cli.console import (
     OutputOption,
+    each_change,
     fail,
     flag,
     not_one_of,
@@ -360,8 +361,6 @@ def _with_neighbours(items: Iterator[Item]) -> Iterator[tuple[Item | None, Item,
 
 def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
     """Yield a picture whenever a level is saved; of a level with errors, these are shown."""
-    from babyrobot_levels.cli.console import each_change
-
     for _ in each_change(lambda: [file]):
         try:
             yield made()

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from typer.core import TyperCommand
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.sharing import link_fault
+from babyrobot_levels.analysis.sharing import fragment_of, link_fault
 from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
@@ -38,6 +38,7 @@ from babyrobot_levels.cli.inputs import (
 )
 from babyrobot_levels.cli.parallel import track, working
 from babyrobot_levels.text.files import SUFFIXES
+from babyrobot_levels.text.source import MAX_BYTES
 
 WORTH_A_LOOK = 10_000
 """Mazes of fewer cells fit into a file, or are quickly found not to."""
@@ -157,7 +158,6 @@ class _Shown:
         return f"{self.page}#{self._fragment(level)}"
 
     def _fragment(self, level: brl.Level) -> str:
-        from babyrobot_levels.analysis.sharing import fragment_of
         from babyrobot_levels.cli.pictures import check_page_size
         from babyrobot_levels.render.page_format import TooLargeError
 
@@ -192,7 +192,6 @@ def resolve(
       babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
     """
     from babyrobot_levels.library.catalogue import text_for
-    from babyrobot_levels.text.source import MAX_BYTES
 
     loaded = with_seed(load_level(level), maze_seed)
     if loaded.maze is None:
@@ -212,8 +211,6 @@ def resolve(
 
 def _check_walls(level: brl.Level) -> None:
     """End the command if a maze has too many walls for a file, before they are all written."""
-    from babyrobot_levels.text.source import MAX_BYTES
-
     if level.maze is None or level.map is not None or level.size[0] * level.size[1] < WORTH_A_LOOK:
         return
     import numpy as np

@@ -13,7 +13,7 @@ from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.emitter import Figure
+from babyrobot_levels.text.emitter import Figure, emit
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.source import SourceFile
 
@@ -129,7 +129,6 @@ class LevelSpec(LevelFields):
             comments: whether a level that was loaded from a text keeps its comments and its
                 layout, so that only the lines of changed fields are new.
         """
-        from babyrobot_levels.text.emitter import emit
         from babyrobot_levels.text.splice import splice
 
         if comments and self._origin is not None:

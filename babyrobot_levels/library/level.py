@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from babyrobot_levels.language.documents import check_level
-from babyrobot_levels.language.share_code import decode
+from babyrobot_levels.language.share_code import decode, encode
 from babyrobot_levels.mdp.gridworld import GridWorld, playable
 from babyrobot_levels.registry.entries import Entries
 from babyrobot_levels.registry.later import later
@@ -106,8 +106,6 @@ class Level(Offered, GridWorld):
         Raises:
             LevelError: the level is larger than a level file may be.
         """
-        from babyrobot_levels.language.share_code import encode
-
         return encode(self.to_dict(whole=True))
 
     def save(self, path: str | Path) -> None:

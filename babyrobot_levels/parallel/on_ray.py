@@ -24,6 +24,7 @@ from babyrobot_levels.parallel.executor import (
     Result,
     WorkerDiedError,
     stream,
+    work_on,
 )
 from babyrobot_levels.text.errors import DISTRIBUTION, how_to_install
 
@@ -131,7 +132,6 @@ def _worker(wanted: str | None) -> Callable[[bytes], Any]:
         import platform
 
         try:
-            from babyrobot_levels.parallel.executor import work_on
             from babyrobot_levels.parallel.on_ray import installed
 
             if (here := installed()) != wanted:

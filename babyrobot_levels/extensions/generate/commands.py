@@ -27,7 +27,7 @@ from babyrobot_levels.cli.parallel import (
     track,
 )
 from babyrobot_levels.language.cells import Algorithm
-from babyrobot_levels.language.suite import Place
+from babyrobot_levels.language.suite import Place, SuiteFields
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.scalars import resolve
 
@@ -297,7 +297,6 @@ def _check_mutants(suite: str | None, conditions: dict[str, Any]) -> None:
 def _suite_named(suite: str, conditions: dict[str, Any]) -> SuiteFields:
     """Return a suite's fields, with the given count."""
     from babyrobot_levels.extensions.generate.generate import fields_to_generate
-    from babyrobot_levels.language.suite import SuiteFields
 
     if given := [name for name in given_options(conditions) if name != "--count"]:
         fail(f"{given[0]} cannot be combined with a suite", "leave out one of the two")
@@ -386,8 +385,6 @@ def _note_help(target: Target, error: Exception) -> None:
 
 def _unmet(error: brl.UnsatisfiableError, *, from_options: bool) -> str:
     """Return which condition was not met: by its option, or by its field in a suite."""
-    from babyrobot_levels.language.suite import SuiteFields
-
     text = str(error)
     if not from_options:
         return text
@@ -452,7 +449,6 @@ def option(field: str) -> str:
 
 def suite_of(typed: Mapping[str, Any]) -> SuiteFields:
     """Return the suite that options describe; end the command if they are wrong."""
-    from babyrobot_levels.language.suite import SuiteFields
     from babyrobot_levels.language.validation import route_of, validate
 
     data: dict[str, Any] = {"version": 1, "kind": "suite"}
@@ -514,8 +510,6 @@ def _range(name: str, text: str) -> Any:
 
 def _facts(texts: list[str]) -> dict[str, Any]:
     """Return what is stated of metrics, by their names."""
-    from babyrobot_levels.text.scalars import resolve
-
     facts: dict[str, Any] = {}
     for text in texts:
         metric, _, value = text.partition("=")

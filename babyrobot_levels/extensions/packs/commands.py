@@ -25,6 +25,8 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
+from babyrobot_levels.extensions.packs import build as packing
+from babyrobot_levels.extensions.packs import store
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
@@ -68,7 +70,6 @@ def pack(
 
       babyrobot pack zoo -o zoo.brlpack
     """
-    from babyrobot_levels.extensions.packs import build as packing
     from babyrobot_levels.extensions.packs.archive import SUFFIX, PackError
     from babyrobot_levels.text.files import PACK_FILE
 
@@ -194,8 +195,6 @@ def install(
 
       babyrobot preview zoo/lion
     """
-    from babyrobot_levels.extensions.packs import store
-
     try:
         done = store.install(file, force=force)
     except brl.PackError as error:
@@ -227,7 +226,6 @@ def uninstall(
 
       babyrobot uninstall zoo
     """
-    from babyrobot_levels.extensions.packs import store
     from babyrobot_levels.library.packs import carried_packs
 
     try:

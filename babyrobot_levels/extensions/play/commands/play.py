@@ -16,6 +16,7 @@ from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.extensions.play.commands.game import Game
 from babyrobot_levels.extensions.play.commands.team import TeamGame
 from babyrobot_levels.extensions.play.keyboard import NextKey, keyboard
+from babyrobot_levels.render.terminal import moves_cursor, room_of
 
 if TYPE_CHECKING:
     import os
@@ -70,8 +71,6 @@ def play(
 
       babyrobot play final-maze --record ada.brlplay
     """
-    from babyrobot_levels.render.terminal import moves_cursor
-
     loaded = load_level(level)
     if level == str(STANDARD_INPUT) and moves_cursor(sys.stdout):
         _take_keys_from_the_terminal()
@@ -101,8 +100,6 @@ def _take_keys_from_the_terminal() -> None:
 
 def _play(game: Game, next_key: NextKey) -> None:
     """Show the game and act on keys, until one quits."""
-    from babyrobot_levels.render.terminal import room_of
-
     shown: tuple[int, os.terminal_size] | None = None
     while True:
         room = room_of(sys.stdout)

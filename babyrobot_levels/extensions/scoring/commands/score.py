@@ -34,7 +34,7 @@ from babyrobot_levels.cli.inputs import SplitOption, levels_named, names_levels
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.solve import ActionsOption
 from babyrobot_levels.extensions.scoring.commands.replay import help_text
-from babyrobot_levels.render.words.phrases import name_of
+from babyrobot_levels.render.words.phrases import limited, name_of
 from babyrobot_levels.text.source import printable
 from babyrobot_levels.text.words import AGENTS, BEST, RANDOM
 
@@ -331,8 +331,6 @@ def _pooled(scores: brl.Scores) -> dict[str, str]:
 
 def _limits(scores: brl.Scores) -> dict[str, str]:
     """Return within how many steps returns are; of several levels, each may have its own."""
-    from babyrobot_levels.render.words.phrases import limited
-
     if scores.criterion == "average":
         return {"return": "the average reward of a step in the long run"}
     limits = {row.within for row in scores}
