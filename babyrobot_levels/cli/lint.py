@@ -121,9 +121,8 @@ def _lint(
     workers: Workers,
 ) -> bool:
     """Lint files once. Return whether there are findings, or with `diff` whether files change."""
-    from babyrobot_levels.linter.linting import equivalent_levels
+    from babyrobot_levels.linter.linting import findings_of
     from babyrobot_levels.linter.runner import is_note
-    from babyrobot_levels.text.source import SourceFile
 
     outcomes = dict(
         zip(files, map_all(partial(lint_path, options), files, workers, "linting"), strict=True)
@@ -138,17 +137,7 @@ def _lint(
     for path, outcome in outcomes.items():
         if options.fix:
             _write_fixed(path, outcome)
-    texts = {
-        path: (SourceFile(shown_name(path), outcome.text or outcome.before), outcome.fingerprint)
-        for path, outcome in outcomes.items()
-        if outcome.before is not None and outcome.fingerprint is not None
-    }
-    same = equivalent_levels(texts, options.rules_for)
-    found = [
-        each
-        for path, outcome in outcomes.items()
-        for each in [*([same[path]] if path in same else []), *outcome.diagnostics]
-    ]
+    found = findings_of(outcomes, options, shown_name)
     if not (options.fix and STANDARD_INPUT in outcomes):
         count = sum(outcome.count for outcome in outcomes.values())
         ending = _ending(count, [each.fix for each in found], unsafe=options.unsafe)

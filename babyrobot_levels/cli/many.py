@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -145,24 +145,8 @@ def _plain(row: Row) -> dict[str, Any]:
     }
 
 
-class _Target(Protocol):
-    """Where rows are written."""
-
-    @property
-    def first(self) -> int:
-        """The index of the first row that is needed."""
-
-    def put(self, row: dict[str, Any]) -> None:
-        """Write a row."""
-
-    def interrupt(self) -> None:
-        """Write what there is to say after Ctrl-C."""
-
-    def close(self) -> None:
-        """Write what comes after the last row."""
-
-
-def _target(columns: Columns, options: RowOptions, count: int) -> _Target:
+def _target(columns: Columns, options: RowOptions, count: int) -> _Lines:
+    """Return where rows are written."""
     if options.output is not None:
         if options.kind is TableFormat.CSV or NO_LEVEL.fullmatch(options.output.name):
             fail(
@@ -182,18 +166,20 @@ def _line(row: dict[str, Any]) -> str:
 
 
 class _Lines:
-    """Lines of JSON on standard output."""
+    """Lines of JSON on standard output; other classes write rows elsewhere."""
 
     first = 0
+    """The index of the first row that is needed."""
 
     def put(self, row: dict[str, Any]) -> None:
+        """Write a row."""
         write(_line(row) + "\n")
 
     def interrupt(self) -> None:
-        """Leave the lines that there are."""
+        """Write what there is to say after Ctrl-C: nothing."""
 
     def close(self) -> None:
-        """Add nothing."""
+        """Write what comes after the last row: nothing."""
 
 
 class _Csv(_Lines):
@@ -236,8 +222,8 @@ MAX_LINE = 1 << 20
 """The most bytes of a row."""
 
 
-@dataclass(slots=True)
-class _File:
+@dataclass
+class _File(_Lines):
     """Lines of JSON in a file, which grows line by line: what is done stays, whatever happens.
 
     Attributes:
@@ -268,6 +254,7 @@ class _File:
         file = cls(path, count)
         if resume and path.exists():
             file._read()
+        file.first = max(0, file.kept - 1)
         return file
 
     def _read(self) -> None:
@@ -286,11 +273,6 @@ class _File:
             f"{self.path} was written for other levels or with other options",
             "choose another file, or use --force without --resume to overwrite this one",
         )
-
-    @property
-    def first(self) -> int:
-        """The index of the first row that is needed."""
-        return max(0, self.kept - 1)
 
     def put(self, row: dict[str, Any]) -> None:
         """Append a row, or compare it with the last one that was there."""

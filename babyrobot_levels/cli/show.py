@@ -58,10 +58,18 @@ from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOptio
 from babyrobot_levels.cli.pictures import text_picture
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.cli.sights import cost_text, sight_solution
+from babyrobot_levels.language.metric_names import MAX_SOLVED, METRICS, UNLIMITED
+from babyrobot_levels.language.plain_data import json_value
 from babyrobot_levels.language.ranges import ends
-from babyrobot_levels.library.catalogue import files_in, is_suite_file
-from babyrobot_levels.library.packs import KnownPack, fields, known_packs
-from babyrobot_levels.library.search_path import Place
+from babyrobot_levels.library.catalogue import (
+    catalogue,
+    files_in,
+    is_suite_file,
+    suite_files,
+    suite_path,
+)
+from babyrobot_levels.library.packs import KnownPack, fields, known_packs, unusable_packs
+from babyrobot_levels.library.search_path import PATH_VARIABLE, Place, path_folders
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import printable
@@ -126,8 +134,6 @@ def show(
     if sight is not None and citation:
         fail("--cite has no facts for --sight", "leave one of them out")
     if len(levels) == 1 and not options.want_rows:
-        from babyrobot_levels.library.catalogue import suite_path
-
         suite = None if levels[0] == str(STANDARD_INPUT) else suite_path(levels[0])
         if suite is not None:
             if sight is not None:
@@ -147,7 +153,6 @@ def show(
 def _show_many(levels: Suite | list[Any], options: RowOptions, seen: dict[str, Any] | None) -> None:
     """Write the metrics of each level, and what a sight costs there."""
     from babyrobot_levels.agents.many import metrics_many
-    from babyrobot_levels.language.metric_names import MAX_SOLVED, METRICS
 
     names = ("path_length", "dead_ends", "loops", "best_return", "random_return", "difficulty")
     cost = () if seen is None else ("sight_cost",)
@@ -177,13 +182,12 @@ def _show_one(
         cite(loaded, level, as_json=report_format is TableFormat.JSON)
         return
     from babyrobot_levels.analysis.previews import show as facts_of
-    from babyrobot_levels.language.metric_names import UNLIMITED
     from babyrobot_levels.render.words.phrases import with_limit
 
     facts = facts_of(loaded)
     found = None if seen is None else sight_solution(loaded, **seen)
     if report_format is TableFormat.JSON:
-        write_json(facts if found is None else facts | {"sight_cost": [*map(_finite, found.cost)]})
+        write_json(facts if found is None else facts | {"sight_cost": json_value(found.cost)})
         return
     texts = {name: printable(text) for name, text in facts.lines().items()}
     if found is not None:
@@ -196,10 +200,6 @@ def _show_one(
         note("the maze is random: see one with `babyrobot preview LEVEL --maze-seed N`")
     else:
         write("\n" + text_picture(loaded))
-
-
-def _finite(cost: float) -> float | str:
-    return cost if math.isfinite(cost) else "inf"
 
 
 def _show_suite(path: Path, citation: bool, report_format: TableFormat) -> None:
@@ -313,10 +313,6 @@ def list_levels(
 
       babyrobot list --suites
     """
-    from babyrobot_levels.library.catalogue import catalogue, suite_files
-    from babyrobot_levels.library.packs import unusable_packs
-    from babyrobot_levels.library.search_path import PATH_VARIABLE, path_folders
-
     others = {"packs": packs, "suites": suites, "extensions": extensions}
     if other := next((name for name, given in others.items() if given), None):
         asked: dict[str, Any] = {"--tag": tag, "--difficulty": difficulty, "--sort": sort}
@@ -374,7 +370,6 @@ def _note_all(problems: Iterable[str]) -> None:
 def _difficulties(infos: Sequence[LevelInfo], wanted: str | None) -> dict[str, float]:
     """Return the difficulty of the levels that have one, in a range, by their names."""
     from babyrobot_levels.analysis.metrics import metrics
-    from babyrobot_levels.language.metric_names import MAX_SOLVED
 
     bounds = ends(wanted or "")
     if wanted and not bounds:
@@ -466,7 +461,6 @@ def list_packs(report_format: ReportFormat) -> None:
 
 def list_suites(report_format: ReportFormat) -> None:
     """Write the suites that have names."""
-    from babyrobot_levels.library.catalogue import suite_files
     from babyrobot_levels.suites.suite import load_suite
 
     rows: list[dict[str, Any]] = []

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.console import fact_lines, fail
 from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.language.plain_data import json_value
 
 MOST_BELIEFS = 100_000
 """So many beliefs are explored at most unless another number is asked for."""
@@ -39,8 +39,8 @@ def sight_data(level: brl.Level, found: Any) -> dict[str, Any]:
         "digest": level.digest,
         "sight": found.sight,
         "within": found.within,
-        **{name: json_number(getattr(found, name)) for name in bounds},
-        "cost": [*map(json_number, found.cost)],
+        **{name: json_value(getattr(found, name)) for name in bounds},
+        "cost": json_value(found.cost),
         "is_exact": found.is_exact,
         "beliefs": found.beliefs,
     }
@@ -69,10 +69,3 @@ def sight_summary(level: brl.Level, found: Any) -> str:
         "beliefs": f"{found.beliefs:,} explored",
     }
     return fact_lines(facts)
-
-
-def json_number(value: float) -> float | str | None:
-    """Return a number as JSON can have it: one that is infinite as a word, none as null."""
-    if math.isnan(value):
-        return None
-    return value if math.isfinite(value) else "inf" if value > 0 else "-inf"

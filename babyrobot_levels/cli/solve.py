@@ -48,9 +48,11 @@ from babyrobot_levels.cli.pictures import (
     solution_text,
     values_text,
 )
-from babyrobot_levels.cli.sights import json_number, sight_data, sight_solution, sight_summary
+from babyrobot_levels.cli.sights import sight_data, sight_solution, sight_summary
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.plain_data import json_value
 from babyrobot_levels.render.text import WIDEST, number_lines
+from babyrobot_levels.render.words.phrases import limited, reaching, with_limit
 
 LONGEST_FRACTION = 15
 """Fractions of more characters are decimals in the table; JSON has them."""
@@ -315,7 +317,9 @@ def _solve_average(level: brl.Level, actions: ActionSet, report_format: TableFor
             found = brl.solve(level, criterion="average", actions=str(actions))
         except brl.EpisodeTooLongError as error:
             fail(str(error))
-    arrays = {name: _nested(getattr(found, name).tolist()) for name in ("gain", "bias", "policy")}
+    arrays = {
+        name: json_value(getattr(found, name).tolist()) for name in ("gain", "bias", "policy")
+    }
     if report_format is TableFormat.JSON:
         about = {"name": level.name, "digest": level.digest, "expected_gain": found.expected_gain}
         write_json(about | {"multichain": found.multichain, "actions": found.actions} | arrays)
@@ -372,7 +376,7 @@ def _exact_data(found: brl.ExactSolution) -> dict[str, Any]:
     def text(values: Any) -> Any:
         if isinstance(values, list):
             return [text(value) for value in values]
-        return str(values) if isinstance(values, Fraction) else json_number(values)
+        return str(values) if isinstance(values, Fraction) else json_value(values)
 
     return {
         "expected_return": text(found.expected_return),
@@ -409,7 +413,6 @@ def _refuse_within(within: str | None) -> NoReturn:
 def _note_limit(level: brl.Level, solution: brl.Solution) -> None:
     """Say that the level has a time limit, if that changes what an optimal policy earns."""
     from babyrobot_levels.analysis.solver.horizon import best_return_within
-    from babyrobot_levels.render.words.phrases import limited, with_limit
 
     steps = level.max_steps
     if steps is None:
@@ -449,16 +452,16 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
         "digest": level.digest,
         "discount": solution.discount,
         "within": solution.within,
-        "expected_return": json_number(solution.expected_return),
-        "expected_steps": json_number(solution.expected_steps),
-        "exit_probability": json_number(solution.exit_probability),
+        "expected_return": json_value(solution.expected_return),
+        "expected_steps": json_value(solution.expected_steps),
+        "exit_probability": json_value(solution.exit_probability),
         "ending": None if (ending := ending_of(solution)) is None else ending.text,
         "method": solution.method,
         "iterations": solution.iterations,
-        "residual": json_number(solution.residual),
+        "residual": json_value(solution.residual),
         "actions": names[solution.first_action :],
-        "values": _nested(solution.values.tolist()),
-        "action_values": _nested(solution.action_values.tolist()),
+        "values": json_value(solution.values.tolist()),
+        "action_values": json_value(solution.action_values.tolist()),
         "policy": solution.policy.tolist(),
         "greedy": solution.greedy.tolist(),
     }
@@ -493,17 +496,12 @@ def _configuration(things: brl.Things, values: list[int]) -> dict[str, Any]:
     }
 
 
-def _nested(values: Any) -> Any:
-    return [_nested(value) for value in values] if isinstance(values, list) else json_number(values)
-
-
 def _summary(
     level: brl.Level,
     solution: brl.Solution,
     configuration: int | None,
     fractions: brl.ExactSolution | None,
 ) -> str:
-    from babyrobot_levels.render.words.phrases import reaching, with_limit
 
     reaches = reaching(level)
     best = f"{solution.expected_return:.6g}"

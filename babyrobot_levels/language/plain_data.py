@@ -132,14 +132,15 @@ class _Copy:
 
 def json_mapping(data: dict[str, Any]) -> dict[str, Any]:
     """Return a mapping with None for nan, and texts for infinities."""
-    return {name: _json_value(value) for name, value in data.items()}
+    return {name: json_value(value) for name, value in data.items()}
 
 
-def _json_value(value: Any) -> Any:
+def json_value(value: Any) -> Any:
+    """Return a value as `json_mapping` does."""
     if isinstance(value, dict):
         return json_mapping(value)
-    if isinstance(value, tuple):
-        return [_json_value(each) for each in value]
+    if isinstance(value, list | tuple):
+        return [json_value(each) for each in value]
     if not isinstance(value, float) or isfinite(value):
         return value
     return None if isnan(value) else "inf" if value > 0 else "-inf"

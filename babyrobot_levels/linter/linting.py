@@ -252,9 +252,7 @@ def lint(
             write_text(each, outcome.mark + outcome.text)
         if outcome.is_cut:
             warn(outcome.told_cut(str(each)))
-    same = _equivalent(outcomes, options)
-    for path, outcome in outcomes.items():
-        found += [*([same[path]] if path in same else []), *outcome.diagnostics]
+    found += findings_of(outcomes, options)
     return found
 
 
@@ -283,39 +281,45 @@ def outcome_of(
     return Outcome(report.diagnostics, source.text, text, count, source.mark, fingerprint, is_cut)
 
 
-def _equivalent(outcomes: Mapping[Path, Outcome], options: Options) -> dict[Path, Diagnostic]:
-    texts = {
-        path: (SourceFile(str(path), each.text or each.before), each.fingerprint)
-        for path, each in outcomes.items()
-        if each.before is not None and each.fingerprint is not None
-    }
-    return equivalent_levels(texts, options.rules_for)
-
-
-def equivalent_levels(
-    texts: Mapping[Path, tuple[SourceFile, int]], rules_for: Callable[[Path], Sequence[Rule]]
-) -> dict[Path, Diagnostic]:
-    """Return a finding for each file whose MDP equals that of an earlier file of its folder.
+def findings_of(
+    outcomes: Mapping[Path, Outcome], options: Options, name: Callable[[Path], str] = str
+) -> list[Diagnostic]:
+    """Return what was found in files, first that a file's MDP equals that of an earlier one.
 
     Args:
-        texts: the valid files in order, each with its text and fingerprint.
-        rules_for: returns the rules that are selected for a file.
+        outcomes: what was found in each file alone, in order.
+        options: how they were linted.
+        name: returns the name of a file in messages.
     """
+    same = _equivalent(outcomes, options, name)
+    return [
+        each
+        for path, outcome in outcomes.items()
+        for each in [*([same[path]] if path in same else []), *outcome.diagnostics]
+    ]
+
+
+def _equivalent(
+    outcomes: Mapping[Path, Outcome], options: Options, name: Callable[[Path], str]
+) -> dict[Path, Diagnostic]:
+    """Return a finding for each file whose MDP equals that of an earlier file of its folder."""
     rule = REGISTERED[EQUIVALENT_MDP]
     groups: dict[tuple[Path, int], list[Path]] = defaultdict(list)
-    for path, (_, fingerprint) in texts.items():
-        groups[path.absolute().parent, fingerprint].append(path)
+    for path, each in outcomes.items():
+        if each.before is not None and each.fingerprint is not None:
+            groups[path.absolute().parent, each.fingerprint].append(path)
     found: dict[Path, Diagnostic] = {}
     for paths in groups.values():
         first: dict[str, Path] = {}
         for path in paths if len(paths) > 1 else ():
             # There are few such files, so they are read again.
-            document = read(texts[path][0])
+            each = outcomes[path]
+            document = read(SourceFile(name(path), each.text or each.before or ""))
             level = check_level(document, Level, path).value
             if level is None:
                 continue
             other = first.setdefault(level.digest, path)
-            if other == path or rule not in rules_for(path):
+            if other == path or rule not in options.rules_for(path):
                 continue
             context = LintContext(level, document, path)
             for finding in equivalent_mdp(other.name):
