@@ -17,6 +17,7 @@ from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note, 
 from babyrobot_levels.cli.meant import NO_LEVEL
 from babyrobot_levels.cli.parallel import Workers, map_all
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text, read_path, summary
+from babyrobot_levels.language.names import numbered, slug
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import RESERVED, make_folder
 
@@ -66,8 +67,6 @@ def sight_options(sight: str, view_radius: int | None) -> dict[str, Any]:
 
 def check_name(name: str) -> None:
     """End the command if a level cannot have a name in its file."""
-    from babyrobot_levels.language.names import slug
-
     if slug(name) != name:
         good = slug(Path(name).stem if name.endswith((".yaml", ".yml")) else name)
         fail(
@@ -241,10 +240,7 @@ def names_of_files(levels: Iterator[brl.Level]) -> Iterator[tuple[str, brl.Level
     taken = set(RESERVED)
     for level in levels:
         base = re.sub(r"[^\w-]+", "-", level.name or "").strip("-") or "level"
-        name, number = base, 1
-        while name.casefold() in taken:
-            number += 1
-            name = f"{base}-{number}"
+        name = next(each for each in numbered(base) if each.casefold() not in taken)
         taken.add(name.casefold())
         yield name, level
 

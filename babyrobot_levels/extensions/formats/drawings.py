@@ -41,9 +41,7 @@ def read_drawing(source: SourceFile) -> World:
     doors = [
         Position(line + 2 * y + index, column + 4 * x + 2 * (1 - index))
         for index, rows in enumerate(walls)
-        for y, row in enumerate(rows)
-        for x, mark in enumerate(row)
-        if mark == d.DOOR
+        for x, y in d.cells_with(rows, d.DOOR)
     ]
     if doors:
         lost.append(Lost("doors", "left out: what they need is not drawn", doors[0]))

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from babyrobot_levels.extensions.formats.conversion import ConversionError, Lost, file_text
 from babyrobot_levels.extensions.formats.reading import UnknownFormatError, worlds_of
 from babyrobot_levels.extensions.formats.sources import Found
+from babyrobot_levels.language.names import numbered
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 
@@ -106,10 +107,8 @@ def free_places(outcomes: Sequence[Outcome]) -> dict[Path, str]:
     taken: set[str] = set()
     for outcome in outcomes:
         for place, text in outcome.texts:
-            free, number = place, 1
-            while str(free).casefold() in taken:
-                number += 1
-                free = place.with_name(f"{place.name}-{number}")
+            places = map(place.with_name, numbered(place.name))
+            free = next(each for each in places if str(each).casefold() not in taken)
             taken.add(str(free).casefold())
             found[free] = text
     return found

@@ -93,8 +93,7 @@ def _cells(numbers: tuple[str | None, ...], rows: tuple[str, ...]) -> Cells:
     ]
 
 
-def _is_minihack(source: SourceFile, _: set[str]) -> bool:
-    return re.search(r'(?m)^(MAZE|LEVEL): *"', source.text) is not None
-
-
-CODEC = Codec(read_minihack, draws=_is_minihack)
+CODEC = Codec(
+    read_minihack,
+    draws=lambda source, _: re.search(r'(?m)^(MAZE|LEVEL): *"', source.text) is not None,
+)

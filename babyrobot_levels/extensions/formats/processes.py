@@ -3,7 +3,6 @@
 import re
 from collections.abc import Container, Iterator
 from dataclasses import dataclass
-from itertools import chain, count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.extensions.formats.conversion import Lost, fields_lost, shown
 from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.language.names import numbered
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import ends_by_hit, exit_states
 from babyrobot_levels.mdp.tables import Flags, Ints, Mdp
@@ -135,8 +135,7 @@ def _word(text: str) -> str:
 
 def _free(label: str, taken: Container[str]) -> str:
     """Return a label that no other has, with a number if it is taken."""
-    numbered = (f"{label}_{number}" for number in count(2))
-    return next(name for name in chain([label], numbered) if name not in taken)
+    return next(name for name in numbered(label, "_") if name not in taken)
 
 
 def losses(level: Level, process: Process, place: str) -> tuple[Lost, ...]:

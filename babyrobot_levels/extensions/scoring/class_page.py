@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.extensions.scoring.grades import Grades
-from babyrobot_levels.language.names import slug
+from babyrobot_levels.language.names import numbered, slug
 from babyrobot_levels.render.templates import html
 from babyrobot_levels.text.files import write_text
 
@@ -87,10 +87,9 @@ def write_pages(grades: Grades, folder: str | os.PathLike[str]) -> None:
     """
     links: dict[str, str] = {}
     for player in grades.totals:
-        name, number = slug(player[:60]) or "student", 1
-        while (link := f"students/{name}{f'-{number}' * (number > 1)}.html") in links.values():
-            number += 1
-        links[player] = link
+        names = numbered(f"students/{slug(player[:60]) or 'student'}")
+        pages = (f"{name}.html" for name in names)
+        links[player] = next(each for each in pages if each not in links.values())
     for player, link in links.items():
         write_text(Path(folder, link), student_page(grades, player), sync=False)
     for path in Path(folder, "students").glob("*.html"):

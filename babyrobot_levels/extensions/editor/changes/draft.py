@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
-from itertools import count
 from typing import Any
 
 from babyrobot_levels.extensions.editor.changes.shapes import Box, Entry, Run, cut_boxes
@@ -10,6 +9,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.formatting import NOTHING, Fields, fields_of
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.kinds import KIND, LISTED, NAMED, NEEDED
+from babyrobot_levels.language.names import numbered
 from babyrobot_levels.language.things import DRAWN_NAMES, as_names
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
@@ -111,20 +111,21 @@ class Canvas:
         """Return the cells that show a character, in reading order."""
         return d.cells_with(self.cells, character)
 
+    def _sides(self, run: Run) -> list[list[str]]:
+        return self._east if run.axis == "E" else self._south
+
     def mark(self, run: Run, mark: str) -> None:
         """Give the sides of a run another mark. None of them may be of the outer wall."""
-        rows = self._east if run.axis == "E" else self._south
         for x, y in run.cells:
-            rows[y][x] = mark
+            self._sides(run)[y][x] = mark
 
     def marked(self, run: Run) -> list[str]:
         """Return the marks of the sides of a run. None of them may be of the outer wall."""
-        rows = self._east if run.axis == "E" else self._south
-        return [rows[y][x] for x, y in run.cells]
+        return [self._sides(run)[y][x] for x, y in run.cells]
 
     def unmark(self, run: Run, mark: str) -> None:
         """Remove a mark from the sides of a run."""
-        rows = self._east if run.axis == "E" else self._south
+        rows = self._sides(run)
         for x, y in run.cells:
             if y < len(rows) and x < len(rows[y]) and rows[y][x] == mark:
                 rows[y][x] = d.OPEN
@@ -243,8 +244,7 @@ def unused_name(draft: Draft, base: str) -> str:
     lists.append(draft.data.get("legend", {}).values())
     entries = [entry for entries in lists for entry in entries]
     used = {entry.get(field) for entry in entries for field in ("name", *DRAWN_NAMES)}
-    names = (base if number == 1 else f"{base}-{number}" for number in count(1))
-    return next(name for name in names if name not in used)
+    return next(name for name in numbered(base) if name not in used)
 
 
 def replace_in(entry: dict[str, Any], field: str, names: Mapping[str, str | None]) -> bool:
