@@ -26,7 +26,7 @@ from babyrobot_levels.analysis.environments import (
 from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.mdp.actions import Turn
 from babyrobot_levels.mdp.gridworld import GridWorld, world_of
-from babyrobot_levels.mdp.states import told, transitions
+from babyrobot_levels.mdp.states import occurring, told
 from babyrobot_levels.mdp.tables import Flags, Floats, Mdp, Outcome
 from babyrobot_levels.text.errors import LevelNotFoundError
 
@@ -242,8 +242,7 @@ def _invalid_table(why: str) -> ComparisonError:
 
 def _reached(mdp: Mdp) -> Flags:
     """Return the states that an episode reaches, without the terminal ones, `[states]`."""
-    steps = transitions(mdp).distances(np.flatnonzero(mdp.start > 0))
-    return (steps >= 0) & ~mdp.is_terminal
+    return occurring(mdp).ravel() & ~mdp.is_terminal
 
 
 def _ends(tables: Mdp | _Tables, count: int) -> Flags:

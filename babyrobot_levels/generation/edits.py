@@ -227,9 +227,6 @@ class Edits:
         coin = {"name": self._unused("coin"), "at": self._cell(), "shape": "coin"}
         return self._added("item", {**coin, "reward": COIN_REWARD})
 
-    def _new_guard(self) -> Fields:
-        return self._added("mover", {"name": self._unused("guard"), **self._patrol()})
-
 
 _ADDED: Mapping[str, Callable[[Edits], Fields]] = {
     "wall": lambda edits: edits._added("wall", edits._side()),
@@ -238,7 +235,9 @@ _ADDED: Mapping[str, Callable[[Edits], Fields]] = {
     ),
     "item": Edits._new_coin,
     "door": Edits._new_door,
-    "mover": Edits._new_guard,
+    "mover": lambda edits: edits._added(
+        "mover", {"name": edits._unused("guard"), **edits._patrol()}
+    ),
     "switch": lambda edits: edits._added(
         "switch", {"name": edits._unused("switch"), "at": edits._cell()}
     ),

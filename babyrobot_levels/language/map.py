@@ -1,5 +1,6 @@
 """What a drawing gives, as fields: size, start, exit, walls, puddles, blocked, areas, things."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -134,13 +135,14 @@ def _given(kind: Kind, entry: LegendEntry) -> dict[str, Any]:
     }
 
 
-def _check_legend(level: LevelFields) -> list[Issue]:
+def _check_legend(level: LevelFields) -> Iterator[Issue]:
     """Check that an entry has only fields of the kind that it stands for."""
-    issues = []
     for character, entry in level.legend.items():
         allowed = KIND[entry.kind].legend
         for name in LegendEntry.model_fields:
-            if name in allowed or name not in entry.model_fields_set or _is_none(entry, name):
+            if name in allowed or name not in entry.model_fields_set:
+                continue
+            if getattr(entry, name) is None:
                 continue
             if name in DRAWN_NAMES:
                 message = f"`{name}` cannot be combined with `{entry.kind}`"
@@ -154,16 +156,11 @@ def _check_legend(level: LevelFields) -> list[Issue]:
             else:
                 message = f"`{name}` cannot be combined with `{entry.kind}`"
                 help_text = f"fields beside `{entry.kind}`: " + ", ".join(allowed[1:])
-            issues.append(Issue("BR206", Key(("legend", character, name)), message, help_text))
+            yield Issue("BR206", Key(("legend", character, name)), message, help_text)
         if entry.kind == "item" and isinstance(entry.reward, RandomReward):
             message = "`reward` of an item must be a number: only that of a cell is drawn"
             route = Key(("legend", character, "reward"))
-            issues.append(Issue("BR206", route, message, "write one number"))
-    return issues
-
-
-def _is_none(entry: LegendEntry, name: str) -> bool:
-    return getattr(entry, name) is None
+            yield Issue("BR206", route, message, "write one number")
 
 
 def _check_drawn_once(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
@@ -186,9 +183,8 @@ MAX_UNDRAWN = 20
 """At most so many drawn doors without an entry are reported."""
 
 
-def _check_doors(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+def _check_doors(level: LevelFields, drawing: d.Drawing) -> Iterator[Issue]:
     """Check that `doors` has an entry for all drawn doors, and for no others."""
-    issues: list[Issue] = []
     entered: set[tuple[int, int, str]] = set()
     for index, door in enumerate(level.doors):
         for cell, edge in zip(sides_of(door), _edges(door), strict=True):
@@ -199,29 +195,18 @@ def _check_doors(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
             if _mark(drawing, *edge, off=d.DOOR) != d.DOOR:
                 message = f"the map shows no door on side {door.side} of {show_cell(cell)}"
                 help_text = f"draw it there as `{'/' if door.side in 'EW' else '-/-'}`"
-                issues.append(Issue("BR314", ("doors", index), message, help_text))
+                yield Issue("BR314", ("doors", index), message, help_text)
                 break
-    missing = [edge for edge in _drawn_doors(drawing) if edge not in entered]
+    walls = (("E", drawing.east), ("S", drawing.south))
+    edges = [(*cell, side) for side, rows in walls for cell in d.cells_with(rows, d.DOOR)]
+    missing = [edge for edge in edges if edge not in entered]
     for x, y, side in missing[:MAX_UNDRAWN]:
-        issues.append(
-            Issue(
-                "BR314",
-                d.mark_of(level.map or "", x, y, side),
-                "`doors` has no entry for this door",
-                f"add `{{at: [{x}, {y}], side: {side}, needs: …}}` to `doors`",
-            )
+        yield Issue(
+            "BR314",
+            d.mark_of(level.map or "", x, y, side),
+            "`doors` has no entry for this door",
+            f"add `{{at: [{x}, {y}], side: {side}, needs: …}}` to `doors`",
         )
-    return issues
-
-
-def _drawn_doors(drawing: d.Drawing) -> list[tuple[int, int, str]]:
-    return [
-        (x, y, side)
-        for side, rows in (("E", drawing.east), ("S", drawing.south))
-        for y, row in enumerate(rows)
-        for x, mark in enumerate(row)
-        if mark == d.DOOR
-    ]
 
 
 def _edges(door: Door) -> list[tuple[int, int, str]]:
@@ -230,40 +215,32 @@ def _edges(door: Door) -> list[tuple[int, int, str]]:
     return [(x + dx, y + dy, side) for x, y in sides_of(door)]
 
 
-def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> Iterator[Issue]:
     """Check that `walls`, beside a drawing, only sets properties of drawn walls."""
-    issues = []
     for index, wall in enumerate(level.walls):
         marks = {_mark(drawing, x, y, wall.side) for x, y in sides_of(wall)}
         route = ("walls", index)
         if marks & {d.OPEN, d.DOOR}:
-            issues.append(
-                Issue(
-                    "BR314",
-                    route,
-                    "the map shows no wall there",
-                    "with a `map`, entries of `walls` set properties of walls that the map shows",
-                )
+            yield Issue(
+                "BR314",
+                route,
+                "the map shows no wall there",
+                "with a `map`, entries of `walls` set properties of walls that the map shows",
             )
         elif "pass_" in wall.model_fields_set and wall.pass_ > 0 and d.SOLID in marks:
-            issues.append(
-                Issue(
-                    "BR314",
-                    (*route, "pass"),
-                    "the map shows a solid wall there, not glass",
-                    "draw it as `- -` or `:`",
-                )
+            yield Issue(
+                "BR314",
+                (*route, "pass"),
+                "the map shows a solid wall there, not glass",
+                "draw it as `- -` or `:`",
             )
         elif "pass_" in wall.model_fields_set and wall.pass_ == 0 and d.GLASS in marks:
-            issues.append(
-                Issue(
-                    "BR314",
-                    (*route, "pass"),
-                    "the map shows glass there, so `pass` must be above 0",
-                    "draw it as `---` or `|`",
-                )
+            yield Issue(
+                "BR314",
+                (*route, "pass"),
+                "the map shows glass there, so `pass` must be above 0",
+                "draw it as `---` or `|`",
             )
-    return issues
 
 
 def _mark(drawing: d.Drawing, x: int, y: int, side: str, off: str = d.SOLID) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler import compile_mdp
-from babyrobot_levels.mdp.states import transitions
+from babyrobot_levels.mdp.states import occurring
 from babyrobot_levels.mdp.tables import Mdp, digest
 from babyrobot_levels.text.budget import OverBudgetError
 from babyrobot_levels.text.errors import LevelError
@@ -48,8 +48,7 @@ def cells_reached(level: Level, **fields: Any) -> NDArray[np.bool_]:
     mdp = variant(level, **fields)
     if mdp is None:
         return np.ones(level.size[0] * level.size[1], bool)
-    steps = transitions(mdp).distances(np.flatnonzero(mdp.start))
-    reached: NDArray[np.bool_] = (steps >= 0).reshape(-1, mdp.cells).max(axis=0)
+    reached: NDArray[np.bool_] = occurring(mdp).reshape(-1, mdp.cells).max(axis=0)
     return reached
 
 

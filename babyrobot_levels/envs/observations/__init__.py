@@ -82,11 +82,9 @@ _OWN: dict[str, type[Observer]] = {
 }
 
 
-def _is_observer(found: Any) -> bool:
-    return isinstance(found, type) and issubclass(found, Observer)
-
-
-OBSERVATIONS = Entries("observations", _OWN, _is_observer)
+OBSERVATIONS = Entries(
+    "observations", _OWN, lambda found: isinstance(found, type) and issubclass(found, Observer)
+)
 """What makes each observation, by its name."""
 
 

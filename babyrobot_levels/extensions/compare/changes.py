@@ -18,7 +18,7 @@ from babyrobot_levels.language.kinds import LOOKS, NEEDED, Kind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.mdp.states import situation, transitions
+from babyrobot_levels.mdp.states import occurring, situation
 from babyrobot_levels.mdp.tables import Ints, Mdp
 
 
@@ -180,8 +180,7 @@ def _goes_on(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
     """
     if not level.has_things:
         return np.ones(mdp.num_states, np.bool_)
-    steps = transitions(mdp).distances(np.flatnonzero(mdp.start > 0))
-    return (steps >= 0) & ~mdp.is_terminal
+    return occurring(mdp).ravel() & ~mdp.is_terminal
 
 
 def _states(mdp: Mdp, numbers: Ints, cells: Ints) -> Ints:

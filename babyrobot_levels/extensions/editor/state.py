@@ -129,20 +129,18 @@ def contrasts(theme: Theme) -> list[dict[str, Any]]:
     The keys: `color` and `ground`, the names of the two; `ratio`, from 1 to 21; `least`, what it
     needs; `is_enough`; and `remedy`, what pictures do where it is not, None for nothing.
     """
-    found = []
-    for color, ground, least, remedy in PAIRS:
-        ratio = contrast(getattr(theme.colors, color), getattr(theme.colors, ground))
-        found.append(
-            {
-                "color": color,
-                "ground": ground,
-                "ratio": floor(100 * ratio) / 100,
-                "least": least,
-                "is_enough": ratio >= least,
-                "remedy": remedy,
-            }
-        )
-    return found
+    return [
+        {
+            "color": color,
+            "ground": ground,
+            "ratio": floor(100 * ratio) / 100,
+            "least": least,
+            "is_enough": ratio >= least,
+            "remedy": remedy,
+        }
+        for color, ground, least, remedy in PAIRS
+        for ratio in [contrast(getattr(theme.colors, color), getattr(theme.colors, ground))]
+    ]
 
 
 def themes_beside(path: Path | None) -> dict[str, Any]:

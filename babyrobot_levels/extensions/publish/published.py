@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from babyrobot_levels.analysis.solver.evaluation import evaluate
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.templates import static
 
@@ -88,10 +89,6 @@ def _optimal(level: Level) -> Table:
     return _table(solve(level, actions="moves").values.tolist())
 
 
-def _uniform(level: Level) -> Table:
-    return _table(evaluate(level, "uniform", actions="moves").values.tolist())
-
-
 def _utilities(level: Level) -> Table:
     """Return values that count the reward of being in a cell, which here is that of a step."""
     return [[None if v is None else v + level.rewards.step for v in row] for row in _optimal(level)]
@@ -101,25 +98,17 @@ def _table(values: list[list[float]]) -> Table:
     return [[None if math.isnan(value) else value for value in row] for row in values]
 
 
-def _best(level: Level) -> Table:
-    return [[solve(level, actions="moves").expected_return]]
-
-
-def _best_in_time(level: Level) -> Table:
-    return [[solve(level, actions="moves", within=level.max_steps).expected_return]]
-
-
-def _best_steps(level: Level) -> Table:
-    return [[solve(level, actions="moves").expected_steps]]
+def _best(level: Level, within: int | None = None) -> Solution:
+    return solve(level, actions="moves", within=within)
 
 
 _COMPUTED: dict[str, Callable[[Level], Table]] = {
-    "uniform": _uniform,
+    "uniform": lambda level: _table(evaluate(level, "uniform", actions="moves").values.tolist()),
     "optimal": _optimal,
     "utilities": _utilities,
-    "return": _best,
-    "return-in-time": _best_in_time,
-    "steps": _best_steps,
+    "return": lambda level: [[_best(level).expected_return]],
+    "return-in-time": lambda level: [[_best(level, level.max_steps).expected_return]],
+    "steps": lambda level: [[_best(level).expected_steps]],
 }
 """What computes a figure, by the name that it has in the list of figures."""
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 from babyrobot_levels.language.fields import as_cells
@@ -91,7 +92,7 @@ def _marks(effects: Effects) -> Iterator[tuple[Cell, Figure, float, int]]:
         if end.is_good:
             yield cell, _chest, 40.0, end.strength
         else:
-            yield cell, _trap if end.costs else _hole, 46.0, STRENGTHS
+            yield cell, _TRAP if end.costs else _HOLE, 46.0, STRENGTHS
     for figure, cells in ((_plus, effects.pays), (_minus, effects.costs)):
         for cell, strength in cells.items():
             yield cell, figure, 32.0, strength
@@ -118,16 +119,6 @@ def _chest(spot: Spot) -> Iterator[Path]:
     yield spot.fill(circle(0, -1.6, 1.5), INK)
 
 
-def _hole(spot: Spot) -> Iterator[Path]:
-    """Yield a hole in the ground."""
-    return _pit(spot, _WALL)
-
-
-def _trap(spot: Spot) -> Iterator[Path]:
-    """Yield a hole that costs something."""
-    return _pit(spot, _COSTS)
-
-
 def _pit(spot: Spot, wall: str) -> Iterator[Path]:
     edge = circle(0, 0, 21, 14.5)
     yield spot.line(edge, RIM, 4.4)
@@ -135,6 +126,9 @@ def _pit(spot: Spot, wall: str) -> Iterator[Path]:
     yield spot.fill(circle(0, 0, 18.6, 12), wall)
     yield spot.fill(circle(0, 2.6, 17, 9.2), _DEPTH)
 
+
+_HOLE, _TRAP = partial(_pit, wall=_WALL), partial(_pit, wall=_COSTS)
+"""A hole in the ground, and one that costs something."""
 
 _BAR = polyline([(-6, 0), (6, 0)])
 
