@@ -68,10 +68,9 @@ def occupancy_html(found: Occupancy) -> str:
 
 def metrics_html(found: Metrics) -> str:
     """Return the metrics of a level, by name."""
-    numbers = found.to_dict(solve=found.states <= MAX_SOLVED)
     texts = {
         name: (", ".join(value) or "nothing") if isinstance(value, tuple) else number(value)
-        for name, value in numbers.items()
+        for name, value in found.to_dict(solve=found.states <= MAX_SOLVED).items()
     }
     for name in texts.keys() & UNLIMITED:
         texts[name] = with_limit(texts[name], None, found.level.max_steps)

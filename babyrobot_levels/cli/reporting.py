@@ -77,14 +77,13 @@ def write_report(
     from babyrobot_levels import __version__
     from babyrobot_levels.linter.reporters import render
 
-    names = [shown_name(path) for path in files]
     described: dict[str, str] = {}
     # Only these two describe codes.
     if kind in ("github", "sarif"):
         from babyrobot_levels.linter.rules import titles
 
         described = titles()
-    write(render(kind, diagnostics, names, described, __version__))
+    write(render(kind, diagnostics, [shown_name(path) for path in files], described, __version__))
 
 
 def findings_text(diagnostics: Iterable[brl.Diagnostic], stream: IO[str]) -> str:

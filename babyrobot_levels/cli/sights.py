@@ -33,13 +33,12 @@ def sight_solution(level: brl.Level, **how: Any) -> Any:
 
 def sight_data(level: brl.Level, found: Any) -> dict[str, Any]:
     """Return for JSON what is known of the optimum of a sight."""
-    bounds = "lower", "upper", "full", "gap"
     return {
         "name": level.name,
         "digest": level.digest,
         "sight": found.sight,
         "within": found.within,
-        **{name: json_value(getattr(found, name)) for name in bounds},
+        **{name: json_value(getattr(found, name)) for name in ("lower", "upper", "full", "gap")},
         "cost": json_value(found.cost),
         "is_exact": found.is_exact,
         "beliefs": found.beliefs,

@@ -446,7 +446,6 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
     from babyrobot_levels.analysis.endings import ending_of
     from babyrobot_levels.analysis.solver.results import action_names
 
-    names = action_names(solution.actions, level.compile())
     data = {
         "name": level.name,
         "digest": level.digest,
@@ -459,7 +458,7 @@ def _data(level: brl.Level, solution: brl.Solution) -> dict[str, Any]:
         "method": solution.method,
         "iterations": solution.iterations,
         "residual": json_value(solution.residual),
-        "actions": names[solution.first_action :],
+        "actions": action_names(solution.actions, level.compile())[solution.first_action :],
         "values": json_value(solution.values.tolist()),
         "action_values": json_value(solution.action_values.tolist()),
         "policy": solution.policy.tolist(),

@@ -171,8 +171,7 @@ class Pictures:
 
             self._terminal = Terminal()
         terminal = self._terminal
-        painter = self._text_painter(plain=not terminal.takes_unicode)
-        lines = painter.lines(
+        lines = self._text_painter(plain=not terminal.takes_unicode).lines(
             self._state, heading=self._pose.heading, colors=terminal.colors, room=terminal.room
         )
         terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))

@@ -135,7 +135,6 @@ def _pose_numbers() -> Ints:
     """Return the indices of poses by displacement, action and whether the robot skidded."""
     width = 5
     centre = 2 * width + 2
-    ends = [centre + dx + width * dy for dx, dy in ((0, 0), *DELTAS.values(), (2, 0))]
     return np.array(
         [
             [
@@ -145,7 +144,7 @@ def _pose_numbers() -> Ints:
                 ]
                 for action in Action
             ]
-            for end in ends
+            for end in [centre + dx + width * dy for dx, dy in ((0, 0), *DELTAS.values(), (2, 0))]
         ]
     )
 

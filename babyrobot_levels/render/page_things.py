@@ -342,12 +342,11 @@ class _Things:
 
     def items(self) -> Iterator[Thing]:
         for number, item in enumerate(self.level.items):
-            looks = [self.find(("item", number, cell, False)) for cell in item.places]
             yield {
                 "kind": "item",
                 "name": item.name,
                 "values": self.column(self.things.items.start + number),
-                "looks": [*looks, []],
+                "looks": [*(self.find(("item", number, cell, False)) for cell in item.places), []],
                 "cells": [*([self.number_of(cell)] for cell in item.places), []],
                 "icon": self.icon(("held", number, True)),
             }

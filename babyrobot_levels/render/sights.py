@@ -336,10 +336,9 @@ class Narrator:
     def _met(self, state: int, now: Configuration, is_told: Callable[[Cell], bool]) -> list[str]:
         """Return where the other robots are."""
         cells = zip(self._level.robots, robot_cells(self._level, state), strict=False)
-        told = zip(cells, now.arrived, strict=True)
         return [
             f"{spoken([robot.name])} {'has arrived' if home else 'is'} at {show_cell(cell)}"
-            for number, ((robot, cell), home) in enumerate(told)
+            for number, ((robot, cell), home) in enumerate(zip(cells, now.arrived, strict=True))
             if number != self._robot and is_told(cell)
         ]
 

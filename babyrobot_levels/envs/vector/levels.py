@@ -389,9 +389,8 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         """Make the tables of the levels, and an engine for them."""
         self._actions, self._max_episode_steps = actions, max_episode_steps
         if played.family is None:
-            limits = limits_of(self.levels, max_episode_steps)
             parts = [part_of(each, actions.tables(each), actions.first) for each in self.levels]
-            tables = build_tables(parts, limits, draw_levels)
+            tables = build_tables(parts, limits_of(self.levels, max_episode_steps), draw_levels)
             self._observer.write_all(tables.offset, self.levels)
             self._playing = self.levels
         else:

@@ -322,9 +322,8 @@ def _policy(level: Level, found: Solution) -> str:
     overlay = overlay_given(level, {"policy": found}).at(number)
     shown = actions_shown(found, number)
     painter = TextPainter(level, plain=True, overlay=replace(overlay, actions=shown, caption=""))
-    lines = painter.lines(None, configuration=number, held=False)
     legend = painter.explained(caption=overlay.caption, configuration=number)
-    return "\n".join([*lines, *legend])
+    return "\n".join([*painter.lines(None, configuration=number, held=False), *legend])
 
 
 def _finding(found: Diagnostic) -> Finding:

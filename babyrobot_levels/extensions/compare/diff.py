@@ -147,10 +147,9 @@ def diff(
         level.with_maze_seed(maze_seed) if level.has_random_maze else level for level in given
     )
     rules = tuple(_rule_changes(*given))
-    mazes_differ = any(change.name == "maze" for change in rules)
     measured = (metrics(one), metrics(two))
     return Difference(
-        same_game=one.digest == two.digest and not mazes_differ,
+        same_game=one.digest == two.digest and not any(change.name == "maze" for change in rules),
         digests=(one.digest, two.digest),
         game=(*_shape_changes(one, two), *rules),
         cells=cell_changes(one, two, limit),
@@ -238,10 +237,9 @@ def _looks(level: GridWorld, kind: Kind) -> list[dict[str, Any]]:
     """Return the entries of a kind that have looks of their own, reduced to place and looks."""
     places = ("name",) if kind.has_name else ("at", "size", "side", "length")
     looks = [name for name in kind.properties if name in LOOKS]
-    entries = (_whole(entry) for entry in kind.of(level))
     return [
         {key: value for key, value in entry.items() if key in (*places, *looks)}
-        for entry in entries
+        for entry in map(_whole, kind.of(level))
         if any(entry[look] not in (None, False) for look in looks)
     ]
 

@@ -218,7 +218,6 @@ class Answers:
         if not is_valid or optimum is None or optimum.guide is None:
             is_pending = is_valid and optimum is None and self.level is not None
             status = "pending" if is_pending else "none"
-            reason = optimum.reason if is_valid and optimum is not None else ""
             return {
                 "status": status,
                 "best": None,
@@ -226,7 +225,7 @@ class Answers:
                 "best_name": BEST_AVERAGE,
                 "before": None,
                 "changed": [],
-                "reason": reason,
+                "reason": optimum.reason if is_valid and optimum is not None else "",
             }
         guide, before = optimum.guide, self.before.guide if self.before is not None else None
         best, limit = guide.expected_return, optimum.level.max_steps

@@ -252,9 +252,8 @@ def read_minigrid(source: SourceFile) -> World:
                 marks[x] = _MINIGRID_CELLS[kind]
                 floor += [(x, y)] * (kind == "F")
             elif pair != "  ":
-                message = f"unknown cell `{pair}`"
                 place = place_of(source, 2 * x, y, blanks=True)
-                raise ConversionError.at(source, place, message, _MINIGRID_HELP)
+                raise ConversionError.at(source, place, f"unknown cell `{pair}`", _MINIGRID_HELP)
         rows.append("".join(marks))
     drawn_rows = replaced(tuple(rows), agents, d.START)
     whole, above = without_margin(without_surroundings(drawn_rows), drawn_rows)
@@ -276,9 +275,8 @@ def _moved(at: At | None, right: int, down: int) -> At | None:
 
 def write_minigrid(level: Level) -> Conversion:
     """Return a level as a MiniGrid text, with a ring of walls."""
-    carried = frozenset({"heading"})
     rows, lost = block_map(
-        level, "a MiniGrid text", GOAL_REWARDS, ends=None, many="E", carried=carried
+        level, "a MiniGrid text", GOAL_REWARDS, ends=None, many="E", carried=frozenset({"heading"})
     )
     agent = next(pair for pair, heading in _AGENTS.items() if heading == level.heading)
     pairs = {d.BLOCKED: "WG", d.PLAIN: "  ", d.START: agent, d.EXIT: "GG", ENDS: "VR"}

@@ -82,9 +82,8 @@ def translated(
     for y, row in enumerate(rows):
         for x, character in enumerate(row):
             if character not in meanings:
-                message = f"unknown character `{character}`"
                 place = place_of(source, x, y, blanks=blanks)
-                raise ConversionError.at(source, place, message, known)
+                raise ConversionError.at(source, place, f"unknown character `{character}`", known)
     return tuple("".join(map(meanings.__getitem__, row)) for row in rows)
 
 

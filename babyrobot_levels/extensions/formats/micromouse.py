@@ -100,10 +100,9 @@ def _with_ends(cells: Rows, lattice: Rows, lost: list[Lost]) -> Rows:
     x, y = d.cells_with(cells, d.START)[0]
     columns = len(lattice[0])
     reached = {*room("".join(lattice), (2 * y + 1) * columns + 2 * x + 1, columns)}
-    middle = product({(width - 1) // 2, width // 2}, {(height - 1) // 2, height // 2})
     goals = [
         (column, row)
-        for column, row in middle
+        for column, row in product({(width - 1) // 2, width // 2}, {(height - 1) // 2, height // 2})
         if (column, row) != (x, y) and (2 * row + 1) * columns + 2 * column + 1 in reached
     ]
     told = "it is the middle, as in contests" if goals else "there is no exit: no way to the middle"

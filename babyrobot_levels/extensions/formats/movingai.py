@@ -102,7 +102,6 @@ def _world_of_team(
         message = "two of the agents begin in one cell: these scenarios are for one at a time"
         raise ConversionError(message, "leave out --robots")
     numbered = sorted(enumerate(agents, 1), key=lambda pair: pair[1].start[::-1])
-    robots = [(f"agent-{number}", agent.goal) for number, agent in numbered]
     message = "a robot that has reached its exit stays there; there, it may go on"
     world = world_of_letters(
         source,
@@ -112,7 +111,7 @@ def _world_of_team(
         names=_TOLD,
         lost=[*lost, Lost("goals", message, (0, 0))],
         written=rows,
-        robots=robots,
+        robots=[(f"agent-{number}", agent.goal) for number, agent in numbered],
     )
     return replace(world, fields={**world.fields, "team": {"arrived": "stay"}})
 

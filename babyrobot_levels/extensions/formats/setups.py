@@ -122,9 +122,8 @@ class _Reader:
             meant = did_you_mean(keyword, KEYWORDS) if found < 100 else ""
             unknown = f"the package has no such keyword{meant}"
             self._lose(shown(keyword).strip("'"), _PLAYING.get(keyword, unknown))
-        origin = "A setup of PyPI babyrobot 1.0.40."
         lost = (replace(each, at=route_of(each.field)) for each in self.lost)
-        return World(self.fields, origin, self.comments, tuple(lost))
+        return World(self.fields, "A setup of PyPI babyrobot 1.0.40.", self.comments, tuple(lost))
 
     def _lose(self, name: str, message: str) -> None:
         self.lost.append(Lost(name, message))

@@ -123,9 +123,8 @@ def _layer(element: Element) -> dict[str, Any]:
     elif data is not None:
         encoding = data.get("encoding")
         found["compression"] = data.get("compression", "")
-        chunks = data.findall("chunk")
         found["chunks"] = [
-            _attributes(each) | {"data": _numbers(each, encoding)} for each in chunks
+            _attributes(each) | {"data": _numbers(each, encoding)} for each in data.findall("chunk")
         ]
         found["data"] = _numbers(data, encoding)
     return found

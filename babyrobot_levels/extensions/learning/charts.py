@@ -230,10 +230,9 @@ def bars_scene(bars: Sequence[Bar], *, title: str, zero: str, one: str) -> Scene
     shapes: list[Shape] = [Rect(0, 0, width, height, _GROUND, radius=6)]
     for value, name, color, dash in ((0.0, zero, _INK, None), (1.0, one, _GOAL, (7.0, 4.0))):
         x = at(value)
-        line = polyline([(x, _BARS_TOP - 6), (x, bottom)])
         shapes += [
             Text(x, _BARS_TOP - 12, f"{name} {value:g}", 12, color),
-            Path(line, stroke=color, width=1.5, dash=dash),
+            Path(polyline([(x, _BARS_TOP - 6), (x, bottom)]), stroke=color, width=1.5, dash=dash),
         ]
     shapes.append(Text(_BARS_LEFT, 16, title, 13, _INK, "start", bold=True))
     for row, bar in enumerate(bars):

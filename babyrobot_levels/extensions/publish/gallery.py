@@ -461,12 +461,11 @@ def _film(level: Level, solution: Solution, shown: GalleryPages) -> bytes | None
     if not solution.expected_steps <= MAX_FILM_STEPS:
         return None
     with suppress(ValueError):
-        side = CELL * max(level.size)
         return pictures.to_gif(
             level,
             policy=solution,
             values=solution if shown.key else None,
-            scale=min(1.0, FILM_SIDE / side),
+            scale=min(1.0, FILM_SIDE / (CELL * max(level.size))),
             tell=lambda _: None,
         )
     return None

@@ -133,12 +133,11 @@ def score_team(
     robots = tuple(
         _regret(space, joint, number, share, total, factor) for number, share in enumerate(expected)
     )
-    regret = best - total
     slack = _EQUAL * max(1.0, abs(best), *(abs(each.best_return) for each in robots))
     return TeamScore(
         expected_return=total,
         best_return=best,
-        regret=regret,
+        regret=best - total,
         coordination=best - max(each.team_return for each in robots),
         robots=robots,
         is_equilibrium=all(each.regret <= slack for each in robots),
@@ -276,14 +275,13 @@ def _answered(mdp: Mdp, weights: Floats, number: int) -> Mdp:
     others[mdp.is_terminal, 0] = 1.0
     chances = by_own(mdp.probability) * others[:, None, :, None]
     flat = mdp.num_states, NUM_ACTIONS, chances.shape[2] * width
-    mask = by_own(mdp.action_mask[:, :, None])[..., 0].max(axis=2)
     return replace(
         mdp,
         probability=chances.reshape(flat),
         next_state=np.ascontiguousarray(by_own(mdp.next_state).reshape(flat)),
         reward=np.ascontiguousarray(by_own(mdp.reward).reshape(flat)),
         terminal=np.ascontiguousarray(by_own(mdp.terminal).reshape(flat)),
-        action_mask=mask,
+        action_mask=by_own(mdp.action_mask[:, :, None])[..., 0].max(axis=2),
         intended_next_state=np.zeros((mdp.num_states, NUM_ACTIONS), np.int32),
         obstruction=np.zeros((mdp.num_states, NUM_ACTIONS), np.int8),
         shares=None,

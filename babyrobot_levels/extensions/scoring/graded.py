@@ -156,7 +156,6 @@ class GradedEpisode(Telling):
         """
         if not self._moves:
             raise PlayError("the episode has no step yet")
-        end = "unfinished" if not self.done else "terminated" if self._ended else "truncated"
         return play_of(
             self.level,
             self._stage.code,
@@ -167,7 +166,7 @@ class GradedEpisode(Telling):
             states=[*(move.state for move in self._moves), self.state],
             actions=self._actions,
             rewards=[move.reward for move in self._moves],
-            end=end,
+            end="unfinished" if not self.done else "terminated" if self._ended else "truncated",
         )
 
     # -- episodes --------------------------------------------------------------------------

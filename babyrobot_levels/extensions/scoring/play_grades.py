@@ -222,10 +222,9 @@ class Players:
         broken = next((": ".join(filter(None, fault)) for fault in hand_in.faults), None)
         is_one = wanted is None or len(wanted) == 1
         keys: list[_Conditions] = [*(groups | faults)]
-        missing = {} if wanted is None and keys else dict.fromkeys(wanted or [""])
         none: list[_Conditions] = [
             (digest, "all", None, 1.0)
-            for digest in missing
+            for digest in ({} if wanted is None and keys else dict.fromkeys(wanted or [""]))
             if digest not in {key[0] for key in keys}
         ]
         if none and is_one and broken is None:

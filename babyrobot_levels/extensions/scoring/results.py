@@ -282,10 +282,9 @@ class Scores(Table[LevelScore], public=True):
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
-        pooled = {} if self.pooled is None else {"pooled": json_mapping(asdict(self.pooled))}
         return {
             "summary": json_mapping(asdict(self.summary)),
-            **pooled,
+            **({} if self.pooled is None else {"pooled": json_mapping(asdict(self.pooled))}),
             **({} if self.criterion == "return" else {"criterion": self.criterion}),
             "levels": [json_mapping(asdict(score)) for score in self],
         }

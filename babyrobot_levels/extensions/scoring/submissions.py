@@ -135,13 +135,12 @@ class Submission(Table[GradedFunction], public=True):
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold."""
-        rows = [json_mapping(asdict(each)) for each in self]
         return {
             "points": self.points,
             "out_of": self.out_of,
             "ungraded": self.ungraded,
             "notes": [*self.notes],
-            "functions": rows,
+            "functions": [json_mapping(asdict(each)) for each in self],
         }
 
     def to_gradescope(self) -> dict[str, Any]:

@@ -238,7 +238,6 @@ def _part(space: StateSpace, sight: Sight, numbers: dict[Hashable, int]) -> _Par
     start = np.zeros(hidden.size)
     start[np.searchsorted(hidden, index[starts] * len(names))] = mdp.start[starts]
     kept = goes_on[own]
-    reward = np.einsum("sao,sao->sa", probability, mdp.reward[states, first:])
     return _Part(
         state=states[own],
         observation=np.array(observed, np.intp),
@@ -246,7 +245,7 @@ def _part(space: StateSpace, sight: Sight, numbers: dict[Hashable, int]) -> _Par
         counts=kept.sum(axis=2),
         target=np.searchsorted(hidden, following[own][kept]),
         probability=probability[own][kept],
-        reward=reward[own],
+        reward=np.einsum("sao,sao->sa", probability, mdp.reward[states, first:])[own],
         level=np.zeros_like(hidden),
         discount=np.ones(hidden.size),
     )

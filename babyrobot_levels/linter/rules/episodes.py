@@ -156,10 +156,9 @@ def trivial_start(context: LintContext) -> Iterator[Finding]:
         and all(_is_won_at_once(context, state) for state in context.starts_on(cell))
     ]
     if trivial:
-        location = context.place_of_end("start", trivial[0])
         starts = cells_text([level.starts[number] for number in trivial])
         yield Finding(
-            location,
+            context.place_of_end("start", trivial[0]),
             f"one step from start{'s' * (len(trivial) > 1)} {starts} reaches an exit",
             "move the start or the exit, or place something between them",
         )

@@ -266,9 +266,8 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
     elif traps:
         cells = cells_count([context.cell(state) for state in traps])
         verb = "is" if len(traps) == 1 else "are"
-        location = context.place(traps[0])
         yield Finding(
-            location,
+            context.place(traps[0]),
             f"{cells} {verb} reachable, but no exit is reachable from there",
             "open a path to an exit, or end the episode there with `ends: true`",
         )
@@ -424,10 +423,9 @@ def unreachable_exit(context: LintContext) -> Iterator[Finding]:
     ended = context.ended_exits
     missed = [number for number, cell in enumerate(exits) if context.state(cell) not in ended]
     if missed and len(missed) < len(exits):
-        location = context.place_of_end("exit", missed[0])
         cells = cells_text([exits[number] for number in missed])
         yield Finding(
-            location,
+            context.place_of_end("exit", missed[0]),
             f"exit{'s' * (len(missed) > 1)} {cells} cannot be reached from any start",
             "open a path, or remove the exit",
         )

@@ -89,12 +89,10 @@ def _is_given(context: LintContext, name: str) -> bool:
 def _other_rewards(context: LintContext, name: str) -> set[float | None]:
     """Return all other rewards of the level, and 0, the reward of terminal states."""
     level = context.level
-    puddles = [level.puddle_types.small.reward, level.puddle_types.large.reward]
-    rewards = level.rewards.model_dump(exclude={name})
     return {
         0.0,
-        *rewards.values(),
-        *puddles,
+        *level.rewards.model_dump(exclude={name}).values(),
+        *(level.puddle_types.small.reward, level.puddle_types.large.reward),
         *(value for area in level.areas for value in _values(area.reward)),
         *(warp.reward for warp in level.warps),
         *(item.reward for item in level.items),

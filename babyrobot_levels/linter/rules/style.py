@@ -336,9 +336,8 @@ def low_contrast(context: LintContext) -> Iterator[Finding]:
         if not given & {name, "base"}:
             continue
         if (ratio := contrast(getattr(colors, name), colors.base)) < MIN_CONTRAST:
-            setting = name if name in given else "base"
             yield Finding(
-                ("theme", "colors", setting),
+                ("theme", "colors", name if name in given else "base"),
                 f"contrast of `{name}` ({getattr(colors, name)}) to `base` ({colors.base}) is "
                 f"{ratio:.1f} to 1, less than {MIN_CONTRAST:g} to 1",
                 "use a lighter or darker colour",

@@ -251,9 +251,8 @@ def shore_shapes(
         if faint := [each for each in grounds(puddle.at) if contrast(fill, each) < GRAPHICS]:
             x, y, radius = _puddle_place(layout, slots, puddle)
             outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
-            points = [(x + dx, y + dy) for dx, dy in outline]
             rim = rim_on([*faint, fill])
-            yield Path(smooth(points), fill=rim)
+            yield Path(smooth([(x + dx, y + dy) for dx, dy in outline]), fill=rim)
             if puddle.size == "small":
                 yield from _drops(*puddle.at, x, y, radius, rim, _SHORE_WIDTH)
 

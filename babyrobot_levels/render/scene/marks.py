@@ -320,9 +320,8 @@ def _rings(layout: Layout, cells: Iterable[tuple[int, int]]) -> Iterator[Shape]:
 def _bars(layout: Layout, sides: Iterable[MarkedSide]) -> list[Command]:
     commands: list[Command] = []
     for (x, y), side, _ in sides:
-        end = layout.corner(x + 1, y + 1)
         begin = layout.corner(x + 1, y) if side == "E" else layout.corner(x, y + 1)
-        commands += polyline([begin, end])
+        commands += polyline([begin, layout.corner(x + 1, y + 1)])
     return commands
 
 

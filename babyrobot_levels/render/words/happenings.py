@@ -120,11 +120,10 @@ def hitter(level: GridWorld, mdp: Mdp, before: int, action: int, after: int) -> 
     from babyrobot_levels.mdp.tables import hits_by_mover
 
     is_outcome = (mdp.probability[before, action] > 0) & (mdp.next_state[before, action] == after)
-    names = level.things().names[level.things().static :]
     hits = hits_by_mover(level, mdp, slice(before, before + 1))
     return next(
         name
-        for name, by_mover in zip(names, hits, strict=True)
+        for name, by_mover in zip(level.things().names[level.things().static :], hits, strict=True)
         if by_mover[0, action][is_outcome].any()
     )
 

@@ -50,10 +50,9 @@ class Draft:
         if drawing is not None and drawing != self.level.drawing:
             self.data["map"] = d.compose(drawing)
         before = self.document.data
-        data = _in_order(self.data, fields_of(Level))
         return {
             name: value
-            for name, value in data.items()
+            for name, value in _in_order(self.data, fields_of(Level)).items()
             if value not in ([], {}) or before.get(name) == value
         }
 
