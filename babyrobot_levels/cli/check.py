@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -146,7 +146,7 @@ def format_levels(
     # Standard output may hold formatted texts or diffs, and then nothing else.
     stream = sys.stderr if diff or STANDARD_INPUT in files else sys.stdout
     errors = [error for outcome in outcomes.values() for error in outcome.errors]
-    notes = _notes(outcomes, name_changes=check and not diff)
+    notes = [*_notes(outcomes, name_changes=check and not diff)]
     if STANDARD_INPUT not in files:
         faulty = sum(bool(outcome.errors) for outcome in outcomes.values())
         counts = len(changed) - unwritten, len(files) - len(changed) - faulty, faulty
@@ -195,16 +195,14 @@ def show_changes(changes: Iterable[tuple[Path, str, str]]) -> None:
         write(unified(before, after, shown_name(path), color=color))
 
 
-def _notes(outcomes: dict[Path, Outcome], *, name_changes: bool) -> list[str]:
-    """Return the lines about single files that have no errors."""
-    notes = []
+def _notes(outcomes: dict[Path, Outcome], *, name_changes: bool) -> Iterator[str]:
+    """Yield the lines about single files that have no errors."""
     for path, outcome in outcomes.items():
         name = one_line(shown_name(path))
         if outcome.kept:
-            notes.append(f"left unchanged: {name}: {outcome.kept}")
+            yield f"left unchanged: {name}: {outcome.kept}"
         if outcome.differs and name_changes:
-            notes.append(f"would reformat: {name}")
-    return notes
+            yield f"would reformat: {name}"
 
 
 def _summary(changed: int, unchanged: int, faulty: int, *, would: bool) -> str:

@@ -229,12 +229,6 @@ def valid_levels(
     return [each for each in levels if each not in broken], len(broken)
 
 
-def each_loaded(levels: brl.Suite | list[Any]) -> Iterator[brl.Level]:
-    """Yield the levels that `levels_named` has returned."""
-    for level in levels:
-        yield brl.load(level)
-
-
 def names_of_files(levels: Iterator[brl.Level]) -> Iterator[tuple[str, brl.Level]]:
     """Yield each level with a name for a file, which none before it has."""
     taken = set(RESERVED)

@@ -40,7 +40,6 @@ from babyrobot_levels.cli.inputs import (
     SplitOption,
     ViewRadiusOption,
     configuration_of,
-    each_loaded,
     file_of,
     folder_for,
     is_folder,
@@ -340,7 +339,7 @@ def _put_all(
     if isinstance(levels, list):
         levels, _ = valid_levels(levels, "pictures were")
     folder = None if output is None else folder_for(output)
-    loaded = track(each_loaded(levels), len(levels), "drawing")
+    loaded = track(map(brl.load, levels), len(levels), "drawing")
     named = ((f"{name}{chosen.suffixes[0]}", level) for name, level in names_of_files(loaded))
     for before, (file, level), after in _with_neighbours(named):
         pages = {"previous_page": before and before[0], "next_page": after and after[0]}

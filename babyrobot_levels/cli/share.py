@@ -27,7 +27,6 @@ from babyrobot_levels.cli.inputs import (
     LevelsArgument,
     MazeSeedOption,
     SplitOption,
-    each_loaded,
     folder_for,
     is_one_level,
     levels_named,
@@ -132,7 +131,7 @@ def share(
     chosen = levels_named(levels, split)
     if isinstance(chosen, list):
         chosen, _ = valid_levels(chosen, "codes were" if output is None else "files were")
-    for name, level in names_of_files(track(each_loaded(chosen), len(chosen), "sharing")):
+    for name, level in names_of_files(track(map(brl.load, chosen), len(chosen), "sharing")):
         if folder is None:
             write(f"{name}\t{shown.of(level)}\n")
         else:

@@ -152,8 +152,7 @@ def rollout(
     if is_by_step:
         # Where steps choose, each action has an even share of the chances.
         thresholds[:] = np.arange(1, tables.num_actions) / tables.num_actions
-    nothing = np.empty((tables.state_info.size, 0), np.int64)
-    stepper = make_engine(engine, tables, nothing, size)
+    stepper = make_engine(engine, tables, np.empty((tables.state_info.size, 0), np.int64), size)
     envs, record = EnvStates(size, len(levels)), Record.empty(steps, size)
 
     source = np.random.default_rng(check_seed(seed))

@@ -222,8 +222,7 @@ class Candidate:
             fewest, most = bounds(suite.doors)
             doors = _between(self._rng, max(fewest, keys), most)
         coins = _between(self._rng, *bounds(suite.coins))
-        guards = _between(self._rng, *bounds(suite.guards))
-        counts = Counts(keys, doors, coins, guards)
+        counts = Counts(keys, doors, coins, _between(self._rng, *bounds(suite.guards)))
         if not counts:
             return {}
         taken = {cell for cell, _ in puddles}

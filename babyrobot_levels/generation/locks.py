@@ -7,7 +7,7 @@ of the last one lies open.
 """
 
 import random
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -164,15 +164,13 @@ class Placer:
                     found.add(edge)
         return sorted(found)
 
-    def _way(self, target: int) -> list[tuple[int, int]]:
-        """Return the passages of a shortest way from the start to a cell."""
+    def _way(self, target: int) -> Iterator[tuple[int, int]]:
+        """Yield the passages of a shortest way from the start to a cell, the last one first."""
         steps = distances([self.start], self.ahead)
-        way = []
         while target != self.start:
             before = next(cell for cell in self.ahead[target] if steps[cell] == steps[target] - 1)
-            way.append((before, target))
+            yield before, target
             target = before
-        return way
 
     def _free_before(self, edge: tuple[int, int], count: int) -> bool:
         closed = {frozenset(door[:2]) for door in self.doors} | {frozenset(edge)}

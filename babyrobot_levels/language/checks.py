@@ -61,12 +61,11 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
             elif blocked(cell):
                 code = "BR302" if field == "start" else "BR304"
                 given = route[0] in level.model_fields_set
-                message = f"the {field} {show_cell(cell)} is on a blocked cell"
-                default = f"the default {field} {show_cell(cell)} is on a blocked cell"
+                what = field if given else f"default {field}"
                 yield Issue(
                     code,
                     route if given else _blocking(level, cell),
-                    message if given else default,
+                    f"the {what} {show_cell(cell)} is on a blocked cell",
                     f"move the {field}, or unblock the cell",
                 )
             elif cell in seen:

@@ -85,13 +85,12 @@ def check_suite(document: Document, path: Path | None = None) -> Checked[AnySuit
     from babyrobot_levels.language.suite_list import SuiteListFields, suite_model
 
     if suite_model(document.data) is SuiteListFields:
-        listed, diagnostics = check(document, SuiteListFields)
-        if listed is not None:
-            _name(listed, path)
-        return Checked(listed, diagnostics)
-    theme = _ThemeCheck(path)
-    suite, diagnostics = check(document, SuiteFields, [theme, impossible])
-    diagnostics += theme.diagnostics
+        suite: AnySuite | None
+        suite, diagnostics = check(document, SuiteListFields)
+    else:
+        theme = _ThemeCheck(path)
+        suite, diagnostics = check(document, SuiteFields, [theme, impossible])
+        diagnostics += theme.diagnostics
     if suite is None or diagnostics:
         return Checked(None, diagnostics)
     _name(suite, path)

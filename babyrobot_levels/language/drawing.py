@@ -89,8 +89,7 @@ def compose(drawing: Drawing) -> str:
         marks = drawing.east[y] + SOLID
         lines.append(SOLID + "".join(map(add, map(shown.__getitem__, cells), marks)))
         if y < drawing.height - 1:
-            below = map(_HORIZONTAL_TEXT.__getitem__, drawing.south[y])
-            lines.append("+" + "+".join(below) + "+")
+            lines.append("+" + "+".join(map(_HORIZONTAL_TEXT.__getitem__, drawing.south[y])) + "+")
     return "\n".join([*lines, border, ""])
 
 

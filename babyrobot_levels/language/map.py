@@ -159,8 +159,7 @@ def _check_legend(level: LevelFields) -> Iterator[Issue]:
             yield Issue("BR206", Key(("legend", character, name)), message, help_text)
         if entry.kind == "item" and isinstance(entry.reward, RandomReward):
             message = "`reward` of an item must be a number: only that of a cell is drawn"
-            route = Key(("legend", character, "reward"))
-            yield Issue("BR206", route, message, "write one number")
+            yield Issue("BR206", Key(("legend", character, "reward")), message, "write one number")
 
 
 def _check_drawn_once(level: LevelFields, drawing: d.Drawing) -> list[Issue]:

@@ -321,8 +321,7 @@ def _between(column: int, text: str, y: int, is_known: IsKnown) -> Fault:
 
 
 def _hint(mark: str) -> str:
-    meant = next((text for text, marks in _MEANT.items() if mark in marks), None)
-    if meant is not None:
+    if (meant := next((text for text, marks in _MEANT.items() if mark in marks), None)) is not None:
         return meant
     if mark.isascii() and mark.isalnum():
         return f"define it, as in `legend: {{{mark}: {{item: key}}}}`; built in: {_BUILT_IN}"

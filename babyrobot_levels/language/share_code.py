@@ -118,8 +118,7 @@ def _short(value: Any) -> Any:
 
 def _packed(code: str) -> bytes:
     """Return the packed data of a code without blanks, checked."""
-    version = int(code[3 : code.index(".")])
-    if version != VERSION:
+    if (version := int(code[3 : code.index(".")])) != VERSION:
         raise LevelError(
             message=f"the share code is of version {version}, and this babyrobot-levels reads "
             f"version {VERSION}: a newer one may read it"

@@ -87,8 +87,7 @@ def gallery_place() -> Place:
 
 def path_folders() -> list[Path]:
     """Return the folders in the variable `BABYROBOT_LEVELS`."""
-    names = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
-    return [Path(name) for name in names if name]
+    return [Path(name) for name in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if name]
 
 
 def _real(folder: Path) -> Path | None:

@@ -67,19 +67,17 @@ class Suppression:
         return bool(hits)
 
 
-def suppressions(document: Document, comments: Iterable[Comment]) -> list[Suppression]:
-    """Return the suppression comments of a file.
+def suppressions(document: Document, comments: Iterable[Comment]) -> Iterator[Suppression]:
+    """Yield the suppression comments of a file.
 
     A comment above the first field covers the whole file. At the end of a line, it covers what
     begins on that line, including everything nested in it. On a line of its own, it covers what
     begins below it.
     """
-    found = []
     for comment in comments:
         if (match := _COMMENT.match(comment.text)) is not None:
             words = tuple(filter(None, re.split(r"[,\s]+", match["words"] or "")))
-            found.append(Suppression(comment, words, _lines(document, comment)))
-    return found
+            yield Suppression(comment, words, _lines(document, comment))
 
 
 def _lines(document: Document, comment: Comment) -> range | None:
@@ -153,7 +151,7 @@ class LintContext:
         """The comments that suppress rules."""
         if MARK not in self.source.text:
             return []
-        return suppressions(self.document, self.comments)
+        return [*suppressions(self.document, self.comments)]
 
     @cached_property
     def starts(self) -> list[int]:

@@ -6,6 +6,7 @@ therefore form layers. They are applied from bottom to top, noting where each ch
 then checked from top to bottom, where the effective ones above hide those below.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cached_property
@@ -342,7 +343,7 @@ class Barriers:
         self._openings = [np.zeros(shape, np.int32) for shape in shapes]
         self._owner = [np.full(shape, -1, np.int32) for shape in shapes]
         before = self._count()
-        self.undoings = self._undoings()
+        self.undoings = [*self._undoings()]
         self.idle_openings = self._idle_openings()
         self.idle_walls = self._idle_walls(before)
 
@@ -364,16 +365,14 @@ class Barriers:
             self._openings[axis][where] += 1
         return before
 
-    def _undoings(self) -> list[Undoing]:
-        found = []
+    def _undoings(self) -> Iterator[Undoing]:
         for number, opening in enumerate(self._level.openings):
             axis, where = run_of(opening)
             owner = self._owner[axis][where]
             for wall in np.unique(owner[(owner >= 0) & ~self._hidden[axis][where]]).tolist():
                 rest = self._walls[axis][where] - (owner == wall) > 0
                 idle = not self._removes_wall(axis, where, self._base[axis][where] | rest)
-                found.append(Undoing(number, wall, self._is_undone(wall), idle))
-        return found
+                yield Undoing(number, wall, self._is_undone(wall), idle)
 
     def _is_undone(self, number: int) -> bool:
         """Return whether openings leave nothing of a wall that would not exist without it."""

@@ -128,8 +128,7 @@ def to_gif(
         )
     is_smooth = (_FRAMES_BETWEEN + 1) * len(steps) * width * height <= _SMOOTH_PIXELS
     between = _FRAMES_BETWEEN if is_smooth else 0
-    first = place_of(level, steps[0].state).configuration
-    painter = _Painter(level, layout, overlay, scale, first)
+    painter = _Painter(level, layout, overlay, scale, place_of(level, steps[0].state).configuration)
     frames = []
     for shot in _shots(level, steps, between):
         patches = (*painter.figures(shot), *painter.panels(shot.steps, shot.total, shot.start))

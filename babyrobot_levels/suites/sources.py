@@ -158,8 +158,7 @@ class GrownLevels:
         if "theme" not in self._fields.model_fields_set:
             return {}
         level = {"version": 1, "size": [2, 1], "theme": plain(theme)}
-        whole = Level.from_fields(level, folder=self._folder).to_dict(whole=True)
-        return {"theme": whole["theme"]}
+        return {"theme": Level.from_fields(level, folder=self._folder).to_dict(whole=True)["theme"]}
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, GrownLevels) and self._fields == other._fields

@@ -109,8 +109,7 @@ class SourceFile:
         shown = "".join(map(_shown, text))
         first, last = first - offset, min(last - offset, EXCERPT_WIDTH)
         blank = columns(shown[:first])
-        carets = columns(shown[first:last]) or 1
-        return shown, " " * blank + "^" * carets
+        return shown, " " * blank + "^" * (columns(shown[first:last]) or 1)
 
 
 _JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"

@@ -168,7 +168,7 @@ def _unchecked(data: Mapping[str, Any]) -> Level:
 
 def _places(report: Report) -> list[Place]:
     """Return what findings are about."""
-    found = findings_of(Linting(report), (1024, 1024))
+    found = [*findings_of(Linting(report), (1024, 1024))]
     cells = [(x, y, "") for each in found for x, y in each["cells"]]
     sides = [(x, y, side) for each in found for x, y, side in each["sides"]]
     return [*dict.fromkeys(cells + sides)]

@@ -287,8 +287,7 @@ class Record:
         count = num_steps * num_envs
         # One piece of memory, because systems use larger pages for larger pieces.
         ends = np.cumsum([(count * np.dtype(dtype).itemsize + 63) // 64 * 64 for dtype in dtypes])
-        memory = np.empty(ends[-1], np.uint8)
-        parts = np.split(memory, ends[:-1])
+        parts = np.split(np.empty(ends[-1], np.uint8), ends[:-1])
         return cls(
             *(
                 part.view(dtype)[:count].reshape(num_steps, num_envs)

@@ -210,8 +210,7 @@ class VectorObserver(RowObserver):
         columns = self._walls.rows(states) / self._largest
         sides = _open(self._extent)
         columns[:, sides] += self._glass[self.robots(states)[0][:, 0]]
-        rewards = self._rewards[configuration * cells + cell]
-        parts = [columns[:, : sides.stop], rewards]
+        parts = [columns[:, : sides.stop], self._rewards[configuration * cells + cell]]
         if headings > 1:
             parts += [columns[:, sides.stop : -1], np.eye(headings)[heading]]
         else:

@@ -463,8 +463,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
     def _use(self, tables: Tables) -> None:
         """Go over to tables."""
         self._tables = tables
-        most = self.num_envs * (tables.most_draws + int(self._slots is not None))
-        self._reserve_draws(most)
+        self._reserve_draws(self.num_envs * (tables.most_draws + int(self._slots is not None)))
         self._engine = make_engine(self._engine_name, tables, self._observer.table, self.num_envs)
         if self._actions.samples_valid:
             self.action_space.state_info = tables.state_info

@@ -275,8 +275,7 @@ def cell_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Chan
         one, two = (_cell_data(table[place], known) for table in tables)
         return Change(one, two, (place % width, place // width))
 
-    places = np.flatnonzero(~equal.all(axis=1)).tolist()
-    return Changes.of(places, len(cells[0]), describe, limit)
+    return Changes.of(np.flatnonzero(~equal.all(axis=1)).tolist(), len(cells[0]), describe, limit)
 
 
 class _Known:

@@ -39,8 +39,8 @@ Place = tuple[int, int, str]
 """A cell `(x, y)` and a side of it, which is empty for the cell itself."""
 
 
-def findings_of(linting: Linting, size: tuple[int, int]) -> list[dict[str, Any]]:
-    """Return findings as plain data, each with where it is shown.
+def findings_of(linting: Linting, size: tuple[int, int]) -> Iterator[dict[str, Any]]:
+    """Yield findings as plain data, each with where it is shown.
 
     To `Diagnostic.to_dict` it adds `title`, what its rule is about; `is_outdated`, whether it was
     found in the text before, and not looked for again yet; `cells`, `[x, y]` each; and `sides`,
@@ -54,7 +54,6 @@ def findings_of(linting: Linting, size: tuple[int, int]) -> list[dict[str, Any]]
     document = linting.report.document
     found = [(each, False) for each in linting.report.diagnostics]
     found += [(each, True) for each in linting.outdated]
-    shown = []
     for each, is_outdated in sorted(found, key=lambda pair: (pair[0].line, pair[0].column)):
         places = [*_places(document, each.span)] if document is not None else []
         named = ((int(x), int(y), "") for x, y in _CELL.findall(each.message))
@@ -64,17 +63,14 @@ def findings_of(linting: Linting, size: tuple[int, int]) -> list[dict[str, Any]]
             if x < size[0] and y < size[1]
         ]
         rule, fix = find(each.code), fix_of(each)
-        shown.append(
-            {
-                **each.to_dict(),
-                "fix": None if fix is None else fix.to_dict(),
-                "title": "" if rule is None else rule.summary,
-                "is_outdated": is_outdated,
-                "cells": [[x, y] for x, y, side in inside if not side],
-                "sides": [[x, y, side] for x, y, side in inside if side],
-            }
-        )
-    return shown
+        yield {
+            **each.to_dict(),
+            "fix": None if fix is None else fix.to_dict(),
+            "title": "" if rule is None else rule.summary,
+            "is_outdated": is_outdated,
+            "cells": [[x, y] for x, y, side in inside if not side],
+            "sides": [[x, y, side] for x, y, side in inside if side],
+        }
 
 
 def fix_of(found: Diagnostic) -> Fix | None:

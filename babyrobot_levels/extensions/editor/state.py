@@ -73,7 +73,7 @@ def state_of(session: Session) -> dict[str, Any]:
         "maze_regrown": session.is_maze_regrown,
         "lost": _counted(session.lost),
         "left": _counted(session.left),
-        "findings": findings_of(session.linting, size),
+        "findings": [*findings_of(session.linting, size)],
         "findings_pending": bool(session.linting.waiting),
         "unreachable": answers.unreachable,
         "answers": answers.to_dict(is_valid=session.is_valid),

@@ -128,8 +128,7 @@ def stated(source: SourceFile, path: Path | None, add: Sequence[str] = ()) -> St
             changes.append(f"`{name}` is {flow(new)}")
     if not changes:
         return Stated(source, source.text)
-    data = {**document.data, "expect": facts}
-    text = splice(source.text, data, [*GridWorld.model_fields])
+    text = splice(source.text, {**document.data, "expect": facts}, [*GridWorld.model_fields])
     if text is None:
         message = "the file is written in an unusual way, in which no facts can be put into it"
         raise LevelError([document.diagnostic(Issue("BR326", (), message))])

@@ -89,8 +89,7 @@ def _scenario(source: SourceFile, number: int) -> Scenario:
     if len(fields) != 9 or not all(re.fullmatch(r"\d{1,6}", each) for each in fields[4:8]):
         raise ConversionError.at(source, Position(number, 1), "this is no line of a scenario")
     x, y, right, down = map(int, fields[4:8])
-    name = fields[1].replace("\\", "/").rpartition("/")[2]
-    return Scenario(name, (x, y), (right, down), number)
+    return Scenario(fields[1].replace("\\", "/").rpartition("/")[2], (x, y), (right, down), number)
 
 
 def _world_of_team(

@@ -110,8 +110,7 @@ def _meanings(text: str, lost: list[Lost]) -> dict[str, str]:
     if _BOX in text or (_BOX_ON_GOAL in text and not {"E", "X"} & {*text}):
         meanings |= _BOXED
     for mark, ends in _PATHS.items():
-        others = [end for end in ends if end in text]
-        if others and mark in text:
+        if (others := [end for end in ends if end in text]) and mark in text:
             meanings[mark] = d.PLAIN
             names = {each: "the start" if each in _STARTS else "the exit" for each in others}
             known = listed([f"`{each}` is {name}" for each, name in names.items()])

@@ -61,8 +61,7 @@ def decoded(data: bytes, name: str) -> SourceFile:
         LevelError: they are too many, not UTF-8, or damaged.
     """
     for each in FORMATS.own.values():
-        text = each.codec.decodes(data) if each.codec.decodes else None
-        if text is not None:
+        if (text := each.codec.decodes(data) if each.codec.decodes else None) is not None:
             return SourceFile(name, text, is_made=True)
     return source_of(data, name)
 

@@ -241,8 +241,7 @@ def _classes(tileset: dict[str, Any], where: str) -> dict[int, str]:
     classes = {}
     for tile in sequence(tileset.get("tiles", []), f"{where}.tiles"):
         given = mapping(tile, f"{where}.tiles")
-        name = given.get("class") or given.get("type")
-        if name in CLASSES:
+        if (name := given.get("class") or given.get("type")) in CLASSES:
             number = integer(given.get("id"), f"{where}: id")
             if number < 0:
                 raise ConversionError(f"{where}: id must be a whole number from 0, not {number}")

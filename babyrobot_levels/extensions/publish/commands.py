@@ -25,7 +25,6 @@ from babyrobot_levels.cli.inputs import (
     LevelsArgument,
     RuntimeOption,
     SplitOption,
-    each_loaded,
     levels_named,
     valid_levels,
 )
@@ -306,7 +305,7 @@ def sheet(
         fail(f"a sheet has at most {MAX_LEVELS} levels, not {len(named):,}", "make several sheets")
     if isinstance(named, list):
         named, _ = valid_levels(named, "sheet was")
-    loaded = [_with_maze(level) for level in each_loaded(named)]
+    loaded = [_with_maze(level) for level in map(brl.load, named)]
     with working("drawing") as report:
         try:
             made = brl.sheet(

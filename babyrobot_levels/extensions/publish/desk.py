@@ -160,8 +160,7 @@ def _mistakes(level: Level, right: Floats, counted: Any) -> Iterator[tuple[str, 
     asked[f"{told}values, not their mean"] = partial(evaluate, level, "random")
     for told, ask in asked.items():
         with suppress(UndefinedReturnError, EpisodeTooLongError):
-            values = np.ravel(ask().values)[counted]
-            if np.isfinite(values).all():
+            if np.isfinite(values := np.ravel(ask().values)[counted]).all():
                 yield told, values
 
 

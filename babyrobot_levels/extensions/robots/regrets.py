@@ -178,8 +178,7 @@ def _own_weights(space: StateSpace, policy: Any, number: int) -> Floats:
     weights = np.zeros((mdp.num_states, NUM_ACTIONS))
     if table.size == mdp.num_states and table.dtype.kind in "iu":
         chosen = table.ravel()[states]
-        wrong = (chosen < 0) | (chosen >= NUM_ACTIONS)
-        if wrong.any():
+        if (wrong := (chosen < 0) | (chosen >= NUM_ACTIONS)).any():
             at = state_text(space.level.things(), mdp, int(states[wrong][0]))
             raise ValueError(
                 f"the action of {name} at {at} is {int(chosen[wrong][0])}; actions are 0 to 4"

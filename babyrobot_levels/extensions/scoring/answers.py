@@ -354,8 +354,7 @@ class _Values(_Task):
             return message
         counts = self.ends.copy()
         counts[self.model.states] = self.counts
-        missing = np.isnan(table.ravel()) & counts
-        if missing.any():
+        if (missing := np.isnan(table.ravel()) & counts).any():
             return f"the value of {space.text(int(missing.argmax()))} is not a number (nan)"
         return None
 
@@ -453,8 +452,7 @@ class _Values(_Task):
         if not wrong.any():
             return f"the terminal state {self._state(self.valued(flat))}"
         # A value that does not follow from its neighbours is nearer to the cause.
-        known = np.where(self.counts, given, 0.0)
-        causes = wrong & ~self.close(given, self.ahead(known))
+        causes = wrong & ~self.close(given, self.ahead(np.where(self.counts, given, 0.0)))
         chosen = causes if causes.any() and self.sweeps is None else wrong
         at = int(chosen.argmax())
         difference = float(given[at] - self.expected[at])

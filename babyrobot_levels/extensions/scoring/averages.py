@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from babyrobot_levels.agents.agents import Chooser, Table
 from babyrobot_levels.agents.policy_tables import policy_of
@@ -26,9 +26,8 @@ def average_scores(
     observation: Observation,
     extent: Extent,
     actions: str,
-) -> list[LevelScore]:
-    """Return the scores of an agent without memory; errors are those of `score`."""
-    found = []
+) -> Iterator[LevelScore]:
+    """Yield the scores of an agent without memory; errors are those of `score`."""
     for level in levels:
         space = space_of(level, actions)
         best = solve_average(space)
@@ -37,8 +36,7 @@ def average_scores(
         else:
             policy = policy_of(agent, space, make_observer(level, observation, extent), None)(0)
         is_best = isinstance(policy, str) and policy == "best"
-        found.append(_row(space, best.policy if is_best else policy, best))
-    return found
+        yield _row(space, best.policy if is_best else policy, best)
 
 
 def _row(space: StateSpace, policy: Policy, best: AverageSolution) -> LevelScore:

@@ -92,9 +92,8 @@ class Grades(Table[Grade], public=True):
 
         What could not be graded is nan, and left out of the sum; where nothing could, so is that.
         """
-        found: dict[str, dict[str, float]] = {}
-        for name in dict.fromkeys([*self.submissions, *(each.player for each in self)]):
-            found[name] = dict.fromkeys(self.worth, 0.0)
+        players = [*self.submissions, *(each.player for each in self)]
+        found = {name: dict.fromkeys(self.worth, 0.0) for name in players}
         for name, submission in self.submissions.items():
             for function, rows in submission.by_function.items():
                 none = rows.ungraded == len(rows)

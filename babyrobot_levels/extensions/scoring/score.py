@@ -156,7 +156,8 @@ def score(
         taken = _read(agent, members, actions, deterministic=deterministic, batched=batched)
         if isinstance(taken, Player):
             raise ValueError("criterion='average' is for agents without memory: episodes end")
-        return Scores(average_scores(taken, members, chosen, extent, own), criterion=criterion)
+        rows = [*average_scores(taken, members, chosen, extent, own)]
+        return Scores(rows, criterion=criterion)
     problems = [_problem(level, within, discount, own) for level in members]
     taken = agent
     if sight is None:

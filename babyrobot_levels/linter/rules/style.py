@@ -66,8 +66,7 @@ def long_line(context: LintContext) -> Iterator[Finding]:
             continue
         comments = (each for each in context.comments if each.span.start.line == number)
         ends = (comment.span.start.column - 1 for comment in comments)
-        width = len(line[: next(ends, len(line))].rstrip())
-        if width > WIDTH:
+        if (width := len(line[: next(ends, len(line))].rstrip())) > WIDTH:
             yield Finding(
                 Span(Position(number, WIDTH + 1), Position(number, width + 1)),
                 f"line too long ({width} > {WIDTH} characters)",

@@ -209,8 +209,7 @@ def _told(level: GridWorld, drawn: bool) -> Rules:
         yield Rule("", f"the episode ends after {phrases.counted(level.max_steps, 'step')}")
     if level.discount != 1:
         yield Rule("", f"discount {phrases.amount(level.discount)}")
-    blocked = tuple(cell for cell, found in enumerate(level.grid().blocked_cells) if found)
-    if blocked:
+    if blocked := tuple(cell for cell, found in enumerate(level.grid().blocked_cells) if found):
         yield Rule("blocked", "blocked: cannot be entered", blocked)
     if level.robots:
         return

@@ -140,8 +140,7 @@ def _put(draft: Draft, field: str, entry: Entry, names: Names, ends: Set[Cell]) 
     elif entry.get("name") in names:
         _lay_there_too(draft.entries(field), names[entry["name"]], at)
     else:
-        named = _named(draft, field, entry, names)
-        draft.entries(field).append(routes.ordered(field, named))
+        draft.entries(field).append(routes.ordered(field, _named(draft, field, entry, names)))
     return True
 
 

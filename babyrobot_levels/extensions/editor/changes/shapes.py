@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, Literal, NamedTuple, Self
 
 from babyrobot_levels.language.base import SIDE_NAMES
@@ -75,10 +76,8 @@ def cut_sides(entries: list[Entry], run: Run, keep: Entry | None = None) -> None
         run: the run.
         keep: an entry that stays as it is.
     """
-    left = []
-    for entry in entries:
-        left += [entry] if entry is keep else _pieces(entry, run)
-    entries[:] = left
+    parts = ([entry] if entry is keep else _pieces(entry, run) for entry in entries)
+    entries[:] = chain.from_iterable(parts)
 
 
 def _pieces(entry: Entry, run: Run) -> list[Entry]:

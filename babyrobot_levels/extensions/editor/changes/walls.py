@@ -1,5 +1,7 @@
 """Walls, glass and doors along runs of sides, and openings in mazes."""
 
+from collections.abc import Iterator
+
 from babyrobot_levels.extensions.editor.changes.draft import Draft, RefusedError, names_of
 from babyrobot_levels.extensions.editor.changes.shapes import Entry, Run, cut_sides
 from babyrobot_levels.extensions.editor.gestures import Walls
@@ -30,7 +32,7 @@ def build(draft: Draft, gesture: Walls) -> None:
     """Build or remove walls along a run of sides."""
     run = Run.of(gesture.at, gesture.side, gesture.length)
     _check_place(draft.level, gesture, run)
-    before = _kinds(draft.level, run)
+    before = [*_kinds(draft.level, run)]
     to = gesture.to
     chance = gesture.pass_ if to == "glass" else 0.0
     if to == "glass" and not chance:
@@ -116,25 +118,23 @@ def _need(level: Level) -> str:
 # -- what is there -------------------------------------------------------------------------
 
 
-def _kinds(level: Level, run: Run) -> list[tuple[str, float]]:
-    """Return what each side of a run is now, and the probability of getting through glass.
+def _kinds(level: Level, run: Run) -> Iterator[tuple[str, float]]:
+    """Yield what each side of a run is now, and the probability of getting through glass.
 
     Where a maze is drawn at each reset, its walls do not count.
     """
     grid = grid_without_random_maze(level)
     doors = [Run.of(door.at, door.side, door.length) for door in level.doors]
     here = [door for door in doors if (door.axis, door.line) == (run.axis, run.line)]
-    kinds = []
     for place, (x, y) in enumerate(run.cells, run.first):
         cell = y * grid.width + x
         glass = grid.glass.get((cell, run.axis))
         if any(door.first <= place < door.stop for door in here):
-            kinds.append(("door", 0.0))
+            yield "door", 0.0
         elif glass is not None:
-            kinds.append(("glass", glass))
+            yield "glass", glass
         else:
-            kinds.append(("wall" if _has_wall(grid, run, (x, y)) else "none", 0.0))
-    return kinds
+            yield "wall" if _has_wall(grid, run, (x, y)) else "none", 0.0
 
 
 def grid_without_random_maze(level: Level) -> Grid:
