@@ -61,36 +61,22 @@ class Report:
         return self.level is not None or not self.diagnostics
 
 
-def lint_source(
-    source: SourceFile,
-    rules: Sequence[Rule],
-    path: Path | None = None,
-    *,
-    max_cells: int | None = None,
-) -> Report:
+def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = None) -> Report:
     """Return the errors of a text or, if it has none, the findings of the rules.
 
     Args:
         source: the text.
         rules: the rules; see `rules.select`.
         path: the file of the text, which gives the level's name and the folder of its themes.
-        max_cells: the most cells of a level for which rules that need its tables are checked; by
-            default any number.
     """
     try:
         document = read(source)
     except LevelError as error:
         return Report(source, [*error.diagnostics])
-    return lint_document(document, rules, path, max_cells=max_cells)
+    return lint_document(document, rules, path)
 
 
-def lint_document(
-    document: Document,
-    rules: Sequence[Rule],
-    path: Path | None = None,
-    *,
-    max_cells: int | None = None,
-) -> Report:
+def lint_document(document: Document, rules: Sequence[Rule], path: Path | None = None) -> Report:
     """Return the errors of a document or, if it has none, the findings; see `lint_source`."""
     source = document.source
     level, errors = check_document(document, Level, path)
@@ -100,7 +86,7 @@ def lint_document(
     rules = applicable(rules)
     context = LintContext(level, document, path, names_of(rules))
     try:
-        found = findings_in(context, rules, max_cells=max_cells)
+        found = findings_in(context, rules)
     except UnplayableError as error:
         # To find that out takes longer than `validate` takes for a level.
         return Report(source, [*map(document.diagnostic, error.issues)], document=document)
@@ -127,7 +113,8 @@ def findings_in(
 ) -> list[Diagnostic]:
     """Return the findings of rules in a level, sorted by position; see `lint_source`.
 
-    `known` are those of other rules, which are found already.
+    `known` are those of other rules, which are found already. Rules that need the tables of the
+    level are checked if it has at most `max_cells`, by default any number.
 
     Rules are in the order of their codes: the last one checks which suppressions were used. What
     a level that expects to be clean has is told once all is found.

@@ -87,8 +87,7 @@ def write_pages(grades: Grades, folder: str | os.PathLike[str]) -> None:
     """
     links: dict[str, str] = {}
     for player in grades.totals:
-        names = numbered(f"students/{slug(player[:60]) or 'student'}")
-        pages = (f"{name}.html" for name in names)
+        pages = (f"{name}.html" for name in numbered(f"students/{slug(player[:60]) or 'student'}"))
         links[player] = next(each for each in pages if each not in links.values())
     for player, link in links.items():
         write_text(Path(folder, link), student_page(grades, player), sync=False)
