@@ -12,13 +12,14 @@ from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import ACTION_SETS as FIRST_ACTIONS
 from babyrobot_levels.analysis.solver.results import TURNS
 from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
-from babyrobot_levels.envs.arguments import check_choice, checked_observation
+from babyrobot_levels.envs.arguments import checked_observation
 from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent, Observer
 from babyrobot_levels.envs.remembering import Player
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import LevelLike, load
 from babyrobot_levels.mdp.tables import Floats
+from babyrobot_levels.text.words import check_choice
 
 
 def policy_table(

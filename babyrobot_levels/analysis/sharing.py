@@ -48,6 +48,8 @@ def link_fault(link: str) -> str | None:
     """Return why an address is none that links can begin with; None if it is one."""
     if not _NO_BLANKS.fullmatch(link):
         return "expected an address without blanks and `#`"
+    if re.match(r"(?!https?:|file:)\w+:/", link):
+        return "expected an address of the web, such as https://example.org/play.html"
     return f"browsers take that for a file; write https://{link}" if _HOST.fullmatch(link) else None
 
 

@@ -29,8 +29,6 @@ from babyrobot_levels.text.files import schema_for, source_of
 if TYPE_CHECKING:
     from babyrobot_levels.generation.starter import StarterOptions
 
-MAX_PUDDLES = 10_000
-
 
 Template = Literal["grid", "maze", "drawing"]
 """Templates for new levels."""
@@ -50,9 +48,14 @@ def new_level(
         typer.Option(metavar="A", help="Maze algorithm: " + ", ".join(get_args(Algorithm)) + "."),
     ] = "depth-first",
     loops: Annotated[
-        float, typer.Option(metavar="R", help="Share of the maze's dead ends to open, from 0 to 1.")
+        float,
+        typer.Option(
+            min=0, max=1, metavar="R", help="Share of the maze's dead ends to open, from 0 to 1."
+        ),
     ] = 0.0,
-    puddles: Annotated[int, typer.Option(metavar="N", help="Number of puddles.")] = 0,
+    puddles: Annotated[
+        int, typer.Option(min=0, max=10_000, metavar="N", help="Number of puddles.")
+    ] = 0,
     key: Annotated[
         bool, flag("--key", "Add a locked door on the way to the exit, and its key.")
     ] = False,
@@ -101,10 +104,6 @@ def new_level(
         for option, given in (("--loops", loops), ("--algorithm", algorithm != "depth-first")):
             if given:
                 fail(f"{option} needs a maze", "add --maze-seed N or --template maze")
-    if not 0 <= loops <= 1:
-        fail(f"--loops must be from 0 to 1, not {loops:g}")
-    if not 0 <= puddles <= MAX_PUDDLES:
-        fail(f"--puddles must be from 0 to {MAX_PUDDLES:,}, not {puddles:,}")
     path = output or Path("levels", f"{name}.yaml")
     if is_folder(path):
         path /= f"{name}.yaml"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import operator
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -25,7 +25,7 @@ from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.configurations import Values
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.text.words import did_you_mean, meant, words_beside
+from babyrobot_levels.text.words import check_choice, did_you_mean, meant, words_beside
 
 MAX_IMAGE_SIDE = 4096
 
@@ -33,14 +33,6 @@ _INT = np.dtype(np.intp)
 
 
 # -- making ----------------------------------------------------------------------------------
-
-
-def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
-    """Raise a ValueError if an argument is not one of its choices."""
-    if not isinstance(value, str) or value not in choices:
-        known = ", ".join(map(repr, choices))
-        guess = did_you_mean(value, choices) if isinstance(value, str) else ""
-        raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
 
 
 def check_names(given: Iterable[str], function: Callable[..., Any], *others: str) -> None:
@@ -210,11 +202,9 @@ def checked_autoreset_mode(mode: Any) -> AutoresetMode:
     Raises:
         ValueError: it is neither.
     """
-    try:
-        return AutoresetMode(mode)
-    except ValueError:
-        known = ", ".join(str(each) for each in AutoresetMode)
-        raise ValueError(f"autoreset_mode must be one of {known}, not {mode!r}") from None
+    if not isinstance(mode, AutoresetMode):
+        check_choice("autoreset_mode", mode, [each.value for each in AutoresetMode])
+    return AutoresetMode(mode)
 
 
 def limits_of(levels: Sequence[Level], max_episode_steps: Any) -> list[int]:

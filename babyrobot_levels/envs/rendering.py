@@ -14,7 +14,7 @@ from gymnasium import logger
 
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.render.situation import STANDING, GoodEnds, pose_of
-from babyrobot_levels.text.words import Telling, did_you_mean
+from babyrobot_levels.text.words import Telling, check_choice
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -252,19 +252,16 @@ class Pictures:
         from babyrobot_levels.text.files import write_bytes
 
         file = Path(path)
+        check_choice("the suffix", file.suffix.lower(), SUFFIXES)
         match file.suffix.lower():
             case ".svg":
                 data = self.svg().encode()
             case ".txt":
                 data = self.text().encode()
-            case ".png":
+            case _:
                 from babyrobot_levels.render.raster import to_png
 
                 data = to_png(self._scene())
-            case suffix:
-                known = ", ".join(SUFFIXES)
-                guess = did_you_mean(suffix, SUFFIXES)
-                raise ValueError(f"the suffix must be one of {known}, not {suffix!r}{guess}")
         write_bytes(file, data)
 
     def close(self) -> None:

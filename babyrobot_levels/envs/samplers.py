@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.analysis.solver.results import check_count
-from babyrobot_levels.envs.arguments import check_choice
 from babyrobot_levels.envs.engine import draws as engine_draws
 from babyrobot_levels.envs.engine.tables import Ints
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.suites.suite import Suite
-from babyrobot_levels.text.words import Telling
+from babyrobot_levels.text.words import Telling, check_choice
 
 Draws = NDArray[np.float64]
 Numbers = NDArray[np.int64]

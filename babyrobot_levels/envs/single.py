@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
-    check_choice,
     checked_action,
     checked_maze_seed,
     checked_observation,
@@ -30,6 +29,7 @@ from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Event, Outcome, ToldOutcome, events_of, hits_of
+from babyrobot_levels.text.words import check_choice
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 

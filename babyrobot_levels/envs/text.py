@@ -9,12 +9,12 @@ import numpy as np
 from gymnasium.spaces import Text
 from gymnasium.utils import RecordConstructorArgs
 
-from babyrobot_levels.envs.arguments import check_choice
 from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.sights import RADIUS, SIGHTS, Narrator, Seen, robot_cells
+from babyrobot_levels.text.words import check_choice
 
 _MOST_BESIDE = 10_000
 """The most characters of an observation beside its drawing."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from textwrap import indent
 from typing import Any
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.generation.locks import Counts, Placer
 from babyrobot_levels.language.names import slug
 from babyrobot_levels.language.plain_data import plain
@@ -17,6 +18,7 @@ from babyrobot_levels.mdp.mazes.lattice import below
 from babyrobot_levels.text.emitter import flow, scalar
 from babyrobot_levels.text.files import schema_for, write_new
 from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.words import check_choice
 
 TEMPLATES = ("grid", "maze", "drawing")
 
@@ -87,8 +89,9 @@ def new_level(
     """
     if slug(name) != name:
         raise ValueError(f"a name has lower-case letters, digits and `-`, not {name!r}")
-    if template not in TEMPLATES:
-        raise ValueError(f"there is no template {template!r}; use one of {', '.join(TEMPLATES)}")
+    check_choice("template", template, TEMPLATES)
+    check_count("puddles", puddles, 0)
+    check_count("coins", coins, 0)
     maze = {"seed": maze_seed or 0, "algorithm": algorithm, "loops": loops}
     grown = Level.from_fields({"version": 1, "size": size, "maze": maze})
     file = Path("levels", f"{name}.yaml") if path is None else Path(path)

@@ -19,7 +19,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.results import check_count
-from babyrobot_levels.envs.arguments import ObservationOptions, check_choice, takes_observation
+from babyrobot_levels.envs.arguments import ObservationOptions, takes_observation
 from babyrobot_levels.envs.observations.planes import plane_names, squashed
 from babyrobot_levels.generation.edits import Fields, changed, flat_fields
 from babyrobot_levels.jax.env import LevelEnvironment, make
@@ -34,6 +34,7 @@ from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.mdp.drawn import Edge, Traits, wall_entries
 from babyrobot_levels.mdp.ground import OPEN_RULE, OTHERS_RULE, SIDES_RULE, build_ground
+from babyrobot_levels.text.words import check_choice
 
 OBSERVED = ("index", "position", "planes")
 """The observations whose tables are made in compiled code."""

@@ -15,7 +15,6 @@ from jax.tree_util import register_dataclass
 from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
-    check_choice,
     checked_observation,
     limits_of,
     takes_observation,
@@ -37,6 +36,7 @@ from babyrobot_levels.jax.params import (
 )
 from babyrobot_levels.suites.sources import Bounds
 from babyrobot_levels.suites.suite import Levels, Suite
+from babyrobot_levels.text.words import check_choice
 
 Info = dict[str, Array]
 

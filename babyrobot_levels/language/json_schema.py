@@ -24,6 +24,7 @@ from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import KINDS, PackFields, SuiteListFields
 from babyrobot_levels.language.things import LegendEntry
 from babyrobot_levels.text.files import write_new
+from babyrobot_levels.text.words import check_choice
 
 # Draft 7 is what the editors know best.
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -139,8 +140,7 @@ def schema(
         ValueError: there is no such schema.
         FileExistsError: there is a file.
     """
-    if name not in SCHEMAS:
-        raise ValueError(f"there is no schema {name!r}; the schemas are {', '.join(SCHEMAS)}")
+    check_choice("name", name, SCHEMAS)
     if path is not None:
         write_new(Path(path), schema_text(name), force=force)
     return SCHEMAS[name]()

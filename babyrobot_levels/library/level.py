@@ -144,8 +144,6 @@ def loads(text: str, *, name: str = "<text>") -> Level:
     Raises:
         LevelError: the text is not a valid level; its `diagnostics` say where and why.
     """
-    if not isinstance(text, str):
-        raise TypeError(f"the text of a level is a str, not {type(text).__name__}")
     return load_source(SourceFile(name, text))
 
 

@@ -370,10 +370,6 @@ def load_suite(suite: str | os.PathLike[str] | Mapping[str, Any] | Suite) -> Sui
         return suite
     if isinstance(suite, Mapping):
         return _suite_of(suite_of_mapping(suite))
-    if not isinstance(suite, str | os.PathLike):
-        raise TypeError(
-            f"a suite is a name, a path, a mapping or a Suite, not {type(suite).__name__}"
-        )
     return _suite_of(open_suite(find_suite(suite)))
 
 
@@ -395,7 +391,6 @@ def named_levels(levels: Levels) -> Suite | Iterable[LevelLike]:
         LevelNotFoundError: nothing has that name; the error names the nearest ones.
         LevelError: it is a suite, and not valid.
         ValueError: there are no level files in the folder.
-        TypeError: it is nothing of these.
         OSError: the folder cannot be read.
     """
     if isinstance(levels, Mapping):
@@ -403,12 +398,8 @@ def named_levels(levels: Levels) -> Suite | Iterable[LevelLike]:
     if isinstance(levels, Level):
         return [levels]
     if not isinstance(levels, str | os.PathLike):
-        if not isinstance(levels, Iterable):
-            raise TypeError(
-                "levels are a name, a path, a mapping, a Level, a Suite, or several levels, "
-                f"not {type(levels).__name__}"
-            )
-        return levels
+        # What is no level, `load` refuses.
+        return levels if isinstance(levels, Iterable) else [levels]
     if isinstance(levels, str) and is_code(levels):
         return [levels]
     if (suite := suite_path(levels)) is not None:

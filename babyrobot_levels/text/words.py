@@ -6,13 +6,14 @@ import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
+from dis import opname
 from enum import EnumType
 from functools import cache, wraps
 from itertools import chain
 from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
-from types import FunctionType, ModuleType, NoneType
+from types import FunctionType, ModuleType, NoneType, UnionType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -231,6 +232,8 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
         members = getattr(owner, "__members__", None) or dir(owner)
         known = [each for each in members if not each.startswith("_")]
         guess = meant(name, known, "attributes", "keywords")
+        if isinstance(owner, ModuleType) and name in dir(owner.Level):
+            guess = f"; did you mean `level.{name}`, of `level = brl.load(…)`?"
     # With a name, Python would add a guess of its own.
     return AttributeError(f"{what} has no attribute {name!r}{guess}", name="", obj=None)
 
@@ -238,7 +241,7 @@ def no_attribute(owner: Any, name: str) -> AttributeError:
 class Public:
     """A class that, where it says `public`, is known by its name in the package.
 
-    Its methods that take arguments by name, or paths, tell what is wrong with a call.
+    Its methods tell what is wrong with a call, but for those that are called for each step.
     """
 
     __slots__ = ()
@@ -248,12 +251,9 @@ class Public:
         if public:
             cls.__module__ = __name__.partition(".")[0]
         for name, each in [*vars(cls).items()]:
-            if isinstance(each, FunctionType) and (name == "__init__" or not name.startswith("_")):
-                code = each.__code__
-                by_name = code.co_kwonlyargcount or code.co_flags & inspect.CO_VARKEYWORDS
-                # What is called often takes no files, and none of its arguments by name.
-                if by_name or "Path" in str(each.__annotations__):
-                    setattr(cls, name, telling(each))
+            is_public = (not name.startswith("_") and name != "step") or name == "__init__"
+            if isinstance(each, FunctionType) and is_public and not hasattr(each, "__wrapped__"):
+                setattr(cls, name, telling(each))
 
 
 class Telling(Public):
@@ -328,7 +328,8 @@ def check_places(function: Callable[..., Any], args: Any, known: inspect.Signatu
     if isinstance(args[-1], dict):
         told += f"; of a mapping, {called(function)}(**mapping)"
     is_closed = not (named or any(one.kind is one.VAR_KEYWORD for one in each))
-    raise TypeError(f"{called(function)}() {f'takes only {first}' if is_closed else told}")
+    told = f"takes {f'only {first}' if first else 'no arguments'}" if is_closed else told
+    raise TypeError(f"{called(function)}() {told}")
 
 
 def called(function: Callable[..., Any]) -> str:
@@ -405,29 +406,48 @@ def explained(
         return TypeError(f"{name}() takes one level; `brl.{name}_many(levels)` takes several")
     if isinstance(first, list | tuple) and {"level", "levels"} <= known.parameters.keys():
         return TypeError(f"{name}() takes one level, or several as `levels=…`")
-    if not _OF_PYTHON.search(str(error)):
+    if _is_told(error):
         return None
-    for parameter, value in known.bind(*args, **given).arguments.items():
-        kinds = _kinds(known.parameters[parameter].annotation, public)
-        if kinds and not isinstance(value, tuple(type_ for type_, _ in kinds.values())):
-            # Paths may be texts.
-            words = [
-                words
-                for each, (_, words) in kinds.items()
-                if (each, "PathLike" in kinds) != ("str", True)
-            ]
-            shown = listed(words, "or")
+    owner = function.__qualname__.partition(".")[0]
+    classes = [each.__name__ for each in type(args[0]).__mro__] if args else []
+    if "self" in known.parameters and owner not in classes:
+        return TypeError(f"{name}() is called on a {owner}, not on {shortened(repr(args[0]))}")
+    try:
+        bound = known.bind(*args, **given).arguments
+    except TypeError as wrong:
+        return TypeError(f"{name}(): {wrong}")
+    for parameter, value in bound.items():
+        kinds = _kinds(known.parameters[parameter].annotation, function.__globals__, public)
+        if kinds and not _is_one(value, kinds):
+            if "PathLike" in kinds:
+                # Paths may be texts, and so are names.
+                text = (str, "a name") if "Mapping" in kinds else kinds["PathLike"]
+                kinds = {**kinds, **({"str": text} if "str" in kinds else {})}
+            shown = listed([*dict.fromkeys(words for _, words in kinds.values())], "or")
             return TypeError(f"{parameter} must be {shown}, not {shortened(repr(value))}")
     return None
 
 
-_OF_PYTHON = re.compile(
-    "expected str|object is not|object cannot|not supported between|has no attribute|must be an it"
-    "|expected string|unsupported operand|ufunc|argument must be|invalid literal|not convert|islice"
-)
-"""What Python and NumPy say of values of a wrong type."""
+def _is_one(value: Any, kinds: Mapping[str, tuple[Any, str]]) -> bool:
+    # Of protocols and typed dictionaries, Python does not say.
+    with suppress(TypeError):
+        return isinstance(value, tuple(kind for kind, _ in kinds.values()))
+    return True
 
-_TYPES: dict[str, tuple[type, str]] = {
+
+def _is_told(error: Exception) -> bool:
+    """Return whether this package raises an error, and not Python or a library."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None:
+        return True
+    code = trace.tb_frame.f_code
+    is_ours = Path(code.co_filename).is_relative_to(Path(__file__).parents[1])
+    return is_ours and opname[code.co_code[trace.tb_lasti]] == "RAISE_VARARGS"
+
+
+_TYPES: dict[str, tuple[Any, str]] = {
     "int": (Integral, "a whole number"),
     "float": (Real, "a number"),
     "bool": (bool, "True or False"),
@@ -437,22 +457,31 @@ _TYPES: dict[str, tuple[type, str]] = {
     "Iterable": (Iterable, "several in a list"),
     "Sequence": (Sequence, "several in a list"),
     "Mapping": (Mapping, "a mapping"),
+    "Callable": (Callable, "a function"),
     "None": (NoneType, "None"),
 }
 """The types of arguments, by their names in annotations, and what they are called."""
 
 
-def _kinds(annotation: Any, public: Any) -> dict[str, tuple[type, str]]:
+def _kinds(annotation: Any, scope: Mapping[str, Any], public: Any) -> dict[str, tuple[Any, str]]:
     """Return the types of an argument by their names; none if one of them is not known."""
     text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
     while text != (text := re.sub(r"\[[^][]*\]|['\"]", "", text)):
         pass
-    names = [each.strip().rpartition(".")[2] for each in text.split("|")]
-    ours = {each: (getattr(public, each), f"a {each}") for each in {*names} & {*public.__all__}}
-    known = {**_TYPES, **ours}
-    if not {*names} <= {*known}:
-        return {}
-    return {each: known[each] for each in names}
+    kinds: dict[str, tuple[Any, str]] = {}
+    for each in (name.strip().rpartition(".")[2] for name in text.split("|")):
+        ours = getattr(public, each) if each in public.__all__ else scope.get(each)
+        if each in _TYPES:
+            more = {each: _TYPES[each]}
+        elif isinstance(ours, UnionType):
+            more = _kinds(ours, scope, public)
+        elif isinstance(ours, type):
+            shown = each.replace("GridWorld", "Level")
+            more = {each: (ours, f"a{'n' * (shown[0] in 'AEIO')} {shown}")}
+        else:
+            return {}
+        kinds |= more
+    return kinds
 
 
 BEST, RANDOM = "best", "random"
@@ -483,6 +512,14 @@ def no_format(name: str, known: Iterable[str]) -> str:
     if not name:
         return f"the name of the file has no suffix that tells the format: {', '.join(known)}"
     return f"there is no format {name!r}, but {', '.join(known)}{did_you_mean(name, known)}"
+
+
+def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
+    """Raise a ValueError if an argument is not one of its choices."""
+    if not isinstance(value, str) or value not in choices:
+        known = ", ".join(map(repr, choices))
+        guess = did_you_mean(value, choices) if isinstance(value, str) else ""
+        raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -50,7 +50,7 @@ IN_PYTHON = (
     ("level.shape", "`size`"),
     ("level.goal", "`exit`"),
     ('level.save("saved.yaml")', WORKS),
-    ('brl.save(level, "saved.yaml")', "`Level.save(path)`"),
+    ('brl.save(level, "saved.yaml")', "`level.save`"),
     ("level.to_json()", "`to_dict()`"),
     ("level.to_text()", "`draw()`"),
     ("level.reset()", "`make()`"),

@@ -192,7 +192,7 @@ def test_the_picture_is_saved_as_it_stands(mode: str | None, tmp_path: Path) -> 
 
 @pytest.mark.parametrize(
     ("name", "told"),
-    [("a.jpg", r"\.svg, \.png, \.txt"), ("a", r", not ''"), ("a.pgn", "did you mean `.png`")],
+    [("a.jpg", r"'\.svg', '\.png', '\.txt'"), ("a", r", not ''"), ("a.pgn", "did you mean `.png`")],
 )
 def test_other_files_are_refused(name: str, told: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=told):

@@ -369,7 +369,7 @@ def test_in_a_line() -> None:
 
 
 def test_a_text_is_a_text() -> None:
-    with pytest.raises(TypeError, match="the text of a level is a str, not bytes"):
+    with pytest.raises(TypeError, match="text must be a text, not b'version: 1'"):
         brl.loads(b"version: 1")  # type: ignore[arg-type]
 
 

@@ -453,5 +453,3 @@ def test_what_is_not_there_is_told() -> None:
     Path("empty").mkdir()
     with pytest.raises(ValueError, match=r"no level files \(\.yaml\) in empty"):
         named_levels("empty")
-    with pytest.raises(TypeError, match=r"levels are a name, a path, .* not int"):
-        named_levels(3)  # type: ignore[arg-type]

@@ -17,6 +17,7 @@ from babyrobot_levels.analysis.solver.policies import Policy, StateSpace, read_p
 from babyrobot_levels.analysis.solver.results import ACTION_SETS, EpisodeTooLongError, Result
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Flags, Floats, Ints
+from babyrobot_levels.text.words import check_choice
 
 CRITERIA = ("return", "average")
 """What can be optimal: the expected return, or the average reward of a step in the long run."""
@@ -106,8 +107,7 @@ def is_average(criterion: str, **others: object) -> bool:
     Raises:
         ValueError: there is no such criterion; or it has no use for one of the others.
     """
-    if criterion not in CRITERIA:
-        raise ValueError(f"criterion must be one of {', '.join(CRITERIA)}, not {criterion!r}")
+    check_choice("criterion", criterion, CRITERIA)
     given = [name for name, value in others.items() if value is not None]
     if criterion == "average" and given:
         raise ValueError(f"`{given[0]}` is for returns, not for the average reward; leave it out")

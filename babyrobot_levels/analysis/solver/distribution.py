@@ -106,7 +106,13 @@ class ReturnDistribution(Result, public=True):
         return float(self.values @ weights / weights.sum())
 
     def quantiles(self, shares: Floats) -> Floats:
-        """Return the smallest return that at least such a share of episodes does not exceed."""
+        """Return the smallest return that at least such a share of episodes does not exceed.
+
+        Raises:
+            ValueError: a share is not from 0 to 1.
+        """
+        if not np.all((np.asarray(shares) >= 0) & (np.asarray(shares) <= 1)):
+            raise ValueError(f"the shares of episodes must be from 0 to 1, not {shares}")
         reached = np.searchsorted(np.cumsum(self.probabilities), np.asarray(shares) - _REST)
         return np.asarray(self.values[np.minimum(reached, self.values.size - 1)])
 

@@ -14,13 +14,13 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.arguments import check_choice, whole_number
+from babyrobot_levels.envs.arguments import whole_number
 from babyrobot_levels.envs.engine.draws import Draws, OwnDraws, SharedDraws
 from babyrobot_levels.envs.engine.tables import Ints, Tables
 from babyrobot_levels.envs.observations.base import Extent, LevelCache
 from babyrobot_levels.envs.specs import LevelSpec, as_spec
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.words import Telling
+from babyrobot_levels.text.words import Telling, check_choice
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.state import EnvStates

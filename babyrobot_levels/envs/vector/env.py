@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
-    check_choice,
     check_names,
     checked_actions,
     checked_autoreset_mode,
@@ -36,6 +35,7 @@ from babyrobot_levels.envs.single import LevelLike
 from babyrobot_levels.envs.spaces import ACTION_SETS, ActionSet, BatchActions, make_action_space
 from babyrobot_levels.envs.suite import SuiteLike, make_suite_serializable, suite_and_split
 from babyrobot_levels.envs.vector.levels import ChangingVectorEnv, checked_levels, checked_numbers
+from babyrobot_levels.text.words import check_choice
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 

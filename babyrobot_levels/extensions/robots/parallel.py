@@ -10,7 +10,6 @@ from pettingzoo import ParallelEnv
 from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.arguments import (
     ObservationOptions,
-    check_choice,
     checked_observation,
     takes_observation,
 )
@@ -22,7 +21,7 @@ from babyrobot_levels.extensions.robots.seeing import Sights
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
-from babyrobot_levels.text.words import listed
+from babyrobot_levels.text.words import check_choice, listed
 
 REWARDS = ("own", "team")
 """What the reward of an agent is: what its robot gets, or the sum of what all get."""

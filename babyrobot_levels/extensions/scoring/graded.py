@@ -13,7 +13,6 @@ from babyrobot_levels.agents.plays import Play, play_of
 from babyrobot_levels.analysis.solver.by_step import ValuesByStep
 from babyrobot_levels.analysis.solver.policies import space_of
 from babyrobot_levels.analysis.solver.results import check_seed, check_within
-from babyrobot_levels.envs.arguments import check_choice
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.text import narrator_of
 from babyrobot_levels.language.play import PlayError
@@ -21,7 +20,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import has_succeeded
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.render.sights import PICTURE, SIGHTS, Narrator, check_sight
-from babyrobot_levels.text.words import Telling
+from babyrobot_levels.text.words import Telling, check_choice
 
 REWARDS = ("world", "advantage", "success")
 

@@ -27,7 +27,7 @@ from babyrobot_levels.language.plain_data import json_mapping
 from babyrobot_levels.library.catalogue import folder_named, load
 from babyrobot_levels.suites.suite import Levels, named_levels
 from babyrobot_levels.text import budget
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import check_choice
 
 
 class Grades(Table[Grade], public=True):
@@ -207,9 +207,7 @@ def grade(
         ValueError: there is no such rule or function, two levels are the same, a limit is not above
             0, or there is nothing to grade.
     """
-    if points not in RULES:
-        guess = did_you_mean(points, RULES)
-        raise ValueError(f"points must be one of {', '.join(RULES)}, not {points!r}{guess}")
+    check_choice("points", points, RULES)
     limits = Limits(seconds, memory)
     course = _course(level)
     wanted = None if level is None else _wanted(level, course)

@@ -6,13 +6,12 @@ import numpy as np
 
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.solver.results import check_count
-from babyrobot_levels.envs.arguments import check_choice
 from babyrobot_levels.language.metric_names import METRICS, NEEDS, PATHS, SHAPE
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.suites.suite import Levels, named_levels
-from babyrobot_levels.text.words import Telling
+from babyrobot_levels.text.words import Telling, check_choice
 
 
 class NoveltyArchive(Telling, public=True):

@@ -18,7 +18,7 @@ from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
 from babyrobot_levels.analysis.solver.results import check_count, check_discount, check_within
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
-from babyrobot_levels.envs.arguments import check_choice, checked_observation
+from babyrobot_levels.envs.arguments import checked_observation
 from babyrobot_levels.envs.observations import make_observer
 from babyrobot_levels.envs.observations.base import Extent, Observation
 from babyrobot_levels.envs.remembering import Player
@@ -36,6 +36,7 @@ from babyrobot_levels.mdp.tables import Floats
 from babyrobot_levels.render.sights import PICTURE, SIGHTS
 from babyrobot_levels.suites.suite import Suite, named_levels
 from babyrobot_levels.text.errors import warn
+from babyrobot_levels.text.words import check_choice
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.policies import StateSpace
-from babyrobot_levels.envs.arguments import check_choice, checked_observation
+from babyrobot_levels.envs.arguments import checked_observation
 from babyrobot_levels.envs.observations import OBSERVATIONS, make_observer
 from babyrobot_levels.envs.observations.base import Extent, Observation, Observer
 from babyrobot_levels.envs.text import narrator_of
@@ -23,6 +23,7 @@ from babyrobot_levels.mdp.tables import Event, Ints, events_of, hits_of
 from babyrobot_levels.render.sights import SIGHTS
 from babyrobot_levels.render.words.happenings import happenings
 from babyrobot_levels.text import budget
+from babyrobot_levels.text.words import check_choice
 
 TEXTS = {f"text-{sight}": sight for sight in SIGHTS}
 """The sights of worlds of text by their names here: `view` is an observation as well."""

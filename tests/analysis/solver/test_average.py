@@ -128,7 +128,7 @@ def test_what_is_for_returns_is_refused() -> None:
         brl.solve("gridworld-3-5", 0.9, criterion="average")  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="`within` is for returns"):
         brl.evaluate("gridworld-3-5", "random", within=3, criterion="average")  # type: ignore[call-overload]
-    with pytest.raises(ValueError, match="criterion must be one of return, average"):
+    with pytest.raises(ValueError, match="criterion must be one of 'return', 'average'"):
         brl.solve("gridworld-3-5", criterion="mean")  # type: ignore[call-overload]
 
 

@@ -141,7 +141,7 @@ def test_the_spec_as_json_makes_the_same_game() -> None:
         ({"level": "maze", "engine": "numbas"}, "engine must be"),
         ({"level": "maze", "grayscale": True}, "observation='image'"),
         ({"level": "maze", "max_episode_steps": 0}, "at least 1, or -1"),
-        ({"level": "maze", "autoreset_mode": "Never"}, "AutoresetMode.NEXT_STEP.*not 'Never'"),
+        ({"level": "maze", "autoreset_mode": "Never"}, "'NextStep'.*not 'Never'"),
     ],
 )
 def test_what_cannot_be_made(arguments: dict[str, Any], message: str) -> None:
