@@ -10,6 +10,7 @@ from typing import Any
 
 import babyrobot_levels as brl
 from babyrobot_levels.cli.console import fail
+from babyrobot_levels.cli.inputs import names_levels
 from babyrobot_levels.text.words import NAMED
 
 PLAYS = ".brlplay"
@@ -60,7 +61,10 @@ def named_agent(word: str, *, trust: bool, plays: bool = False) -> Any:
         return load_agent(word, trust=trust)
     except AgentError as error:
         is_model = Path(word).is_file() and Path(word).suffix.lower() == ".zip" and not trust
-        fail(error.message, "if you trust its author, add --trust" if is_model else error.help)
+        levels = [each for each in word.split(",") if names_levels(each)]
+        is_level = f"before the level stands an agent: `babyrobot score random {' '.join(levels)}`"
+        told = "if you trust its author, add --trust" if is_model else error.help
+        fail(error.message, is_level if levels else told)
     except brl.PlayError as error:
         fail(str(error))
     except OSError as error:

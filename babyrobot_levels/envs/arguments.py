@@ -14,6 +14,7 @@ from numpy import ndarray
 from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.picture_options import takes
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.envs.engine.tables import NO_LIMIT
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.observations.base import DEFAULT_RADIUS, Observation
@@ -168,12 +169,7 @@ def checked_view_radius(radius: Any) -> int:
     """
     if radius is None:
         return DEFAULT_RADIUS
-    number = None if isinstance(radius, bool) else whole_number(radius)
-    if number is None or not 1 <= number <= MAX_RADIUS:
-        raise ValueError(
-            f"view_radius must be a whole number of cells, 1 to {MAX_RADIUS}, not {radius!r}"
-        )
-    return number
+    return check_count("view_radius", radius, 1, MAX_RADIUS)
 
 
 def checked_image_size(image_size: Any) -> tuple[int, int] | None:
@@ -263,7 +259,7 @@ def checked_options(options: Any, *known: str) -> dict[str, Any]:
         raise ValueError(f"options must be a dict, not {options!r}")
     for name, value in options.items():
         if name not in _OPTIONS:
-            guess = did_you_mean(name, known) if isinstance(name, str) else ""
+            guess = did_you_mean(str(name), known)
             names = ", ".join(f"`{each}`" for each in known) or "none"
             stop = "" if guess.endswith("?") else ";"
             raise ValueError(f"`reset` has no option {name!r}{guess}{stop} known options: {names}")
@@ -359,12 +355,7 @@ def checked_index(index: Any, count: int) -> int | None:
     Raises:
         ValueError: there is no such level.
     """
-    if index is None:
-        return None
-    number = whole_number(index)
-    if number is None or not 0 <= number < count:
-        raise ValueError(f"options['index'] must be a whole number below {count:,}, not {index!r}")
-    return number
+    return None if index is None else check_count("options['index']", index, 0, count - 1)
 
 
 def checked_reset_mask(mask: Any, num_envs: int) -> NDArray[np.intp]:

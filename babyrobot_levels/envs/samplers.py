@@ -9,7 +9,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from babyrobot_levels.analysis.solver.results import check_count
+from babyrobot_levels.analysis.solver.results import check_count, check_share
 from babyrobot_levels.envs.engine import draws as engine_draws
 from babyrobot_levels.envs.engine.tables import Ints
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
@@ -140,8 +140,8 @@ class PrioritizedSampler(Telling, public=True):
         if not temperature > 0:
             raise ValueError(f"temperature must be above 0, not {temperature}")
         for name, share in (("staleness", staleness), ("unseen", unseen)):
-            if share is not None and not 0 <= share <= 1:
-                raise ValueError(f"{name} must be from 0 to 1, not {share}")
+            if share is not None:
+                check_share(name, share)
         self.scores = np.full(count, np.nan)
         self._by, self._temperature = by, temperature
         self._staleness, self._unseen = staleness, unseen

@@ -6,6 +6,7 @@ from typing import Literal
 
 from babyrobot_levels.parallel.executor import Executor, Failure, Item, Result, outcome_of
 from babyrobot_levels.text.budget import limited
+from babyrobot_levels.text.words import check_choice
 
 ExecutorName = Literal["processes", "ray"]
 
@@ -53,5 +54,5 @@ def executor_for(
 
         return OnRay(cpus=jobs)
     if isinstance(executor, str):
-        raise ValueError(f"there is no executor {executor!r}; use 'processes' or 'ray'")
+        check_choice("executor", executor, ("processes", "ray"))
     return executor

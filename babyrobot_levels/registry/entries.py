@@ -138,6 +138,8 @@ def _check(extension: Any) -> None:
     if not isinstance(extension, Extension):
         raise TypeError(f"the entry point is no Extension, but of type {type(extension).__name__}")
     for kind in KINDS:
+        if not isinstance(getattr(extension, kind), Mapping):
+            raise TypeError(f"{kind} must be a mapping of names, not {getattr(extension, kind)!r}")
         wanted = Command if kind == "commands" else str
         for name, value in getattr(extension, kind).items():
             if not isinstance(name, str) or not isinstance(value, wanted):

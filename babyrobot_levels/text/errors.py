@@ -10,7 +10,7 @@ from pathlib import Path
 from types import FrameType
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
-from babyrobot_levels.text.words import Public
+from babyrobot_levels.text.words import Public, no_file
 
 
 class BabyRobotError(Public, Exception, public=True):
@@ -112,8 +112,7 @@ class LevelNotFoundError(BabyRobotError, LookupError, public=True):
         text = f"there is no {what} {name!r}"
         if self.help_text:
             return f"{text}; {self.help_text}"
-        if self.nearest:
-            text += f"; did you mean {' or '.join(map(repr, self.nearest))}?"
+        text += no_file(name, [*map(repr, self.nearest)])
         return text if self.is_file else text + f" (`{self.listing}` shows all {self.what}s)"
 
 

@@ -18,7 +18,7 @@ from typing import IO, TYPE_CHECKING, BinaryIO
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import MAX_BYTES, START, Position, SourceFile, other_form
-from babyrobot_levels.text.words import nearest
+from babyrobot_levels.text.words import nearest, no_file
 
 if TYPE_CHECKING:
     from zipfile import ZipFile
@@ -77,7 +77,7 @@ def read_data(path: Path, shown: str, limit: int = MAX_BYTES) -> bytes:
     except NotRegularError:
         raise unreadable("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
-        told = "".join(f"; did you mean `{each}`?" for each in nearest_files(path)[:1])
+        told = no_file(str(path), [f"`{each}`" for each in nearest_files(path)[:1]])
         raise unreadable("BR101", shown, f"no such file{told}") from None
     except PermissionError:
         raise unreadable("BR101", shown, "permission denied") from None

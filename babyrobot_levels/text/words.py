@@ -379,6 +379,15 @@ def check_call(
     check_places(function, args, known)
 
 
+def no_file(path: str, near: Sequence[str] = ()) -> str:
+    """Return `; …` with what is meant by a path at which nothing is, or an empty text."""
+    if re.match("https?:/", path):
+        return "; this is an address of the web: download what is there, and give its file"
+    if "," in path:
+        return "; give each of several by itself"
+    return f"; did you mean {listed(near, 'or')}?" if near else ""
+
+
 class MissingFileError(FileNotFoundError):
     """There is no file or folder at a path."""
 
@@ -386,8 +395,7 @@ class MissingFileError(FileNotFoundError):
         path, near = Path(self.filename), list[str]()
         with suppress(OSError):
             near = nearest(str(path), map(str, path.parent.iterdir()))
-        guess = f"; did you mean {listed(near, 'or')}?" if near else ""
-        return f"there is no file or folder {path}{guess}"
+        return f"there is no file or folder {path}{no_file(str(path), near)}"
 
 
 def explained(
@@ -518,7 +526,7 @@ def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
     """Raise a ValueError if an argument is not one of its choices."""
     if not isinstance(value, str) or value not in choices:
         known = ", ".join(map(repr, choices))
-        guess = did_you_mean(value, choices) if isinstance(value, str) else ""
+        guess = did_you_mean(str(value), choices)
         raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
 
 

@@ -333,7 +333,7 @@ def test_the_radius_is_the_number_of_cells_in_each_direction(radius: int) -> Non
 
 @pytest.mark.parametrize("radius", [0, 16, 2.5, "3", True, -1])
 def test_other_radii_are_refused(radius: Any) -> None:
-    with pytest.raises(ValueError, match="view_radius must be a whole number of cells, 1 to 15"):
+    with pytest.raises(ValueError, match="view_radius must be a whole number from 1 to 15"):
         brl.LevelEnv("maze", observation="view", view_radius=radius)
 
 

@@ -97,7 +97,7 @@ MISTAKES = (
     ),
     (
         "gymnasium.make_vec('babyrobot/Level-v0', num_envs=3, level='maze', engine='jax')",
-        "engine must be 'numpy', 'compiled' or None, not 'jax'",
+        "engine must be one of 'numpy', 'compiled', not 'jax'",
     ),
     ("brl.solve('maze', discount=2)", "discount must be above 0 and at most 1, not 2"),
     ("brl.solve('maze', within=-1)", "a number of steps from 1 on, or 'max_steps', not -1"),
@@ -176,7 +176,7 @@ MISTAKES = (
     ("brl.load('maze').to_svg(values='optimal')", "must be an array of the shape (5, 8)"),
     ("brl.Action.FORWARD", "there are STAY, NORTH, EAST, SOUTH, WEST, NORTH_EAST,"),
     ("brl.diff('maze', 'default', limit='all')", "limit must be a whole number or None, not"),
-    ("brl.grade('.', 'maze', points='marks')", "must be one of 'regret', 'share', 'success', 'tries'"),
+    ("brl.grade('.', 'maze', points='marks')", "one of 'regret', 'share', 'success', 'tries'"),
     ("brl.TextEnv('maze')", "did you mean `TextWorld`?"),
     ("brl.Suite.split('a', 'b')", "split() is called on a Suite, not on 'a'"),
     ("brl.load_suite('small-mazes').split('a', 'b')", "split() takes only `name`"),
@@ -196,7 +196,7 @@ MISTAKES = (
     ("brl.schema('levl')", "did you mean `level`?"),
     (
         "brl.return_distribution('maze', 'best').quantiles(2)",
-        "the shares of episodes must be from 0 to 1, not 2",
+        "each share must be from 0 to 1, not 2",
     ),
     ("brl.new_level('x', puddles=-1)", "puddles must be a whole number, at least 0, not -1"),
     ("brl.share('maze', 'ftp://x.org')", "expected an address of the web, such as https://"),

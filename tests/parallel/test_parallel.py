@@ -131,7 +131,7 @@ def test_executors_are_chosen_by_name(call: Callable[[], Executor], kind: type) 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ({"executor": "threads"}, "no executor 'threads'; use 'processes' or 'ray'"),
+        ({"executor": "threads"}, "one of 'processes', 'ray', not 'threads'"),
         ({"jobs": 0}, "jobs must be at least 1, not 0"),
     ],
 )

@@ -20,6 +20,7 @@ from babyrobot_levels.registry.manifest import Command, Extension
 
 WRONG = {"formats": {}}
 UNTYPED = Extension(summary="", rules={"XX101": 3})
+LISTED = Extension(summary="", formats=["dungeon"])
 TAKEN = Extension(
     summary="Takes what is taken.",
     commands={"play": Command("Create", "nowhere:play", "Play."),
@@ -78,6 +79,7 @@ missing = nowhere:EXTENSION
 exits = broken_things:LEAVES
 wrong = broken_things:WRONG
 untyped = broken_things:UNTYPED
+listed = broken_things:LISTED
 taken = broken_things:TAKEN
 own = broken_things:OWN
 """
@@ -129,6 +131,8 @@ def test_lists_say_what_there_is_from_where_and_what_cannot_be_used(site: Path) 
     assert "command dig; format dungeon; rule DU101; method rock" in listed
     assert told.splitlines() == [
         "extension exits (things 1.0): SystemExit: 3",
+        "extension listed (things 1.0): TypeError: formats must be a mapping of names, "
+        "not ['dungeon']",
         "extension missing (things 1.0): ModuleNotFoundError: No module named 'nowhere'",
         "extension own (things 1.0): ValueError: rules has BR503: the package itself has BR…",
         "extension taken (things 1.0): play, one of its commands, is taken",

@@ -16,7 +16,7 @@ from babyrobot_levels.analysis.solver.evaluation import (
     simulated_episodes,
 )
 from babyrobot_levels.analysis.solver.policies import Policy, StateSpace, space_of
-from babyrobot_levels.analysis.solver.results import Result, check_discount
+from babyrobot_levels.analysis.solver.results import Result, check_discount, check_share
 from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.mdp.gridworld import world_of
 from babyrobot_levels.mdp.tables import Floats
@@ -100,8 +100,7 @@ class ReturnDistribution(Result, public=True):
         Raises:
             ValueError: it is not in this range.
         """
-        if not 0 < share <= 1:
-            raise ValueError(f"the share of episodes must be above 0 and at most 1, not {share}")
+        check_share("share", share, is_above_0=True)
         weights = np.diff(np.minimum(np.cumsum(self.probabilities), share), prepend=0.0)
         return float(self.values @ weights / weights.sum())
 
@@ -111,8 +110,8 @@ class ReturnDistribution(Result, public=True):
         Raises:
             ValueError: a share is not from 0 to 1.
         """
-        if not np.all((np.asarray(shares) >= 0) & (np.asarray(shares) <= 1)):
-            raise ValueError(f"the shares of episodes must be from 0 to 1, not {shares}")
+        for share in np.ravel(shares).tolist():
+            check_share("each share", share)
         reached = np.searchsorted(np.cumsum(self.probabilities), np.asarray(shares) - _REST)
         return np.asarray(self.values[np.minimum(reached, self.values.size - 1)])
 

@@ -502,11 +502,21 @@ def check_discount(discount: float | None, default: float) -> float:
     """
     if discount is None:
         return float(default)
+    return check_share("discount", discount, is_above_0=True)
+
+
+def check_share(name: str, value: Any, *, is_above_0: bool = False) -> float:
+    """Return an argument that is a share.
+
+    Raises:
+        ValueError: it is not from 0 to 1, or not above 0 where it has to be.
+    """
     # Numbers of all kinds can be compared, other values raise TypeError.
     with suppress(TypeError):
-        if 0 < discount <= 1:
-            return float(discount)
-    raise ValueError(f"discount must be above 0 and at most 1, not {discount!r}")
+        if 0 <= value <= 1 and not (is_above_0 and value == 0):
+            return float(value)
+    allowed = "above 0 and at most 1" if is_above_0 else "from 0 to 1"
+    raise ValueError(f"{name} must be {allowed}, not {value!r}")
 
 
 def check_within(within: int | str | None, max_steps: int | None) -> int | None:
@@ -531,16 +541,18 @@ def check_within(within: int | str | None, max_steps: int | None) -> int | None:
     raise ValueError(f"within must be a number of steps from 1 on, or 'max_steps', not {within!r}")
 
 
-def check_count(name: str, value: Any, least: int = 1) -> int:
+def check_count(name: str, value: Any, least: int = 1, most: int | None = None) -> int:
     """Return an argument that is a number of things.
 
     Raises:
-        ValueError: it is not a whole number, or below the least.
+        ValueError: it is not a whole number, below the least or above the most.
     """
     with suppress(TypeError):
-        if (number := operator.index(value)) >= least:
+        number = operator.index(value)
+        if not isinstance(value, bool) and least <= number <= (number if most is None else most):
             return number
-    raise ValueError(f"{name} must be a whole number, at least {least}, not {value!r}")
+    allowed = f", at least {least}" if most is None else f" from {least} to {most:,}"
+    raise ValueError(f"{name} must be a whole number{allowed}, not {value!r}")
 
 
 def check_seed(seed: int | None) -> int | None:
@@ -549,9 +561,4 @@ def check_seed(seed: int | None) -> int | None:
     Raises:
         ValueError: it is no whole number from 0 on.
     """
-    if seed is None:
-        return None
-    with suppress(TypeError):
-        if operator.index(seed) >= 0:
-            return operator.index(seed)
-    raise ValueError(f"seed must be a whole number from 0 on, not {seed!r}")
+    return None if seed is None else check_count("seed", seed, 0)

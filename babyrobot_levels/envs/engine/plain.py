@@ -21,7 +21,7 @@ from babyrobot_levels.envs.engine.tables import (
 )
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.text.errors import how_to_install
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import check_choice
 
 _UNSIGNED = np.dtype(np.uintp)
 _NOBODY = np.empty(0, np.intp)
@@ -208,10 +208,8 @@ def make_engine(
         ValueError: there is no such engine.
         ImportError: an engine is required whose library is missing or cannot be used.
     """
-    if name not in (None, *ENGINES):
-        known = ", ".join(map(repr, ENGINES))
-        guess = did_you_mean(name, ENGINES) if isinstance(name, str) else ""
-        raise ValueError(f"engine must be {known} or None, not {name!r}{guess}")
+    if name is not None:
+        check_choice("engine", name, ENGINES)
     if name != "numpy":
         try:
             from babyrobot_levels.envs.engine.compiled import CompiledEngine

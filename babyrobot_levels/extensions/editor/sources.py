@@ -21,7 +21,7 @@ from babyrobot_levels.render.page import link_fragment
 from babyrobot_levels.render.page_format import TooLargeError
 from babyrobot_levels.text.budget import OverBudgetError
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
-from babyrobot_levels.text.files import read_source
+from babyrobot_levels.text.files import SUFFIXES, read_source, unreadable
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile, with_schema
 
@@ -66,6 +66,8 @@ def session_of(level: str | os.PathLike[str] | Level | None) -> Session:
 
 
 def _session_of_file(path: Path) -> Session:
+    if path.suffix not in (*SUFFIXES, ".json"):
+        raise unreadable("BR101", str(path), "no level file; give one that ends in .yaml")
     file = EditedFile(path)
     return Session(file.text or EMPTY, file=file)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from babyrobot_levels.analysis.solver.results import check_count
 from babyrobot_levels.generation.candidates import Candidate, Maker
 from babyrobot_levels.generation.edits import (
     EDITABLE,
@@ -30,7 +31,7 @@ from babyrobot_levels.mdp.drawn import inner_walls, wall_entries
 from babyrobot_levels.mdp.grid import placement_issues
 from babyrobot_levels.mdp.mazes.lattice import below
 from babyrobot_levels.text import budget
-from babyrobot_levels.text.words import did_you_mean, listed
+from babyrobot_levels.text.words import check_choice, listed
 
 MOST_DRAWN = 1_000
 """So many edits are drawn for one, of which most may not be valid."""
@@ -130,9 +131,8 @@ def _conditions(seed: int, expect: Mapping[str, Any] | None) -> SuiteFields:
         ValueError: the seed is no whole number from 0 on.
         LevelError: `expect` is not valid.
     """
-    if isinstance(seed, bool) or not hasattr(seed, "__index__") or not 0 <= seed <= 2**53:
-        raise ValueError(f"seed must be a whole number from 0 to 2**53, not {seed!r}")
-    given = {"version": 1, "kind": "suite", "count": 1, "seed": int(seed)}
+    number = check_count("seed", seed, 0, 2**53)
+    given = {"version": 1, "kind": "suite", "count": 1, "seed": number}
     # With a guard, all metrics may be expected.
     return grown_from_mapping({**given, "guards": 1, "expect": dict(expect or {})})
 
@@ -226,9 +226,7 @@ class Mutants(Descendants):
     ) -> None:
         kinds = [kinds] if isinstance(kinds, str) else kinds
         for kind in kinds:
-            if kind not in EDITABLE:
-                known = f"expected some of {listed(EDITABLE, 'and')}, not {kind!r}"
-                raise ValueError(f"kinds: {known}{did_you_mean(kind, EDITABLE)}")
+            check_choice("kinds", kind, EDITABLE)
         if not kinds:
             raise ValueError("kinds must name at least one kind to edit")
         least, most = bounds(edits)

@@ -11,7 +11,6 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterator
 from functools import partial
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from babyrobot_levels.analysis.solver.evaluation import action_values, chain_val
 from babyrobot_levels.analysis.solver.model import Model, attractor, surely_ending
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy
-from babyrobot_levels.analysis.solver.results import check_count, check_seed
+from babyrobot_levels.analysis.solver.results import check_count, check_seed, check_share
 from babyrobot_levels.extensions.learning.results import (
     Learning,
     Problem,
@@ -402,10 +401,6 @@ def _trials(
     return Learning(Trials, trials())
 
 
-def _is_share(value: Any) -> bool:
-    return isinstance(value, Real) and bool(0 <= float(value) <= 1)
-
-
 class _Agent:
     """Acts in a level's environment and learns action values, `[states, actions]`.
 
@@ -415,11 +410,8 @@ class _Agent:
     def __init__(
         self, problem: Problem, step_size: float, epsilon: float, seed: int, initial: float
     ):
-        if not _is_share(step_size) or step_size == 0:
-            raise ValueError(f"step_size must be above 0 and at most 1, not {step_size!r}")
-        if not _is_share(epsilon):
-            raise ValueError(f"epsilon must be from 0 to 1, not {epsilon!r}")
-        self.problem, self._step_size, self._epsilon = problem, step_size, epsilon
+        self.problem, self._epsilon = problem, check_share("epsilon", epsilon)
+        self._step_size = check_share("step_size", step_size, is_above_0=True)
         space = problem.space
         if not math.isfinite(initial):
             raise ValueError(f"initial must be a finite number, not {initial!r}")

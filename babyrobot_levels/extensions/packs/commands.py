@@ -28,6 +28,7 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.extensions.packs import build as packing
 from babyrobot_levels.extensions.packs import store
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.words import no_file
 
 if TYPE_CHECKING:
     from babyrobot_levels.extensions.packs.archive import Archive
@@ -207,7 +208,7 @@ def install(
     except FileNotFoundError as error:
         if error.filename != str(file):
             raise
-        fail(f"no such file: {file}", "give the path of a .brlpack file")
+        fail(f"no such file: {file}{no_file(str(file))}", "give the path of a .brlpack file")
     except OSError as error:
         where = f": {error.filename}" if error.filename else ""
         fail(f"{file} was not installed: {error.strerror or error}{where}")

@@ -15,7 +15,7 @@ from babyrobot_levels.analysis.endings import ending_of
 from babyrobot_levels.analysis.guides import best_average
 from babyrobot_levels.analysis.pictures import dressed, still
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
+from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError, check_count
 from babyrobot_levels.extensions.learning.algorithms import value_iteration
 from babyrobot_levels.extensions.publish.sheet_pages import INK, Entry, PageStyle, pages_of
 from babyrobot_levels.library.catalogue import load
@@ -41,6 +41,7 @@ from babyrobot_levels.render.words.rules import rules_of
 from babyrobot_levels.suites.suite import Levels, named_levels
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import write_bytes
+from babyrobot_levels.text.words import check_choice
 
 TITLE = "Exercise sheet"
 
@@ -114,12 +115,12 @@ def sheet(
         ValueError: there are no levels, or more than 500; one has more than 10,000 cells; or
             another argument has an invalid value.
     """
-    if paper not in PAPERS:
-        raise ValueError(f"paper must be {' or '.join(map(repr, PAPERS))}, not {paper!r}")
+    check_choice("paper", paper, PAPERS)
     size = PAPERS[paper][::-1] if landscape else PAPERS[paper]
-    _check("per_page", per_page, 1, MAX_PER_PAGE)
-    _check("grids", grids, 0, MAX_GRIDS)
-    _check("lines", lines, 0, MAX_LINES)
+    if per_page is not None:
+        check_count("per_page", per_page, 1, MAX_PER_PAGE)
+    check_count("grids", grids, 0, MAX_GRIDS)
+    check_count("lines", lines, 0, MAX_LINES)
     found = list(islice(named_levels(levels), MAX_LEVELS + 1))
     if not found:
         raise ValueError("a sheet needs at least one level")
@@ -218,16 +219,9 @@ class Sheet(ShownInNotebook, public=True):
             ValueError: it has another suffix.
         """
         kind = Path(path).suffix.lower().removeprefix(".")
-        if kind not in KINDS:
-            raise ValueError(f"a sheet is saved as one of {', '.join(KINDS)}, not {kind!r}")
+        check_choice("the suffix", kind, KINDS)
         for file, made in self.files(path, kind).items():
             write_bytes(file, made())
-
-
-def _check(name: str, given: Any, least: int, most: int) -> None:
-    if given is None or (type(given) is int and least <= given <= most):
-        return
-    raise ValueError(f"{name} must be a whole number from {least} to {most}, not {given!r}")
 
 
 # -- what is shown of a level ----------------------------------------------------------------------

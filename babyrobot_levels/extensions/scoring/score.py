@@ -16,7 +16,12 @@ from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.horizon import Worth, best_returns_within, worth_within
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import StateSpace, space_of
-from babyrobot_levels.analysis.solver.results import check_count, check_discount, check_within
+from babyrobot_levels.analysis.solver.results import (
+    check_count,
+    check_discount,
+    check_share,
+    check_within,
+)
 from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.arguments import checked_observation
 from babyrobot_levels.envs.observations import make_observer
@@ -172,8 +177,8 @@ def score(
         sight is not None or isinstance(taken, Player)
     ):
         raise ValueError("positive_advantage and cvar are for agents without memory: tables")
-    if cvar is not None and not 0 < cvar <= 1:
-        raise ValueError(f"cvar must be above 0 and at most 1, not {cvar!r}")
+    if cvar is not None:
+        check_share("cvar", cvar, is_above_0=True)
     if knowable not in (False, True, "suite"):
         raise ValueError(f"knowable must be True, False or 'suite', not {knowable!r}")
     if knowable and sight == PICTURE:

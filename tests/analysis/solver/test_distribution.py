@@ -146,5 +146,5 @@ def test_the_cvar_is_the_largest_value_of_its_dual(share: float) -> None:
 def test_a_share_of_episodes_is_more_than_none() -> None:
     found = brl.return_distribution("four-corners", "random", 5)
     for share in (0.0, 1.5, float("nan")):
-        with pytest.raises(ValueError, match=r"^the share of episodes must be above 0"):
+        with pytest.raises(ValueError, match=r"^share must be above 0"):
             found.cvar(share)

@@ -62,7 +62,7 @@ def test_episodes_are_cut_at_the_limit() -> None:
     assert simulate(level, east).max_steps == 10_000
     assert math.isnan(simulate(level, east, 1).standard_error)
     assert "truncated=10" in repr(runs)
-    with pytest.raises(ValueError, match="seed must be a whole number from 0 on"):
+    with pytest.raises(ValueError, match="seed must be a whole number, at least 0"):
         simulate(level, east, seed="a")  # type: ignore[arg-type]
     for wrong in ({"episodes": 0}, {"within": 0}):
         with pytest.raises(ValueError, match=r"at least 1|from 1 on"):

@@ -95,7 +95,7 @@ def test_wrong_calls_are_told_at_once() -> None:
         brl.generate("classics", "out")
     with pytest.raises(ValueError, match="is a part of one"):
         brl.generate(brl.load_suite(SUITE)[:3], "out")
-    with pytest.raises(ValueError, match="no executor 'threads'"):
+    with pytest.raises(ValueError, match="'processes', 'ray', not 'threads'"):
         brl.generate(SUITE, "other", executor="threads")  # type: ignore[arg-type]
 
 

@@ -212,14 +212,11 @@ def test_crossings_have_parts_of_both() -> None:
         ({"edits": "5..1"}, "edits must be from 1 to 1,000, not 5..1"),
         ({"edits": "many"}, "edits must be a whole number or a range such as '1..5', not 'many'"),
         ({"edits": 1.5}, "edits must be a whole number or a range such as '1..5', not 1.5"),
-        (
-            {"kinds": ["walls"]},
-            "kinds: expected some of item, door, switch, box, target, mover, start, ",
-        ),
+        ({"kinds": ["walls"]}, "kinds must be one of 'item', 'door', 'switch', 'box', 'target', "),
         ({"kinds": []}, "kinds must name at least one kind"),
-        ({"kinds": "walls"}, "kinds: expected some of item, door, switch, box, target, "),
-        ({"seed": -1}, "seed must be a whole number from 0 to 2**53, not -1"),
-        ({"seed": "7"}, "seed must be a whole number from 0 to 2**53, not '7'"),
+        ({"kinds": "walls"}, "kinds must be one of 'item', 'door', 'switch', 'box', 'target', "),
+        ({"seed": -1}, "seed must be a whole number from 0 to 9,007,199,254,740,992, not -1"),
+        ({"seed": "7"}, "seed must be a whole number from 0 to 9,007,199,254,740,992, not '7'"),
     ],
 )
 def test_wrong_arguments_are_named(arguments: dict[str, Any], message: str) -> None:

@@ -104,7 +104,7 @@ def test_episodes_without_end_are_cut_off() -> None:
         (lambda: monte_carlo("maze", episodes=0), "episodes"),
         (lambda: monte_carlo("maze", every=0), "every"),
         (lambda: monte_carlo("maze", discount=0), "discount"),
-        (lambda: monte_carlo("maze", seed=-1), "seed must be a whole number from 0 on, not -1"),
+        (lambda: monte_carlo("maze", seed=-1), "seed must be a whole number, at least 0, not -1"),
         (lambda: monte_carlo("maze", "rando"), "random"),
     ],
 )

@@ -407,7 +407,7 @@ def test_titles_are_texts_whatever_they_say(title: str) -> None:
         ([], {}, "a sheet needs at least one level"),
         (["frozen-lake"] * 501, {}, "a sheet has at most 500 levels"),
         ([{"version": 1, "size": [101, 100]}], {}, "10,100 cells; a sheet shows levels of at most"),
-        (["frozen-lake"], {"paper": "a5"}, "paper must be 'a4' or 'letter', not 'a5'"),
+        (["frozen-lake"], {"paper": "a5"}, "paper must be one of 'a4', 'letter', not 'a5'"),
         (["frozen-lake"], {"per_page": 0}, "per_page must be a whole number from 1 to 24, not 0"),
         (["frozen-lake"], {"per_page": 2.0}, "per_page must be a whole number"),
         (["frozen-lake"], {"lines": 25}, "lines must be a whole number from 0 to 24, not 25"),
@@ -426,7 +426,7 @@ def test_other_errors_are_those_of_levels_and_pictures(tmp_path: Path) -> None:
         brl.sheet("random-maze")
     with pytest.raises(brl.LevelError, match="nowhere"):
         brl.sheet("final-maze", theme="nowhere")
-    with pytest.raises(ValueError, match="saved as one of pdf, html, png, not 'docx'"):
+    with pytest.raises(ValueError, match="must be one of 'pdf', 'html', 'png', not 'docx'"):
         brl.sheet("final-maze").save(tmp_path / "sheet.docx")
     assert not [*tmp_path.iterdir()]
 

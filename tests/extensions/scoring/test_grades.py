@@ -222,7 +222,7 @@ def test_points_are_those_of_the_best_play_by_a_rule(
     ]  # fmt: skip
     assert grades.are_valid
     assert grades.totals_to_csv().splitlines()[0] == "player,row,ice,total"
-    with pytest.raises(ValueError, match="tries, not 'regrets'; did you mean"):
+    with pytest.raises(ValueError, match="'tries', not 'regrets'; did you mean"):
         brl.grade([tmp_path], points="regrets")
 
 

@@ -30,7 +30,7 @@ from babyrobot_levels.cli.console import (
     write_json,
     write_table,
 )
-from babyrobot_levels.cli.inputs import SplitOption, levels_named, names_levels
+from babyrobot_levels.cli.inputs import SplitOption, levels_named
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.solve import ActionsOption
 from babyrobot_levels.extensions.scoring.commands.replay import help_text
@@ -216,13 +216,11 @@ def score(
     if knowable and knowable_suite:
         fail("--knowable and --knowable-suite are two questions", "ask one of them")
     if len(what) < 2:
-        agent = RANDOM if names_levels(what[0]) else quoted(what[0])
-        if agent != RANDOM:
-            with blamed(what[0]):
-                named_agent(what[0], trust=trust)
+        with blamed(what[0]):
+            named_agent(what[0], trust=trust)
         fail(
             "give an agent and at least one level, folder, pack or suite",
-            f"for example: babyrobot score {agent} final-maze",
+            f"for example: babyrobot score {quoted(what[0])} final-maze",
         )
     scores = _scores(
         what,
