@@ -13,7 +13,7 @@ from babyrobot_levels.render.page import link_fragment, without_panels
 from babyrobot_levels.render.page_format import TooLargeError
 from babyrobot_levels.text.errors import warn
 
-_NO_BLANKS = re.compile(r"[^\s#]+")
+_NO_BLANKS = re.compile(r"(?!(?!https?:|file:)\w+:/)[^\s#]+")
 """What an address is made of, to which a level is appended behind `#`."""
 
 _HOST = re.compile(r"(?![^/]+\.html?(/|$))(([\w-]+\.)+[\w-]+(:\d+)?|[\w-]+:\d+)(/.*)?")
@@ -47,9 +47,7 @@ def share(level: LevelLike, link: str | None = None, *, answers: bool = True) ->
 def link_fault(link: str) -> str | None:
     """Return why an address is none that links can begin with; None if it is one."""
     if not _NO_BLANKS.fullmatch(link):
-        return "expected an address without blanks and `#`"
-    if re.match(r"(?!https?:|file:)\w+:/", link):
-        return "expected an address of the web, such as https://example.org/play.html"
+        return "expected an address of the web, without blanks and `#`"
     return f"browsers take that for a file; write https://{link}" if _HOST.fullmatch(link) else None
 
 

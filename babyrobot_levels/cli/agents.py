@@ -62,9 +62,9 @@ def named_agent(word: str, *, trust: bool, plays: bool = False) -> Any:
     except AgentError as error:
         is_model = Path(word).is_file() and Path(word).suffix.lower() == ".zip" and not trust
         levels = [each for each in word.split(",") if names_levels(each)]
-        is_level = f"before the level stands an agent: `babyrobot score random {' '.join(levels)}`"
-        told = "if you trust its author, add --trust" if is_model else error.help
-        fail(error.message, is_level if levels else told)
+        told = f"before the level stands an agent: `babyrobot score random {' '.join(levels)}`"
+        told = told if levels else error.help or ""
+        fail(error.message, "if you trust its author, add --trust" if is_model else told)
     except brl.PlayError as error:
         fail(str(error))
     except OSError as error:

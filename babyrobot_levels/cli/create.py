@@ -48,10 +48,7 @@ def new_level(
         typer.Option(metavar="A", help="Maze algorithm: " + ", ".join(get_args(Algorithm)) + "."),
     ] = "depth-first",
     loops: Annotated[
-        float,
-        typer.Option(
-            min=0, max=1, metavar="R", help="Share of the maze's dead ends to open, from 0 to 1."
-        ),
+        float, typer.Option(min=0, max=1, metavar="R", help="Share of the dead ends to open.")
     ] = 0.0,
     puddles: Annotated[
         int, typer.Option(min=0, max=10_000, metavar="N", help="Number of puddles.")

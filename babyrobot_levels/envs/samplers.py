@@ -139,9 +139,8 @@ class PrioritizedSampler(Telling, public=True):
         check_count("count", count)
         if not temperature > 0:
             raise ValueError(f"temperature must be above 0, not {temperature}")
-        for name, share in (("staleness", staleness), ("unseen", unseen)):
-            if share is not None:
-                check_share(name, share)
+        check_share("staleness", staleness)
+        check_share("unseen", 0.0 if unseen is None else unseen)
         self.scores = np.full(count, np.nan)
         self._by, self._temperature = by, temperature
         self._staleness, self._unseen = staleness, unseen

@@ -254,6 +254,8 @@ class Public:
             is_public = (not name.startswith("_") and name != "step") or name == "__init__"
             if isinstance(each, FunctionType) and is_public and not hasattr(each, "__wrapped__"):
                 setattr(cls, name, telling(each))
+            elif isinstance(each, classmethod) and is_public:
+                setattr(cls, name, classmethod(telling(each.__func__)))
 
 
 class Telling(Public):
@@ -328,8 +330,8 @@ def check_places(function: Callable[..., Any], args: Any, known: inspect.Signatu
     if isinstance(args[-1], dict):
         told += f"; of a mapping, {called(function)}(**mapping)"
     is_closed = not (named or any(one.kind is one.VAR_KEYWORD for one in each))
-    told = f"takes {f'only {first}' if first else 'no arguments'}" if is_closed else told
-    raise TypeError(f"{called(function)}() {told}")
+    only = f"takes {f'only {first}' if first else 'no arguments'}"
+    raise TypeError(f"{called(function)}() {only if is_closed else told}")
 
 
 def called(function: Callable[..., Any]) -> str:
@@ -417,8 +419,8 @@ def explained(
     if _is_told(error):
         return None
     owner = function.__qualname__.partition(".")[0]
-    classes = [each.__name__ for each in type(args[0]).__mro__] if args else []
-    if "self" in known.parameters and owner not in classes:
+    is_method = "self" in known.parameters and args
+    if is_method and owner not in [each.__name__ for each in type(args[0]).__mro__]:
         return TypeError(f"{name}() is called on a {owner}, not on {shortened(repr(args[0]))}")
     try:
         bound = known.bind(*args, **given).arguments
@@ -427,10 +429,9 @@ def explained(
     for parameter, value in bound.items():
         kinds = _kinds(known.parameters[parameter].annotation, function.__globals__, public)
         if kinds and not _is_one(value, kinds):
-            if "PathLike" in kinds:
+            if {*kinds} >= {"str", "PathLike"}:
                 # Paths may be texts, and so are names.
-                text = (str, "a name") if "Mapping" in kinds else kinds["PathLike"]
-                kinds = {**kinds, **({"str": text} if "str" in kinds else {})}
+                kinds["str"] = (str, "a name") if "Mapping" in kinds else kinds["PathLike"]
             shown = listed([*dict.fromkeys(words for _, words in kinds.values())], "or")
             return TypeError(f"{parameter} must be {shown}, not {shortened(repr(value))}")
     return None
@@ -439,17 +440,16 @@ def explained(
 def _is_one(value: Any, kinds: Mapping[str, tuple[Any, str]]) -> bool:
     # Of protocols and typed dictionaries, Python does not say.
     with suppress(TypeError):
-        return isinstance(value, tuple(kind for kind, _ in kinds.values()))
+        is_one = isinstance(value, tuple(kind for kind, _ in kinds.values()))
+        return is_one and not (isinstance(value, str) and {*kinds}.isdisjoint(("str", "PathLike")))
     return True
 
 
 def _is_told(error: Exception) -> bool:
     """Return whether this package raises an error, and not Python or a library."""
-    trace = error.__traceback__
-    while trace is not None and trace.tb_next is not None:
+    trace: Any = error.__traceback__
+    while trace.tb_next is not None:
         trace = trace.tb_next
-    if trace is None:
-        return True
     code = trace.tb_frame.f_code
     is_ours = Path(code.co_filename).is_relative_to(Path(__file__).parents[1])
     return is_ours and opname[code.co_code[trace.tb_lasti]] == "RAISE_VARARGS"
@@ -480,15 +480,14 @@ def _kinds(annotation: Any, scope: Mapping[str, Any], public: Any) -> dict[str, 
     for each in (name.strip().rpartition(".")[2] for name in text.split("|")):
         ours = getattr(public, each) if each in public.__all__ else scope.get(each)
         if each in _TYPES:
-            more = {each: _TYPES[each]}
+            kinds[each] = _TYPES[each]
         elif isinstance(ours, UnionType):
-            more = _kinds(ours, scope, public)
+            kinds |= _kinds(ours, scope, public)
         elif isinstance(ours, type):
-            shown = each.replace("GridWorld", "Level")
-            more = {each: (ours, f"a{'n' * (shown[0] in 'AEIO')} {shown}")}
+            article = "an" if each[0] in "AEIO" else "a"
+            kinds[each] = (ours, f"{article} {each.replace('GridWorld', 'Level')}")
         else:
             return {}
-        kinds |= more
     return kinds
 
 

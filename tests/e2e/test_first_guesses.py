@@ -238,13 +238,15 @@ ON_THE_COMMAND_LINE = (
     ("babyrobot import x.png", "it reads texts and zip files"),
     ("babyrobot validate x.png", "a level is written in YAML or JSON, and this is a picture"),
     ("babyrobot import FrozenLake", "named with its version, such as FrozenLake-v1"),
+    ("babyrobot import small.yaml --to tiled", "`babyrobot export LEVEL --to FORMAT`"),
+    ("babyrobot generate --count 2 --needs key", "`--expect needs=key`"),
     ("babyrobot show https://example.org/level.yaml", "download what is there"),
     ("babyrobot import https://example.org/map.txt", "download what is there"),
     ("babyrobot install https://example.org/zoo.brlpack", "download what is there"),
     ("babyrobot preview maze,two-pads", "give each of several by itself"),
     ("babyrobot score maze,two-pads", "`babyrobot score random maze two-pads`"),
     ("babyrobot edit agent.py", "no level file; give one that ends in .yaml"),
-    ("babyrobot share maze --link ftp://example.org", "expected an address of the web"),
+    ("babyrobot share maze --link ftp://example.org", "expected an address of the web, without"),
     ("babyrobot grade hand-ins --course nosuch", "there is no course, folder or level 'nosuch'"),
 )
 

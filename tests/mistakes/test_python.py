@@ -181,6 +181,8 @@ MISTAKES = (
     ("brl.Suite.split('a', 'b')", "split() is called on a Suite, not on 'a'"),
     ("brl.load_suite('small-mazes').split('a', 'b')", "split() takes only `name`"),
     ("brl.load('maze').draw(5)", "draw() takes no arguments"),
+    ("brl.summary('maze')", "runs must be a Scores or several in a list, not 'maze'"),
+    ("brl.Level.from_fields('maze')", "fields must be a mapping, not 'maze'"),
     ("brl.install(3)", "pack must be a path or an Archive, not 3"),
     ("brl.load_suite(3)", "suite must be a name, a path, a mapping or a Suite, not 3"),
     ("brl.loads(3)", "text must be a text, not 3"),
@@ -199,7 +201,7 @@ MISTAKES = (
         "each share must be from 0 to 1, not 2",
     ),
     ("brl.new_level('x', puddles=-1)", "puddles must be a whole number, at least 0, not -1"),
-    ("brl.share('maze', 'ftp://x.org')", "expected an address of the web, such as https://"),
+    ("brl.share('maze', 'ftp://x.org')", "expected an address of the web, without blanks"),
 )
 
 

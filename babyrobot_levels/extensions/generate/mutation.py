@@ -131,8 +131,8 @@ def _conditions(seed: int, expect: Mapping[str, Any] | None) -> SuiteFields:
         ValueError: the seed is no whole number from 0 on.
         LevelError: `expect` is not valid.
     """
-    number = check_count("seed", seed, 0, 2**53)
-    given = {"version": 1, "kind": "suite", "count": 1, "seed": number}
+    seed = check_count("seed", seed, 0, 2**53)
+    given = {"version": 1, "kind": "suite", "count": 1, "seed": seed}
     # With a guard, all metrics may be expected.
     return grown_from_mapping({**given, "guards": 1, "expect": dict(expect or {})})
 

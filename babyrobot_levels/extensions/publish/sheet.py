@@ -117,8 +117,7 @@ def sheet(
     """
     check_choice("paper", paper, PAPERS)
     size = PAPERS[paper][::-1] if landscape else PAPERS[paper]
-    if per_page is not None:
-        check_count("per_page", per_page, 1, MAX_PER_PAGE)
+    check_count("per_page", 1 if per_page is None else per_page, 1, MAX_PER_PAGE)
     check_count("grids", grids, 0, MAX_GRIDS)
     check_count("lines", lines, 0, MAX_LINES)
     found = list(islice(named_levels(levels), MAX_LEVELS + 1))

@@ -177,8 +177,7 @@ def score(
         sight is not None or isinstance(taken, Player)
     ):
         raise ValueError("positive_advantage and cvar are for agents without memory: tables")
-    if cvar is not None:
-        check_share("cvar", cvar, is_above_0=True)
+    check_share("cvar", 1.0 if cvar is None else cvar, is_above_0=True)
     if knowable not in (False, True, "suite"):
         raise ValueError(f"knowable must be True, False or 'suite', not {knowable!r}")
     if knowable and sight == PICTURE:
