@@ -84,7 +84,7 @@ def test_of_many_files_with_a_name_a_few_are_told() -> None:
         write(f"{folder}/first.yaml")
     with pytest.raises(brl.LevelNotFoundError) as error:
         brl.load("first")
-    assert "'a/first.yaml' or 'b/first.yaml' or 'c/first.yaml'?" in str(error.value)
+    assert "'a/first.yaml', 'b/first.yaml' or 'c/first.yaml'?" in str(error.value)
 
 
 def test_a_files_stem_becomes_a_name() -> None:
