@@ -110,6 +110,9 @@ def _of_list(items: list[Any]) -> Iterator[Any]:
         if all(isinstance(each, int | float) for each in items):
             yield f"{items[0]}..{items[1]}"
         yield {"min": items[0], "max": items[1]}
+        if all(ranges := [re.fullmatch(r"(\d+)\.\.(\d+)", str(each)) for each in items]):
+            low, high = zip(*(map(int, each.groups()) for each in ranges if each), strict=True)
+            yield {"min": [*low], "max": [*high]}
     entries: list[Mapping[str, Any]] = [{"at": items}, {"path": items}]
     if len(items) == 2:
         if all(isinstance(each, list) and [*map(type, each)] == [int, int] for each in items):

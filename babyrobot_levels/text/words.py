@@ -358,7 +358,7 @@ def telling(function: Callable[P, T], known: inspect.Signature | None = None) ->
             check_call(function, args, given, known or inspect.signature(function))
         try:
             return function(*args, **given)
-        except (TypeError, AttributeError, LookupError, ValueError, FileNotFoundError) as error:
+        except (*_OF_CALLS, FileNotFoundError) as error:
             told = explained(error, function, args, given, known or inspect.signature(function))
             if told is None:
                 raise
@@ -388,6 +388,10 @@ def no_file(path: str, near: Sequence[str] = ()) -> str:
     if "," in path:
         return "; give each of several by itself"
     return f"; did you mean {listed(near, 'or')}?" if near else ""
+
+
+_OF_CALLS = (TypeError, AttributeError, LookupError, ValueError, AssertionError)
+"""What Python raises where values of wrong types are worked on."""
 
 
 class MissingFileError(FileNotFoundError):
@@ -446,7 +450,9 @@ def _is_one(value: Any, kinds: Mapping[str, tuple[Any, str]]) -> bool:
 
 
 def _is_told(error: Exception) -> bool:
-    """Return whether this package raises an error, and not Python or a library."""
+    """Return whether this package raises an error, and not Python, a library or an assertion."""
+    if isinstance(error, AssertionError):
+        return False
     trace: Any = error.__traceback__
     while trace.tb_next is not None:
         trace = trace.tb_next

@@ -32,6 +32,8 @@ MISTAKES = (
     ("brl.load('maze').save('maze.png')", "saves the level as YAML, not maze.png: use to_png"),
     ("brl.load('maze').to_png('maze.svg')", "this makes PNG, not maze.svg: use to_svg"),
     ("brl.load_suite('small-mazes')['test']", "`suite.split('test')` has those of a split"),
+    ("brl.check_plan('x', [1])", "scen must be a name, a path, a mapping or a Level, not [1]"),
+    ("brl.export('maze', 'tiled', 'x.png')", "x.png is no file of the format tiled: use to_png"),
     ("brl.grade_values('maze', 0, tolerance=-1)", "tolerance must be 0 or more, not -1"),
     ("brl.make('maze', seed=1)", "each episode has its own: `env.reset(seed=1)`"),
     ("brl.value_iteration('maze', theta=1e-6)", "argument 'theta'; did you mean `tolerance`?"),

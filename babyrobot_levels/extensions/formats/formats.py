@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.analysis.picture_formats import maker_of
 from babyrobot_levels.extensions.formats import (
     block_maps,
     drawings,
@@ -293,12 +294,14 @@ def export(
     Raises:
         LevelNotFoundError: nothing has that name.
         LevelError: the level is not valid, or its maze has no seed yet (`seed: random`).
-        ValueError: there is no such format, or no such sight.
+        ValueError: there is no such format, or no such sight; or the file is a picture's.
         TypeError: there is no such option.
         ImportError: the format needs an extra that is not installed.
         FileExistsError: there is a file, and `force` is not given.
     """
     found = load(level) if maze_seed is None else load(level).with_maze_seed(maze_seed)
+    if format and path is not None and (maker := maker_of(path)):
+        raise ValueError(f"{path} is no file of the format {format}: use {maker}")
     conversion = converted(found, format or _by_suffix(path), **seen)
     if path is not None:
         for beside, data in conversion.beside.items():
