@@ -173,7 +173,9 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         prepare_class()
     if "--watch" in arguments:
         # As if the level was never saved again.
-        monkeypatch.setattr("babyrobot_levels.cli.console.each_change", lambda files: [files()])
+        for module in ("lint", "preview"):
+            each = f"babyrobot_levels.cli.{module}.each_change"
+            monkeypatch.setattr(each, lambda files: [files()])
     if arguments[0] == "mcp":
         # As if its input ended at once, and whether its library is there or not.
         ended = SimpleNamespace(run=lambda: None)
