@@ -127,16 +127,22 @@ site)
     install_into .venv-site --editable . --group site --group site-test
     bash scripts/browser.sh .venv-site/bin/python
     rm -rf build/site
-    bash scripts/site.sh >/dev/null &
-    built=$! reader="$(mktemp -d)"
+    reader="$(mktemp -d)" status=0
     trap 'rm -rf "$reader"' EXIT
     # The pages are read by somebody who has nothing but the package; hatchling is what builds it.
-    make_venv "$reader/venv"
-    install_into "$reader/venv" . hatchling
-    PYTHONPATH=tests "$reader/venv/bin/python" -m support.pages --bin "$reader/venv/bin" || status=$?
-    wait "$built"
-    .venv-site/bin/python -m pytest -m libraries "${workers[@]}" "${again[@]}" tests/site || status=$?
-    exit "${status:-0}"
+    {
+        make_venv "$reader/venv" &&
+            install_into "$reader/venv" . hatchling &&
+            PYTHONPATH=tests "$reader/venv/bin/python" -m support.pages --bin "$reader/venv/bin"
+    } >"$reader/said" 2>&1 &
+    read_through=$!
+    {
+        bash scripts/site.sh >/dev/null &&
+            .venv-site/bin/python -m pytest -m libraries "${workers[@]}" "${again[@]}" tests/site
+    } || status=$?
+    wait "$read_through" || status=$?
+    cat "$reader/said"
+    exit "$status"
     ;;
 alone)
     make_venv .venv
