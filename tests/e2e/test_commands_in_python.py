@@ -28,7 +28,7 @@ def test_schema() -> None:
     with pytest.raises(FileExistsError, match="already exists"):
         brl.schema("level", "schemas/level.schema.json")
     brl.schema("theme", "schemas/level.schema.json", force=True)
-    with pytest.raises(ValueError, match="there is no schema 'levels'"):
+    with pytest.raises(ValueError, match="not 'levels'; did you mean `level`"):
         brl.schema("levels")
 
 
@@ -81,7 +81,7 @@ def test_new_level() -> None:
         brl.new_level("vault")
     with pytest.raises(ValueError, match="lower-case letters"):
         brl.new_level("My level")
-    with pytest.raises(ValueError, match="there is no template"):
+    with pytest.raises(ValueError, match="template must be one of 'grid'"):
         brl.new_level("other", template="circle")
     with pytest.raises(brl.LevelError, match="unknown theme"):
         brl.new_level("other", theme="sea")
