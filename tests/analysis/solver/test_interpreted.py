@@ -53,6 +53,8 @@ LEVELS = [
     {**SKID, "wind": {"west": [0, 1, 0, 1, 1, 0]}, "skid": {"probability": 0.6, "to": "open"}},
     {**SKID, "warps": [{"at": [1, 1], "to": [4, 4]}], "exit": [[6, 5], [0, 5]]},
     *(random_level(Random(seed)) for seed in range(3)),
+    # All ways that end in time are equally good, and the shortest of them is meant.
+    {"version": 1, "size": [7, 6], "rewards": {"step": 0, "exit": 1}},
 ]
 
 
@@ -65,7 +67,8 @@ def solved(level, discount, **options):
 
 for number, fields in enumerate(LEVELS):
     level = brl.load(fields)
-    for options in ({"discount": 0.95}, {"discount": 1.0}, {"discount": 0.9, "within": 12}):
+    limited = {"discount": 0.9 if number % 2 else 1.0, "within": 12}
+    for options in ({"discount": 0.95}, {"discount": 1.0}, limited):
         compiled.MANY_STATES = 1 << 40
         expected = solved(level, **options)
         compiled.MANY_STATES = 0
