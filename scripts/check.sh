@@ -20,6 +20,8 @@ source scripts/venv.sh
 workers=(-n 2 --dist worksteal)
 # What waits for clusters, browsers and terminals is tried once more if it fails, and this says so; see tests/conftest.py.
 again=(-rR)
+# What compiles the loops for large levels, environments and mazes.
+compiling=(tests/analysis/solver/test_sweeps.py tests/envs/vector/test_engines.py tests/mdp/mazes/test_compiled.py)
 # The tests start hundreds of processes: each would compile the package anew.
 unset PYTHONDONTWRITEBYTECODE
 # Does what the pages say that need some extras, in an environment that has them and hatchling, for pip.
@@ -74,7 +76,7 @@ case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
 all)
     # Those that compile the loops come first, alone.
-    tests=(-m "not libraries and not sweep" "${again[@]}" --ignore=tests/analysis/solver/test_sweeps.py)
+    tests=(-m "not libraries and not sweep" "${again[@]}" "${compiling[@]/#/--ignore=}")
     # Those that wait for a browser or a terminal leave time to others.
     workers=(-n 3 --dist worksteal)
     ;;
@@ -184,8 +186,8 @@ trap 'kill "$types" 2>/dev/null || true; rm -f "$said"' EXIT
 .venv/bin/ruff format --check .
 .venv/bin/lint-imports
 .venv/bin/babyrobot validate levels
-# Each process would compile the loops for large levels anew, which takes a minute; now it finds them.
-[ "${1:-fast}" = fast ] || .venv/bin/python -m pytest -m "not sweep" tests/analysis/solver/test_sweeps.py || status=$?
+# Each process would compile the same loops anew, which takes a minute and a half; now it finds them.
+[ "${1:-fast}" = fast ] || .venv/bin/python -m pytest -m "not libraries and not sweep" "${compiling[@]}" || status=$?
 .venv/bin/python -m pytest "${tests[@]}" "${workers[@]}" || status=$?
 wait "$types" || status=$?
 cat "$said"
