@@ -74,12 +74,15 @@ class _Parameter:
 
     @property
     def help(self) -> str:
-        """What it is for, with its default."""
+        """What it is for, with its default, and its bounds if it has both."""
         text = " ".join((self.info.help or "").split())
         default = getattr(self.default, "value", self.default)
-        if default in (None, inspect.Parameter.empty) or self.kind is bool:
-            return text
-        return f"{text} [default: {default}]"
+        known = []
+        if default not in (None, inspect.Parameter.empty) and self.kind is not bool:
+            known.append(f"default: {default}")
+        if self.info.max is not None:
+            known.append(f"{self.info.min} to {self.info.max}")
+        return f"{text} [{'; '.join(known)}]" if known else text
 
 
 def reference() -> str:
